@@ -3,6 +3,7 @@ files of other programs are read."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 
@@ -47,10 +48,18 @@ def formulations(model: str) -> list[Scene]:
 @pytest.fixture
 def read_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files of other programs are read without a process for each, where nothing of that process is tested."""
+    monkeypatch.setattr(apart, "run", _read)
 
-    def run(reader: str, path: Path, _bounds: object, *more: str) -> Ended:
-        output = BytesIO()
-        send(output, reading(reader, str(path), *more))
-        return Ended(0, output.getvalue())
 
-    monkeypatch.setattr(apart, "run", run)
+@pytest.fixture(scope="module")
+def all_read_here() -> Iterator[None]:
+    """The same for what the tests of a file share."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(apart, "run", _read)
+        yield
+
+
+def _read(reader: str, path: Path, _bounds: object, *more: str) -> Ended:
+    output = BytesIO()
+    send(output, reading(reader, str(path), *more))
+    return Ended(0, output.getvalue())

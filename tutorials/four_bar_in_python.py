@@ -8,6 +8,8 @@ The result is compared with the triangle formulas of school geometry.
 # them and joints sit at them, so that moving a point moves everything that hangs on it.
 
 # %%
+import tempfile
+
 import numpy as np
 
 import toolkit as ffrf
@@ -43,7 +45,8 @@ scene = ffrf.Scene(
 )
 
 # %% [markdown]
-# The design variables are numbers of the scene, by their path. Which ones there are, `scene.available_paths()` tells.
+# The design variables are numbers of the scene, by their path. Which ones there are, `scene.available_paths()` tells. `render`
+# draws the motion into a folder.
 
 # %%
 model = ffrf.compile(scene, variables=["points.D.x", "points.C.y", "joints.motor.curve.height"])
@@ -53,6 +56,7 @@ for name, slopes in result.gradients.items():
         f"{name:7} {result.values[name]:9.6f} {result.units[name]:4}",
         {path: float(f"{slope:.4g}") for path, slope in slopes.items()},
     )
+result.render(tempfile.mkdtemp(), instants=[0.0, 0.4, 0.6, 1.2], width=1200)
 
 
 # %% [markdown]

@@ -9,6 +9,7 @@ Run it as a script, or cell by cell in an editor that knows `# %%`. The first ru
 # it is written in one file.
 
 # %%
+import tempfile
 from pathlib import Path
 
 import toolkit as ffrf
@@ -31,6 +32,14 @@ result = model.simulate(gradients=True)
 for name, value in result.values.items():
     slopes = {variable: float(f"{slope:.3g}") for variable, slope in result.gradients[name].items()}
     print(f"{name:18} {value:9.4f} {result.units[name]:4}", slopes)
+
+# %% [markdown]
+# Pictures show it: the wing at telling instants, coloured by its stress, and curves over time.
+
+# %%
+folder = Path(tempfile.mkdtemp())
+for file in result.render(folder, instants=[0.0, 0.4, 0.6, 1.2], width=1200):
+    print("drawn:", file.name)
 
 # %% [markdown]
 # Read it like this: the largest stress is 57 MPa, harmless for aluminium. In the end the skin is 0.33 mm off the wanted shape

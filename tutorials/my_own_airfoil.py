@@ -67,4 +67,10 @@ for torque in (1.0, 2000.0, 4000.0, 4400.0, 4800.0, 5000.0):  # N mm
 best = min(found, key=lambda torque: found[torque])
 check = found[best]
 print(f"best: {best:.0f} N mm, off by {check:.3f} mm instead of {found[1.0]:.1f} mm")
-print(f"a picture: ffrf render {wing}/scene.toml --set M_t={best:.0f}")
+
+# %% [markdown]
+# The wing with this torque, its target in green and its stress in colours; `ffrf render MY_WING/scene.toml --static --set M_t=...`
+# draws the same.
+
+# %%
+model.statics({"M_t": best}).plot().savefig(folder / "my_wing.png", dpi=150)

@@ -44,7 +44,11 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Put generated tables in their places, and formulas out of Markdown's reach."""
+    """Put generated tables in their places, and formulas out of Markdown's reach; leave out columns that would stand empty."""
+    if page.parent is None:
+        page.meta["hide"] = ["navigation"]  # its only entry would be the page itself
+    elif page.file.src_uri.startswith("tutorials/"):
+        page.meta["hide"] = ["toc"]  # they have no headings
     written = {
         "formats.md": for_the_site,
         "house.md": lambda text: hide_formulas(text.replace("<!-- house -->", picture())),

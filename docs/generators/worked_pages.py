@@ -61,18 +61,24 @@ def _tutorial(name: str, folder: Path) -> tuple[str, dict[str, Path]]:
     own.mkdir(parents=True)
     cells = split(file.read_text(encoding="utf-8"))
     shown = iter(run([text for kind, text in cells if kind == "code"], own, file))
-    title, pictures, lines = name.replace("_", " ").capitalize(), {}, []
+    title, pictures, lines = name.replace("_", " ").capitalize().replace("python", "Python"), {}, []
     for kind, text in cells:
         if kind == "words":
             lines.append(text)
             continue
         found = next(shown)
         lines += [fenced(text, "python"), fenced(found.output)]
-        for picture in found.pictures:
+        for picture in _telling(found.pictures):
             place = f"tutorials/{name}-{picture.stem}.png"
             pictures[place] = _kept(picture, folder / place)
             lines.append(f"![{picture.stem}]({name}-{picture.stem}.png)")
     return f"# {title}\n\n" + "\n\n".join(line for line in lines if line) + "\n", pictures
+
+
+def _telling(pictures: tuple[Path, ...]) -> list[Path]:
+    """Pictures without those of single instants that an overview among them shows too."""
+    overview = any(picture.stem == "overview" for picture in pictures)
+    return [picture for picture in pictures if not (overview and picture.stem.startswith("step-"))]
 
 
 def _model(name: str, about: str, judge: str, folder: Path) -> tuple[str, dict[str, Path]]:

@@ -37,6 +37,7 @@ class Basis:
     reference_condition: str
     description: str  # begins with "frozen:" or "differentiated:"
     frequencies: np.ndarray = field(default_factory=lambda: np.zeros(0))  # of the eigenmodes among the shapes, in Hz
+    left_out: Mapping[str, float] = field(default_factory=dict)  # of few shapes, as `ReducedModel.left_out`
     boundary: Boundary | None = None
     parts: tuple[ElasticShapes, ...] = ()
 

@@ -73,6 +73,11 @@ class NormalModes:
         return np.einsum("ij...,jk->ik...", rates, self.shapes.T @ (self.pencil.mass @ self.columns))
 
 
+def slowest_left_out(beyond: np.ndarray, points: bool) -> dict[str, float]:
+    """As `ReducedModel.left_out`, from the eigenvalues of the modes that are left out, with interface points held or not."""
+    return {"interface" if points else "frame": float(frequencies(np.min(beyond, initial=np.inf)))}
+
+
 def frequencies(eigenvalues: np.ndarray) -> np.ndarray:
     """Eigenfrequencies sqrt(lambda) / 2 pi in Hz."""
     return np.sqrt(eigenvalues) / (2 * np.pi)

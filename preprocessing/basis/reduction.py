@@ -14,7 +14,7 @@ from preprocessing.basis.constrained_pencil import ConstrainedPencil, constraine
 from preprocessing.basis.constraint_modes import constraint_modes
 from preprocessing.basis.elastic_shapes import ElasticShapes, InterfaceShapes, ModeShapes
 from preprocessing.basis.mode_count import count_by_frequency, count_by_static_error
-from preprocessing.basis.normal_modes import NormalModes, normal_modes
+from preprocessing.basis.normal_modes import NormalModes, normal_modes, slowest_left_out
 from preprocessing.basis.reference.chord_boundary import chord_boundary
 from preprocessing.basis.reference.pinned_coordinates import pinned_coordinates
 from preprocessing.basis.subspace_rates import refuse_cut_cluster
@@ -89,7 +89,8 @@ def reduced_basis(
         return tangent_frame(nodes, node, name) if chord is None else _chord_frame(choice, chord, nodes, interface_rows)
     pencil = constrained_pencil(stiffness, mass)
     boundary = _boundary(choice, chord, pencil.mass, nodes, node, interface_rows)
-    interface, modes = _interface_shapes(choice, pencil, boundary), _modes(choice, pencil, boundary, interface_rows)
+    every = normal_modes(ConstrainedPencil(pencil.stiffness, pencil.mass, boundary.rows))
+    interface, modes = _interface_shapes(choice, pencil, boundary), _modes(choice, every, interface_rows)
     parts: list[ElasticShapes] = [*interface, *(ModeShapes(found) for found in modes if found.count)]
     psi = np.column_stack([part.columns for part in parts])
     psi[boundary.still] = 0
@@ -99,6 +100,7 @@ def reduced_basis(
         chord.condition if chord else MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(name),
         _description(choice, boundary, modes),
         np.concatenate([found.frequencies for found in modes] or [np.zeros(0)]),
+        slowest_left_out(modes[0].discarded if modes else every.eigenvalues, bool(boundary.points)),
         boundary,
         tuple(parts) if choice.derivative == "differentiated" else (),
     )
@@ -145,13 +147,10 @@ def _interface_shapes(choice: BasisChoice, pencil: ConstrainedPencil, boundary: 
     return [InterfaceShapes(constraint_modes(pencil.stiffness, boundary.rows), boundary.n_clamp)]
 
 
-def _modes(
-    choice: BasisChoice, pencil: ConstrainedPencil, boundary: Boundary, interface_rows: Mapping[str, np.ndarray]
-) -> list[NormalModes]:
+def _modes(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str, np.ndarray]) -> list[NormalModes]:
     """The modes that the choice asks for: one set, or none for a static basis."""
     if choice.kind == "static":
         return []
-    every = normal_modes(ConstrainedPencil(pencil.stiffness, pencil.mass, boundary.rows))
     kept = every.lowest(_count(choice, every, interface_rows))
     if choice.derivative == "differentiated":
         refuse_cut_cluster(kept)

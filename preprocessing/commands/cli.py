@@ -17,6 +17,7 @@ from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.questions.face_questions import face_questions, face_record, told_faces
 from toolkit.reduced_model.questions.material_questions import material_questions
 from toolkit.reduced_model.questions.mesh_questions import mesh_questions, mesh_record, told_mesh
 
@@ -119,7 +120,11 @@ def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remar
             remarks(elsewhere)
         model = recipe.at(values).build(remarks)
         save(model, output)
-    asked = (*material_questions(model.nominal, model.units, path.stem), *mesh_questions(model, path.stem))
+    asked = (
+        *material_questions(model.nominal, model.units, path.stem),
+        *mesh_questions(model, path.stem),
+        *face_questions(model, path.stem),
+    )
     warnings = [caution.text for caution in asked]
     for text in warnings:
         remarks.only_say(f"warning: {text}")
@@ -129,8 +134,11 @@ def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remar
         told = f"{output} is up to date: its inputs are unchanged. Use --force to build it again."
     if stress := told_mesh(model):
         told += f"\nEstimated: {stress}."
+    if faces := told_faces(model):
+        told += f"\nAgainst the uncut mesh: {faces}."
     record = {"file": str(output), "built": found is None, "elastic_coordinates": model.n_f, "interface_points": interfaces}
     record["stress_error"] = mesh_record(model)
+    record["face_error"] = face_record(model)
     return Done(told, record, warnings)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import NamedTuple
 
@@ -54,6 +55,7 @@ def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
         used,
         {name: faces for name, elements in raw.groups if (faces := _faces(elements, number))} if kinds is SPATIAL else {},
         len(raw.points),
+        {name: found for name, elements in raw.groups if (found := _own(elements, blocks, number))},
     )
     refuse_parts(mesh)
     return mesh
@@ -142,6 +144,12 @@ def _space(path: Path, points: np.ndarray) -> np.ndarray:
     if points.shape[1] < 3:
         raise InputError(f"the mesh {str(path)!r} has elements of space, but its points have x and y only. Export z too.")
     return points
+
+
+def _own(elements: Elements, kinds: Collection[str], number: np.ndarray) -> dict[str, np.ndarray]:
+    """Those of the elements that are of the kinds of the body, in the new numbers of nodes."""
+    present = [kind for kind in kinds if any(kind == other for other, _ in elements)]
+    return {kind: number[np.concatenate([each for other, each in elements if other == kind])] for kind in present}
 
 
 def _nodes(elements: Elements) -> np.ndarray:

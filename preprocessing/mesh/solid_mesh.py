@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,6 +25,9 @@ class SolidMesh:
     in_file: np.ndarray | None = None  # (n_nodes,) number of each node in its file, rising, if some of the file were left out
     faces: Mapping[str, frozenset] = field(default_factory=dict)  # name of a group -> corners of its faces, if it has any
     n_file: int = 0  # nodes in the file
+    volumes: Mapping[str, Mapping[str, np.ndarray]] = field(
+        default_factory=dict
+    )  # name of a group -> its elements by kind, as `blocks`, if it has any
 
     @property
     def motions(self) -> int:
@@ -84,13 +87,18 @@ def refuse_parts(mesh: SolidMesh) -> None:
     InputError
         It says how many parts there are, and where the second one is.
     """
-    pairs = [np.column_stack([np.repeat(b[:, 0], b.shape[1]), b.ravel()]) for b in mesh.blocks.values()]
-    row, column = np.concatenate(pairs).T
-    graph = sparse.coo_array((np.ones(len(row)), (row, column)), shape=(len(mesh.nodes),) * 2)
-    parts, label = connected_components(graph, directed=False)
-    if parts > 1:
+    label = lumps(len(mesh.nodes), [*mesh.blocks.values()])
+    if label.max() > 0:
         place = ", ".join(f"{x:g}" for x in mesh.nodes[np.argmax(label != label[0])])
         raise InputError(
-            f"the mesh consists of {parts} parts that share no nodes; one of them is at ({place}). Merge coincident nodes in the program "
-            "that made the mesh (gmsh: Coherence), or give every part a body of its own."
+            f"the mesh consists of {label.max() + 1} parts that share no nodes; one of them is at ({place}). Merge coincident nodes in the "
+            "program that made the mesh (gmsh: Coherence), or give every part a body of its own."
         )
+
+
+def lumps(n_nodes: int, members: Sequence[np.ndarray]) -> np.ndarray:
+    """Number of the lump that each node is in, (n_nodes,); elements or faces (n, n_local) hang together that share nodes."""
+    row, column = np.concatenate([np.column_stack([np.repeat(b[:, 0], b.shape[1]), b.ravel()]) for b in members]).T
+    graph = sparse.coo_array((np.ones(len(row)), (row, column)), shape=(n_nodes, n_nodes))
+    found: np.ndarray = connected_components(graph, directed=False)[1]
+    return found

@@ -50,6 +50,7 @@ class Reduced:
             "units": units,
             "reference_condition": self.basis.reference_condition,
             "basis": self.basis.description,
+            "left_out": dict(self.basis.left_out),
             "nominal": {name: float(np.real(value)) for name, value in self.space.values.items()},
             "nominal_units": {name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
             **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},

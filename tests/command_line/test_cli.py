@@ -21,7 +21,7 @@ from toolkit.command_line.cli import app
 from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.report import record_of
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import OWN, list_own, listed
+from toolkit.foundation.files.own_files import OWN, list_own, listed, own_set
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.evaluation import evaluate_responses
@@ -547,6 +547,23 @@ def test_a_folder_that_stays_empty_is_gone_when_the_command_ends(tmp_path, monke
         for end, *what in ends:
             end(*what)
         assert (tmp_path / "outer").exists() is used
+
+
+def test_what_fails_before_its_first_file_leaves_no_list_and_no_folder(tmp_path):
+    def fail(folder, *written):
+        with own_set(folder, ["step-1.png", "step-2.png"]):
+            assert listed(folder) == ["step-1.png", "step-2.png"]
+            for name in written:
+                (folder / name).write_text("ours")
+            raise ZeroDivisionError
+
+    for folder, gone in ((tmp_path / "outer" / "inner", tmp_path / "outer"), (tmp_path, tmp_path / OWN)):
+        with pytest.raises(ZeroDivisionError):
+            fail(folder)
+        assert not gone.exists()
+    with pytest.raises(ZeroDivisionError):
+        fail(tmp_path, "step-1.png")
+    assert listed(tmp_path) == ["step-1.png", "step-2.png"]  # the next call may replace it
 
 
 def test_a_scene_in_place_of_results_and_no_variable_at_all_are_told():

@@ -17,6 +17,7 @@ from toolkit.command_line.commands.inspection import describe_scene
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.studies.tradeoff.recommendation import changes
 from toolkit.studies.tradeoff.runs.worker import Case
 from toolkit.studies.tradeoff.settings.axes import read_axes
 from toolkit.studies.tradeoff.settings.frame_axes import framed
@@ -180,5 +181,17 @@ def test_the_study_of_settings_varies_frames():
     assert framed(scene, None) is scene
     with pytest.raises(InputError, match="whole numbers from 1 to 30, the elements of the body, or every"):
         read_axes(scene, "frames=31")
+    of_modes = read_axes(scene, "modes_per_frame")["modes_per_frame"]
+    assert [each.label for each in of_modes] == ["all", "0", "1", "2", "4", "8"]
+    assert [each.own for each in of_modes] == [True] + 5 * [False]
+    both = Setting({"frames": choices[2], "modes_per_frame": of_modes[3]})
+    reduced = case.scene_of(both).bodies["skin"]
+    assert (reduced.frames, reduced.modes_per_frame) == (4, 2)  # type: ignore[attr-defined]
+    assert changes(case, both) == {"bodies.skin.frames": "4", "bodies.skin.modes_per_frame": "2"}
+    assert len({case.key(Setting({"modes_per_frame": each})) for each in of_modes}) == 6
+    with pytest.raises(InputError, match="modes_per_frame='-1' cannot be meant; give whole numbers from 0 on, or all"):
+        read_axes(scene, "modes_per_frame=-1")
+    with pytest.raises(InputError, match="no body has any"):
+        read_axes(wing(1), "modes_per_frame")
     with pytest.raises(InputError, match="this scene has none"):
         read_axes(ffrf.read_scene(WING.parent / "pendulum" / "scene.toml"), "frames")

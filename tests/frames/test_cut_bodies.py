@@ -124,7 +124,7 @@ def agree(model: Model, analysis: str) -> None:
     for response, by in exact.items():
         for found in others:
             for name, value in by.items():
-                size = max(abs(each * model.variables[x]) for x, each in by.items()) / abs(model.variables[name])
+                size = max(abs(each * model.variables[x]) for x, each in by.items()) / abs(model.variables[name] or 1.0)
                 assert found[response][name] == pytest.approx(value, rel=1e-9, abs=1e-10 * size), (response, name)
 
 

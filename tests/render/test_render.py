@@ -21,6 +21,7 @@ import toolkit.render.space.probe as probe
 from tests.models.cases import CASES, write_models
 from tests.models.pictures import distinct_colors, image, rest
 from tests.models.scenes import hanging_skin
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError, ToolkitError
@@ -56,6 +57,7 @@ from toolkit.responses.shape_error import ShapeRMS
 from toolkit.responses.stress.stress import MaxStress, stress_field, stress_operator
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import compile_scene
 
 SCENE = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"
 WIDTH = 700
@@ -543,6 +545,18 @@ def test_numbers_of_one_quantity_have_the_same_decimals():
     assert [even(value, 0.6) for value in (-13.13, 13.0, -0.01, 56.78)] == ["-13.1", "13.0", "0.0", "56.8"]
     assert [even(value, 1.4e-3) for value in (3.4412, 0.33)] == ["3.441", "0.330"]
     assert [even(-1.31e7, 6e5), even(1.31e-7, 1e-9)] == ["-1.31e+07", "1.31e-07"]  # Pa, m
+
+
+def test_where_nothing_turns_curves_show_how_far_points_have_moved():
+    scene = read_scene(SCENE.parents[1] / "pendulum" / "scene.toml", {"solver.end_time": "0.05"})
+    solution = simulate(compile_scene(scene))
+    (panel,) = curves_figure(solution).axes
+    (line,) = panel.lines
+    fall = 9.81 * 0.05**2 / 2  # from the horizontal, where the rod does not hold it yet
+    assert (panel.get_ylabel(), line.get_label()) == ("motion of points in m", "P")
+    assert line.get_ydata()[-1] == pytest.approx(
+        fall, rel=fall
+    )  # an arc: it bends by as much of the fall as that is of the radius
 
 
 def test_curves_that_coincide_share_a_name():

@@ -29,7 +29,7 @@ from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.render.pictures import file_names
-from toolkit.report.figures.stress_sensitivity import stress_sensitivity
+from toolkit.report.figures.stress_sensitivity import color_range, stress_sensitivity
 from toolkit.report.material import JUDGES, PATIENCE, Material, judge
 from toolkit.report.motion.viewer import viewer_data
 from toolkit.report.own_folder import begin, refuse_foreign_files
@@ -268,6 +268,16 @@ def test_results_that_a_report_is_about_stay_those_of_whoever_kept_them(tmp_path
     begin(tmp_path, kept)
     with pytest.raises(InputError, match=r"results\.h5' is there, and ffrf has not written it"):
         refuse_foreign_files(tmp_path)  # a report of something else
+
+
+def test_a_short_peak_leaves_the_colours_to_what_is_usual():
+    usual = np.linspace(-1.0, 1.0, 9) * np.ones((8, 1))
+    assert color_range(usual, 1e-9) == (1.0, 0.0)
+    usual[3] *= 4.5  # near enough to be shown
+    assert color_range(usual, 1e-9) == (5.0, 0.0)
+    usual[3] *= 10
+    assert color_range(usual, 1e-9) == (1.0, 45.0)
+    assert color_range(usual, 100.0) == (0.0, 0.0)  # round-off
 
 
 def test_pictures_and_reports_know_each_others_files(tmp_path):

@@ -18,10 +18,11 @@ SCRIPT = '''"""What it is about."""
 
 # %%
 from pathlib import Path
+from tempfile import mkdtemp
 from matplotlib.figure import Figure
 Figure().savefig("picture.png")
 kept = 2
-print("drawn beside", Path(__file__).name)
+print("drawn beside", Path(__file__).name, Path(mkdtemp()) / "more")
 
 # %%
 print(kept + 1)
@@ -38,7 +39,7 @@ def test_a_script_is_split_into_words_and_code():
 
 def test_cells_show_what_each_prints_and_draws_and_share_their_names(tmp_path):
     first, second = run([text for kind, text in split(SCRIPT) if kind == "code"], tmp_path, Path("script.py"))
-    assert (first.output, [picture.name for picture in first.pictures]) == ("drawn beside script.py\n", ["picture.png"])
+    assert (first.output, [picture.name for picture in first.pictures]) == ("drawn beside script.py more\n", ["picture.png"])
     assert (second.output, second.pictures) == ("3\n", ())
     assert fenced(second.output) == "```\n3\n```"
     assert fenced(" \n") == ""

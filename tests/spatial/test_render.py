@@ -41,7 +41,7 @@ from toolkit.reduced_model.file import save
 from toolkit.render.pictures import render_solution
 from toolkit.render.space.arrows import arrows
 from toolkit.render.space.body_shape import body_shape
-from toolkit.render.space.camera import ISOMETRIC, Camera
+from toolkit.render.space.camera import ISOMETRIC, Camera, natural_aspect
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.curves import counted_angle, stress_extremes
 from toolkit.render.space.look import choose_spatial_look, outermost
@@ -386,6 +386,15 @@ def test_the_camera_frames_all_points_and_moves_none_sideways(perspective):
         np.testing.assert_allclose(camera.seen(moved), seen, atol=1e-11)  # round-off of coordinates near 5, some far away
     assert (camera.before_all(points) @ ISOMETRIC[2]).min() > depth.max()
     assert (camera.behind_all(points) @ ISOMETRIC[2]).max() < depth.min()
+
+
+def test_panels_are_as_tall_as_what_they_show_within_bounds():
+    x = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]])  # from the left to the right; z is up
+    z = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    for points, aspect in ((x, 1.8), (z, 1.2), (np.vstack([x, 2 * z]), 1.2), (np.zeros((1, 3)), 1.8)):
+        assert natural_aspect(points, 1.2, 1.8) == aspect
+    wide = np.vstack([[[0.0, 0.0, 0.0]], 1.5 * np.array([[1.0, 1.0, 0.0]]) / np.sqrt(2), [[0.0, 0.0, np.sqrt(1.5)]]])
+    assert natural_aspect(wide, 1.2, 1.8) == pytest.approx(1.5)
 
 
 def test_the_outermost_points_frame_like_all_points():

@@ -16,9 +16,13 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.damped_modes import cautions_of_damping
+from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
 from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
 from toolkit.validity.bodies.spinning.spin import cautions_of_spin
 from toolkit.validity.judge import judge
+
+SLOW = 1e-11
+"""Part of the largest squared frequency below which another may be hidden by its round-off."""
 
 
 def solve_modes(solution: Solution, count: int | None = None) -> Modes:
@@ -52,10 +56,9 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     free = free_motions(phi_q, weights)
     if not free.shape[1]:
         raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
-    squares, vectors = _eigen(
-        free.T @ stiffness @ free, free.T @ mass @ free, made_of(stiffness, phi_q, multipliers, weights, free).max()
-    )
-    shapes = free @ vectors
+    largest = made_of(stiffness, phi_q, multipliers, weights, free).max()
+    squares, vectors = _eigen(free.T @ stiffness @ free, free.T @ mass @ free, largest)
+    squares, shapes = _slow_ones_again(stiffness, mass, squares, free @ vectors, largest)
     terms_of = np.diag(made_of(stiffness, phi_q, multipliers, weights, shapes))
     zero = np.abs(squares) < ROUND_OFF * np.maximum(np.abs(squares).max(), terms_of)
     squares = np.where(zero, 0.0, squares)
@@ -63,12 +66,11 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
     damped = cautions_of_damping(dense["A_v"][:n_q, :n_q], mass, squares[:count], shapes[:, :count])
-    raised = cautions_of_raised(solution, squares[:count], shapes[:, :count])
+    raised = cautions_of_raised(solution, frequencies[:count])
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies[:count])}
-    coarse = too_fast_for_elements(system.scene, named, doubt=False)
-    return Modes(
-        frequencies[:count], shapes[:, :count], Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised, *coarse])
-    )
+    coarse = [*too_fast_for_elements(system.scene, named, doubt=False), *cautions_of_few_shapes(system.scene, named, doubt=False)]
+    found = Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised, *coarse])
+    return Modes(frequencies[:count], shapes[:, :count], found)
 
 
 def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:
@@ -87,6 +89,18 @@ def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.nd
             "Use the transient analysis, or forces fixed in space."
         )
     return squares.real, vectors.real
+
+
+def _slow_ones_again(
+    stiffness: np.ndarray, mass: np.ndarray, squares: np.ndarray, shapes: np.ndarray, terms: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The slowest modes anew among themselves (Rayleigh and Ritz): round-off of the fastest may make free ones unstable."""
+    slow = np.abs(squares) < SLOW * np.abs(squares).max()
+    if slow.any():
+        own = shapes[:, slow]
+        squares[slow], turn = _eigen(own.T @ stiffness @ own, own.T @ mass @ own, terms)
+        shapes[:, slow] = own @ turn
+    return squares, shapes
 
 
 def undeformed(system: System) -> Solution:

@@ -11,8 +11,8 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.solvers.dense_memory import check_dense
-from toolkit.solvers.free_motions import ROUND_OFF, free_motions
-from toolkit.solvers.roots import all_roots, refined
+from toolkit.solvers.free_motions import free_motions
+from toolkit.solvers.roots import VIBRATES, all_roots, counts, frequency_of, is_zero, refined
 from toolkit.solvers.spin.axis import spin_of
 from toolkit.solvers.spin.constancy import refuse_what_changes
 from toolkit.solvers.spin.generator import angular_velocity, generator
@@ -21,10 +21,11 @@ from toolkit.solvers.spin.steady_state import steady_state
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
+from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
+from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
+from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
 from toolkit.validity.judge import judge
 
-VIBRATES = 1e-6
-"""Imaginary part of a root, in parts of its size, above which it vibrates."""
 DAMPED = 1e-6
 """Real part of a root, in parts of its size, below which it is round-off: of two roots that are nearly one it is the root of it."""
 
@@ -92,38 +93,26 @@ def spinning_modes(solution: Solution, count: int | None = None) -> Modes:
         raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
     K, C, M = (free.T @ each[:n_q, :n_q] @ free for each in whole.spinning(motion))
     values, left, right = all_roots(K, C, M)
-    chosen = [k for k in range(len(values)) if _counts(values[k], np.abs(values).max())]
+    chosen = [k for k in range(len(values)) if counts(values[k], np.abs(values).max())]
     roots, shapes = [], []
     for k in chosen:
         s, u, _ = refined(K, C, M, values[k], right[:, k], left[:, k])
         near = abs(s - values[k]) < 0.1 * abs(values[k])
         roots.append(s if near else values[k])
         shapes.append(free @ (u if near else right[:, k]))
-    zeros = sum(_is_zero(each, np.abs(values).max()) for each in values) // 2
-    order = np.argsort([_frequency(s) for s in roots], kind="stable")
-    frequencies = np.array([_frequency(roots[k]) for k in order])
+    zeros = sum(is_zero(each, np.abs(values).max()) for each in values) // 2
+    order = np.argsort([frequency_of(s) for s in roots], kind="stable")
+    frequencies = np.array([frequency_of(roots[k]) for k in order])
     ratios = np.array([-roots[k].real / abs(roots[k]) for k in order])
     ratios[np.abs(ratios) < DAMPED] = 0.0
     place = int(np.searchsorted(frequencies, 0.0))
     frequencies, ratios = np.insert(frequencies, place, [0.0] * zeros), np.insert(ratios, place, [0.0] * zeros)
     columns = [_scaled(shapes[k], system.weights[:n_q]) for k in order]
     columns[place:place] = [np.zeros(n_q)] * zeros
-    cautions = list(_cautions(np.array(roots)))
+    named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies[:count])}
+    coarse = [*too_fast_for_elements(system.scene, named, doubt=False), *cautions_of_few_shapes(system.scene, named, doubt=False)]
+    cautions = [*_cautions(np.array(roots)), *cautions_of_raised(solution, frequencies[:count]), *coarse]
     return Modes(frequencies[:count], np.column_stack(columns)[:, :count], Verdict.of(cautions), ratios[:count])
-
-
-def _is_zero(s: complex, largest: float) -> bool:
-    return bool(abs(s) ** 2 <= 10 * ROUND_OFF * largest**2)
-
-
-def _counts(s: complex, largest: float) -> bool:
-    """One root of each pair; those that neither vibrate nor grow are no modes."""
-    return not _is_zero(s, largest) and bool(s.imag > VIBRATES * abs(s) or (abs(s.imag) <= VIBRATES * abs(s) and s.real > 0))
-
-
-def _frequency(s: complex) -> float:
-    """Im s / 2 pi; - Re s / 2 pi of a motion that grows without vibrating."""
-    return float((s.imag if s.imag > VIBRATES * abs(s) else -s.real) / (2 * np.pi))
 
 
 def _scaled(shape: np.ndarray, weights: np.ndarray) -> np.ndarray:

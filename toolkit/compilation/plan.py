@@ -140,7 +140,8 @@ def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_ro
     """Union of what all parts of the scene fill."""
     entries = list(constant_rows)
     everybody = scene.all_bodies()
-    for name, part in ((list(everybody)[b], part) for b, part in values.floating.items()):
+    names = list(everybody)
+    for name, part in ((names[b], part) for b, part in values.floating.items()):
         frame, size = numbering.first[name], everybody[name].frame_size
         local = frame + np.arange(size - 1 + len(part.moment))
         entries += [block(local[:size], local)]

@@ -38,6 +38,12 @@ class Description(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Note that facts of a kind are facts: pydantic would evaluate the texts of their types for every kind that is derived from it."""
+        own: dict[str, Any] = vars(cls).get("__annotations__", {})
+        own.update(dict.fromkeys(own.keys() & cls.__class_vars__, ClassVar))
+
     def numbers(self) -> Iterator[tuple[str, Any]]:
         """Paths and values of all numbers below this record."""
         for name, value in self:
@@ -78,7 +84,8 @@ class Registered(Description):
     kinds: ClassVar[dict[str, type[Registered]]] = {}
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        super().__pydantic_init_subclass__(**kwargs)
         if not cls.kind:
             cls.kinds = {}
         for base in cls.__mro__:

@@ -121,7 +121,9 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     if not inputs.inertia:
         set_frames(frames, work.markers, q, rate, acceleration)
     if linearize:
-        for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v):
+        terms.I_q[:] = 0
+    if linearize and inputs.joints_only:
+        for values in (terms.I_acc, terms.A_q, terms.A_v):
             values[:] = 0
     if not inputs.joints_only:
         constant_residual(

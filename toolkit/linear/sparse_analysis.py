@@ -68,13 +68,13 @@ def _check(indptr: np.ndarray, indices: np.ndarray) -> None:
     row = np.repeat(np.arange(n), np.diff(indptr))
     if np.any((np.diff(indices) <= 0) & (np.diff(row) == 0)):
         raise InputError("the column indices of a sparse row do not ascend; sort them and add up duplicates before the analysis.")
+    diagonal = row[row == indices]
+    if len(diagonal) < n:
+        missing = int(np.setdiff1d(np.arange(n), diagonal)[0])
+        raise InputError(f"row {missing} of the pattern has no diagonal entry; add it, with value 0 for a multiplier.")
     present, transposed = row * n + indices, indices * n + row
-    missing = np.setdiff1d(np.arange(n) * (n + 1), present)
-    if missing.size:
-        raise InputError(f"row {missing[0] // n} of the pattern has no diagonal entry; add it, with value 0 for a multiplier.")
-    lonely = np.setdiff1d(present, transposed)
-    if lonely.size:
-        i, j = divmod(int(lonely[0]), n)
+    if not np.array_equal(np.sort(transposed), present):
+        i, j = divmod(int(np.setdiff1d(present, transposed)[0]), n)
         raise InputError(f"the pattern has the entry ({i}, {j}) but not ({j}, {i}); add it with value 0.")
 
 

@@ -26,6 +26,7 @@ UNREAD = {
     "elements": "no body of this model has several frames",
     "element_derivatives": "no body of this model has several frames and a parameter that changes",
     "element_affine": "no body of this model has several frames and a parameter that changes",
+    "pieces": "for pictures",
     "surface": "for pictures",
     "surface_loads": "no load presses on a surface of the body",
     "mesh": "for pictures, and after a run for the small-deformation meter",

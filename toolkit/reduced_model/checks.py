@@ -25,6 +25,7 @@ from toolkit.reduced_model.model import (
     generalized_mass,
 )
 from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.pieces import Pieces
 from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
 from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface, SurfaceLoad, spatial_generalized_mass
 from toolkit.reduced_model.thin_arrays import listed, places, sparing
@@ -65,7 +66,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     },
     SpatialElements: {
         "nodes": "k3", "connectivity": "e2", "held": "h", "mass": "e", "first_moment": "e3y", "second_moment": "e6yy",
-        "stiffness": "evv", "damping": "evv", "stress_operator": "sv",
+        "stiffness": "evv", "damping": "evv", "stress_operator": "nv",
     },
     SpatialInvariants: {
         "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "3z", "second_moment": "6zz", "stress_operator": "scf",
@@ -73,6 +74,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     Surface: {"position": "p3z", "triangles": "t3", "lines": "l2"},
     SurfaceLoad: {"force": "3", "moment": "33z"},
     Spin: {"stiffening": "gff"},
+    Pieces: {"element": "p", "position": "p3y"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
 """One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u, in space v and y;
@@ -113,7 +115,7 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
             _refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
     for name, load in (model.surface_loads or {}).items():
         _fit_all(path, f"surface_loads/{name}", load, sizes)
-    for part in ("stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin"):
+    for part in ("stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin", "pieces"):
         if getattr(model, part) is not None:
             _fit_all(path, part, getattr(model, part), sizes)
     if model.spin is not None and "spin" not in before:
@@ -134,7 +136,7 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
             _refuse(path, name, f"is {value!r} instead of a text")
     if foreign := set(model.source) - set(model.inputs):
         _refuse(path, f"source/{min(foreign)}", "is not among its inputs")
-    for group in ("changes", "stress_errors", "stress_error_at"):
+    for group in ("changes", "left_out", "stress_errors", "stress_error_at", "face_errors"):
         for name, value in getattr(model, group).items():
             if not isinstance(value, (int, float)):
                 _refuse(path, f"{group}/{name}", f"is {value!r} instead of a number")
@@ -254,6 +256,7 @@ def _check_numbers(model: ReducedModel, path: Path) -> None:
         _refuse(path, "elements/connectivity", f"names nodes other than 0 to {len(elements.nodes) - 1}")
     if isinstance(elements, SpatialElements) and not np.isin(elements.held, np.arange(len(elements.nodes))).all():
         _refuse(path, "elements/held", f"names nodes other than 0 to {len(elements.nodes) - 1}")
+    _check_pieces(model, path)
     for name in ("triangles", "lines"):
         if surface is not None and not np.isin(getattr(surface, name), np.arange(len(surface.position))).all():
             _refuse(path, f"surface/{name}", f"names points other than 0 to {len(surface.position) - 1}")
@@ -271,6 +274,26 @@ def _check_numbers(model: ReducedModel, path: Path) -> None:
             _refuse(path, f"stress/{name}", f"holds numbers other than {allowed[0]} and {allowed[1]}")
     if mesh is not None and not np.isin(stress.element, np.arange(len(mesh.connectivity))).all():
         _refuse(path, "stress/element", f"names elements other than 0 to {len(mesh.connectivity) - 1}")
+
+
+def _check_pieces(model: ReducedModel, path: Path) -> None:
+    """Stress of all components of every point one after the other, and points of the surface by elements that exist."""
+    elements, points, components = model.elements, *model.invariants.stress_operator.shape[:2]
+    if isinstance(elements, SpatialElements):
+        if len(elements.stress_operator) != points * components:
+            _refuse(
+                path, "elements/stress_operator", f"has {len(elements.stress_operator)} rows instead of {points * components}"
+            )
+        if model.pieces is not None:
+            _numbers_below(path, "pieces/element", model.pieces.element, len(elements.connectivity), "elements")
+        if model.stress is not None:
+            _numbers_below(path, "stress/element", model.stress.element, len(elements.connectivity), "elements")
+    if model.face_errors and not ({"least", "largest"} < model.face_errors.keys()):
+        _refuse(path, "face_errors", 'lacks "least", "largest" or the errors by single forces')
+    if model.pieces is not None and model.surface is not None and len(model.pieces.element) != len(model.surface.position):
+        _refuse(
+            path, "pieces/element", f"tells {len(model.pieces.element)} points of {len(model.surface.position)} of the surface"
+        )
 
 
 def _fit_all(path: Path, place: str, part: Any, sizes: Sizes) -> None:

@@ -73,7 +73,7 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
 
 
 def _single_parts(model: ReducedModel) -> dict[str, Any]:
-    names = ("invariants", "stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin")
+    names = ("invariants", "stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin", "pieces")
     return {name: getattr(model, name) for name in names}
 
 
@@ -136,6 +136,8 @@ def _moving(model: ReducedModel) -> np.ndarray:
     if model.mesh is not None:
         by_node = model.mesh.recovery[:, 1:].reshape(-1, 3, model.n_f)
         return np.any(by_node[:, :2] != 0, axis=(0, 1))
+    if model.pieces is not None:
+        return np.arange(model.n_f) % 6 < 3
     if model.outline is not None or (model.surface is not None and len(model.surface.triangles)):
         return np.ones(model.n_f, bool)
     if model.surface is not None:

@@ -55,7 +55,7 @@ class SpatialElements:
     second_moment: np.ndarray  # (n_elements, 6, 13, 13)
     stiffness: np.ndarray  # (n_elements, 12, 12)
     damping: np.ndarray  # (n_elements, 12, 12)
-    stress_operator: np.ndarray  # (n_stress, 12), on the coordinates of the element that the stress point is in
+    stress_operator: np.ndarray  # (n_stress n_components, 12), on the coordinates of the element that the stress point is in
 
     def held_nodes(self, _mesh: Any) -> np.ndarray:
         """As kept."""

@@ -19,6 +19,7 @@ from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.pieces import Pieces
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -32,9 +33,9 @@ MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
 ORIGIN = ("inputs", "source", "changes")
 """The same, which a model has that was built from files."""
-JUDGED = ("stress_errors", "stress_error_at")
-"""The same, which a model has whose mesh was judged."""
-OPTIONAL = (*ORIGIN, *JUDGED)
+JUDGED = ("stress_errors", "stress_error_at", "face_errors")
+"""The same, which a model has whose mesh was judged, or the faces between its pieces."""
+OPTIONAL = (*ORIGIN, *JUDGED, "left_out")
 
 PARTS: dict[str, Any] = {
     "invariants": Invariants,
@@ -52,6 +53,7 @@ PARTS: dict[str, Any] = {
     "surface": Surface,
     "surface_loads": SurfaceLoad,
     "spin": Spin,
+    "pieces": Pieces,
 }
 """Groups of the file; those in `NAMED` hold several named objects."""
 SPATIAL_PARTS: dict[str, Any] = {"invariants": SpatialInvariants, "elements": SpatialElements}

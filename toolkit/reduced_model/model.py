@@ -13,6 +13,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.pieces import Pieces
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -158,9 +159,15 @@ class ReducedModel:
     inputs, source, changes
         Each of these files by its place relative to the model's own file; the text of the TOML file among them; and what the command
         changed in it. Empty for a model that was built from no files.
+    left_out
+        Of a basis of few shapes: the slowest vibration of the shapes that it leaves out, in cycles per time, inf if there are none; under
+        the name `interface` if its interface points are held in them, `frame` if its frame is alone. Empty where nobody has found it out.
     stress_errors, stress_error_at
         Of a meshed body: load cases of its own with the error of their stress in the energy norm, as it is estimated from the mesh, and
         where most of the largest is made. Empty where nobody has estimated it.
+    face_errors
+        Of a solid in pieces, under forces and moments at its interface points, against its mesh without cuts; positive where it is too
+        soft. "least" and "largest" are those under all of them at once.
     bytes_read
         Part that was read -> its bytes in the file, 0 if the file has no such part.
     """
@@ -188,15 +195,22 @@ class ReducedModel:
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     spin: Spin | None = None  # of bodies whose file asks for it
+    pieces: Pieces | None = None  # of solids in pieces, which are `elements`
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
     source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
     changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text
+    left_out: dict[str, float] = field(
+        default_factory=dict
+    )  # what is held -> slowest frequency of the shapes that the basis lacks
     stress_errors: dict[str, float] = field(
         default_factory=dict
     )  # load case -> estimated error of the mesh, in parts of the stress
     stress_error_at: dict[str, float] = field(
         default_factory=dict
     )  # axis -> coordinate of the place where the largest of them is made
+    face_errors: dict[str, float] = field(
+        default_factory=dict
+    )  # force or moment -> by how much faces between pieces change what it moves, in parts of that
     inputs_from: Path | None = field(default=None, compare=False)  # folder that the names of `inputs` start from
     path: Path | None = field(default=None, compare=False)
     bytes_read: dict[str, int] = field(default_factory=dict, compare=False)
@@ -220,6 +234,11 @@ class ReducedModel:
     def n_f(self) -> int:
         """Number of elastic coordinates."""
         return len(self.invariants.stiffness)
+
+    @property
+    def keeps_all(self) -> bool:
+        """Whether its elastic coordinates are all those of the nodes, or all but those that its frame takes up."""
+        return any(words in self.basis for words in ("identity on", "all coordinates"))
 
     @property
     def label(self) -> str:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from toolkit.foundation.units import unit
+from toolkit.render.moment import Moment
 from toolkit.render.readable_units import readable
 from toolkit.render.sheet import WIDE, sheet, style
 from toolkit.system.solution import Solution
@@ -45,6 +48,14 @@ def draw_panels(solution: Solution, panels: Panels) -> Figure:
         axes[-1, 0].set_xlabel(f"time in {unit(units, 'time')}")
         axes[-1, 0].set_xlim(solution.times[0], solution.times[-1])
     return figure
+
+
+def motion_panels(start: Mapping[str, np.ndarray], moments: Sequence[Moment]) -> Panels:
+    """Distance of every named point that moves from where it is undeformed, `start`."""
+    places = [moment.named_points() for moment in moments]
+    curves = {point: np.array([np.linalg.norm(place[point] - start[point]) for place in places]) for point in sorted(start)}
+    moved = {point: values for point, values in curves.items() if values.any()}
+    return [("motion of points", "length", merged(moved))] if moved else []
 
 
 def merged(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

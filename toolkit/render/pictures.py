@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import list_own, refuse_foreign
+from toolkit.foundation.files.own_files import own_set, refuse_foreign
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.spread import spread
 from toolkit.render.motion.animation import ENCODED, MOST_FRAMES, drawn_frames
@@ -79,7 +79,6 @@ def render_solution(
     with drawing() if solution.system.scene.space.camera else nullcontext():
         artist = _ARTISTS[solution.system.scene.space](solution, view)
         steps = chosen_steps(solution, artist.points, instants)
-        directory.mkdir(parents=True, exist_ok=True)
         shown = spread(solution.steps, MOST_FRAMES) if endings else []
         look, moments = artist.look([*steps, *shown]), [artist.moment(step) for step in steps]
         digits = len(str(solution.steps))
@@ -87,21 +86,21 @@ def render_solution(
         further = {"overview": len(moments) > 1, "curves": solution.steps and not solution.names}
         others = [f"{name}.{view.format}" for name, drawn in further.items() if drawn]
         films = [f"animation{ending}" for ending in endings if len(shown) > 1]
-        list_own(directory, [*(file.name for file in files), *others, *films], instead_of=names)
-        for file, moment in zip(files, moments, strict=True):
-            artist.instant(moment, look, None, file, width)
-        if len(moments) > 1:
-            few = [moments[k] for k in spread(len(moments) - 1, INSTANTS)]
-            files.append(directory / f"overview.{view.format}")
-            artist.overview(few, look, files[-1], width)
-        if solution.steps and not solution.names:
-            files.append(directory / f"curves.{view.format}")
-            artist.curves(solution, files[-1], width)
-        if len(shown) > 1:
-            frames = drawn_frames([artist.moment(step) for step in shown], artist.instant, look, width)
-            for ending in endings:
-                files.append(directory / f"animation{ending}")
-                write_whole(files[-1], ENCODED[ending](frames))
+        with own_set(directory, [*(file.name for file in files), *others, *films], instead_of=names):
+            for file, moment in zip(files, moments, strict=True):
+                artist.instant(moment, look, None, file, width)
+            if len(moments) > 1:
+                few = [moments[k] for k in spread(len(moments) - 1, INSTANTS)]
+                files.append(directory / f"overview.{view.format}")
+                artist.overview(few, look, files[-1], width)
+            if solution.steps and not solution.names:
+                files.append(directory / f"curves.{view.format}")
+                artist.curves(solution, files[-1], width)
+            if len(shown) > 1:
+                frames = drawn_frames([artist.moment(step) for step in shown], artist.instant, look, width)
+                for ending in endings:
+                    files.append(directory / f"animation{ending}")
+                    write_whole(files[-1], ENCODED[ending](frames))
     return files
 
 

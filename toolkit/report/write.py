@@ -19,6 +19,8 @@ from toolkit.results.results_file import save_results
 
 ANSWERS = ("responses", "gradients")
 """Tables that stand before all pictures."""
+_SHORT = 8
+"""Lines up to which a table stays in one column of the page."""
 
 
 def write_report(material: Material, folder: str | Path, title: str, progress: Progress = lambda *_: None) -> Path:
@@ -50,10 +52,12 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
         save_results(material.results, folder / "results.h5")
     drawings = _draw(material, folder / "figures", progress)
     written = [
-        Section(table.name, table.title, page.table(table), len(table.head) > 4) for table in tables if table.name != "monitors"
+        Section(table.name, table.title, page.table(table), len(table.head) > 4, len(table.rows) > _SHORT)
+        for table in tables
+        if table.name != "monitors"
     ]
     answers = [each for each in written if each.name in ANSWERS]
-    first, sections = [_trust(material), *answers], motion_sections(material, folder, progress)
+    first, sections = [*answers[:1], _trust(material), *answers[1:]], motion_sections(material, folder, progress)
     sections += [*_figure_sections(drawings, folder / "figures"), *(each for each in written if each not in answers)]
     sections += [_missing(material), _again(material)]
     path = folder / PAGE
@@ -109,7 +113,7 @@ def _trust(material: Material) -> Section:
     """Whether the numbers of the report can be trusted, and why not."""
     head, *reasons = str(material.results.verdict).splitlines()
     listed = page.bullets([reason.removeprefix("- ") for reason in reasons]) if reasons else ""
-    return Section("trust", "Whether to trust these numbers", page.paragraph(head) + listed, full=False)
+    return Section("trust", "Whether to trust these numbers", page.paragraph(head) + listed, full=False, long=True)
 
 
 def _missing(material: Material) -> Section:

@@ -51,10 +51,12 @@ def gap_rates(solution: Solution, body: str, coordinates: np.ndarray) -> Iterato
     if isinstance(solution.system.scene.bodies.get(body), CutBody):
         yield from _rates_of_cut(solution, body, coordinates)
         return
-    state = np.real(np.column_stack([np.ones(len(coordinates)), coordinates]))
     for item, sign in (("shape.position", 1), ("shape.target", -1)):
-        size = design_point(solution.system.placed, body, "shape").model.item(item).shape
         rates = design_rates(solution, body, item, "shape")
+        if not len(rates.parameter):
+            continue
+        state = np.real(np.column_stack([np.ones(len(coordinates)), coordinates]))
+        size = design_point(solution.system.placed, body, "shape").model.item(item).shape
         for x in map(int, np.unique(rates.parameter)):
             entry, value = rates.by(x)
             change = scattered(entry, sign * value, int(np.prod(size))).reshape(size)

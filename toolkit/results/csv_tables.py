@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.foundation.files.own_files import list_own, refuse_foreign
+from toolkit.foundation.files.own_files import own_set, refuse_foreign
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.results.results import BodyResults, Results
 
@@ -41,12 +41,11 @@ def export_csv(results: Results, directory: str | Path) -> list[Path]:
         tables |= _body_tables(results, name, body)
     names = {name: f"{safe_name(name)}.csv" for name in ["responses", *tables]}
     refuse_foreign(directory, list(names.values()))
-    directory.mkdir(parents=True, exist_ok=True)
-    list_own(directory, list(names.values()), instead_of=BY_BODY)
-    files = [write_csv(directory / names["responses"], *response_table(results))]
-    for name, (columns, values) in tables.items():
-        rows = np.column_stack([results.times, values]).tolist()
-        files.append(write_csv(directory / names[name], [time, *columns], rows))
+    with own_set(directory, list(names.values()), instead_of=BY_BODY):
+        files = [write_csv(directory / names["responses"], *response_table(results))]
+        for name, (columns, values) in tables.items():
+            rows = np.column_stack([results.times, values]).tolist()
+            files.append(write_csv(directory / names[name], [time, *columns], rows))
     return files
 
 

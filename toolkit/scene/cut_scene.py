@@ -24,6 +24,8 @@ from toolkit.scene.scene import Scene
 
 FRAMES = ("moving", "grounded")
 """What the frame of a body can be that is cut."""
+MESHED = "scikit-fem"
+"""Writer of the models of solids."""
 
 
 class CutScene(Scene):
@@ -35,7 +37,7 @@ class CutScene(Scene):
 
     def body(self, name: str) -> Body:
         """One body, or part of one."""
-        found = self.all_bodies()
+        found = _with_parts_of(Itself(self.bodies))
         return found[name] if name in found else super().body(name)
 
     def pieces(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
@@ -213,12 +215,7 @@ def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
     if model.elements is None:
         raise InputError(
             f"bodies.{name}.frames = {body.frames}: the reduced model {body.model!r} does not keep its elements one by one, from "
-            "which parts with frames of their own are made. "
-            + (
-                "Build it again with ffrf-preprocess."
-                if "identity" in model.basis
-                else 'It keeps shapes and not all nodal coordinates: build it with kind = "full" in its [basis], or leave `frames` out.'
-            )
+            "which parts with frames of their own are made. " + _kept_by(model)
         )
     if body.frame not in FRAMES:
         raise InputError(
@@ -230,6 +227,19 @@ def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
             f"bodies.{name}.{written[0]} is the shape of a body with one frame, and frames = {body.frames}. Leave out one of the two."
         )
     return model
+
+
+def _kept_by(model: ReducedModel) -> str:
+    """What would make a reduced model keep them."""
+    if MESHED in model.writers:
+        toml = next(iter(model.source), "the file that it is built from")
+        return (
+            f"A solid in space is cut into groups of elements: name groups of its mesh in [pieces] of {toml} and build it again, or leave "
+            "`frames` out, as solids in the plane must."
+        )
+    if model.keeps_all:
+        return "Build it again with ffrf-preprocess."
+    return 'It keeps shapes and not all nodal coordinates: build it with kind = "full" in its [basis], or leave `frames` out.'
 
 
 def clamped_nodes(model: ReducedModel) -> list[int]:

@@ -17,11 +17,12 @@ def cuts_of(name: str, body: Any, model: ReducedModel) -> list[int]:
     """Elements that the parts begin with, and the number of all elements; where chains of elements meet there is always a cut."""
     assert model.elements is not None
     count, forced = len(model.elements.connectivity), breaks(model.elements.connectivity)
+    what = "pieces" if model.face_errors else "elements"
     if isinstance(body.frames, int):
         if body.frames > count:
             raise InputError(
-                f"bodies.{name}.frames = {body.frames}, but its reduced model {body.model!r} has {count} elements, and a frame needs one "
-                f"at least. Write at most {count}, or build the model with more elements."
+                f"bodies.{name}.frames = {body.frames}, but its reduced model {body.model!r} has {count} {what}, and a frame needs one "
+                f"at least. Write at most {count}, or build the model with more {what}."
             )
         if body.frames <= len(forced):
             raise InputError(

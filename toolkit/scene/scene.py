@@ -93,8 +93,9 @@ class Scene(Description):
         InputError
             There is none of that name; lists all.
         """
-        known(name, (*self.bodies, "ground"), "the scene", "body")
-        return self.all_bodies()[name]
+        if name not in self.bodies and name != "ground":
+            known(name, (*self.bodies, "ground"), "the scene", "body")
+        return self.space.ground if name == "ground" else self.bodies[name]
 
     def pieces(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
         """Bodies with coordinates and mass of their own: these names, or all, with the parts of a cut body in its place."""

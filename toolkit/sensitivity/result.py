@@ -23,6 +23,7 @@ from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
+from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
 from toolkit.validity.motion.noisy_forces import NOISY, noise_at, noise_of_joints, noisy_forces
@@ -122,9 +123,7 @@ class Result:
         """The same without what frames do to gradients."""
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
-            return Verdict.of(
-                [*found.warnings, *self._undefined(), *self._coarse(), *cautions_of_changed(self.solution)], found.measures
-            )
+            return Verdict.of([*found.warnings, *self._of_vibrations(), *self._undefined()], found.measures)
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
@@ -136,7 +135,13 @@ class Result:
             }
             measured["estimated_error"] = {**measured["estimated_error"], **estimated}
         about_forces = force_cautions(self.solution, measured["force_noise"])
-        about_responses = (*about_forces, *about_steps, *folded_rotations(self.solution), *self._undefined(), *self._coarse())
+        about_responses = (
+            *about_forces,
+            *about_steps,
+            *folded_rotations(self.solution),
+            *self._undefined(),
+            *self._of_vibrations(),
+        )
         return Verdict.of([*cautions(self.solution, measured), *about_responses], measured)
 
     @property
@@ -144,11 +149,14 @@ class Result:
         """All that whoever reads the numbers has to know, doubts first."""
         return self.verdict.warnings
 
-    def _coarse(self) -> Iterator[Caution]:
-        """Frequencies that the elements of a body are too long for."""
+    def _of_vibrations(self) -> Iterator[Caution]:
+        """Those that the elements of a body are too long for, or that shapes which parts leave out change."""
         scene = self.solution.system.scene
-        asked = {f: self.values[f] for f, each in scene.responses.items() if isinstance(each, Frequency) and f in self.values}
-        return too_fast_for_elements(scene, asked, doubt=True)
+        responses = {f: each for f, each in scene.responses.items() if f in self.values}
+        asked = {f: self.values[f] for f, each in responses.items() if isinstance(each, Frequency)}
+        yield from too_fast_for_elements(scene, asked, doubt=True)
+        yield from cautions_of_few_shapes(scene, asked, doubt=True)
+        yield from cautions_of_changed(self.solution)
 
     def _undefined(self) -> Iterator[Caution]:
         """Values and derivatives that do not exist at this design."""

@@ -5,6 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eig
 
+from toolkit.solvers.free_motions import ROUND_OFF
+
+VIBRATES = 1e-6
+"""Imaginary part of a root, in parts of its size, above which it vibrates."""
 REFINED = 2
 """Steps of Rayleigh's quotient, whose error falls to its third power."""
 
@@ -35,3 +39,25 @@ def refined(
             break
         u, w = u / np.abs(u).max(), w / np.abs(w).max()
     return s, u, w
+
+
+def is_zero(s: complex, largest: float) -> bool:
+    """Beside the largest root: a motion that nothing holds."""
+    return bool(abs(s) ** 2 <= 10 * ROUND_OFF * largest**2)
+
+
+def counts(s: complex, largest: float) -> bool:
+    """One root of each pair; those that neither vibrate nor grow are no modes."""
+    return not is_zero(s, largest) and bool(s.imag > VIBRATES * abs(s) or (abs(s.imag) <= VIBRATES * abs(s) and s.real > 0))
+
+
+def frequency_of(s: complex) -> float:
+    """Im s / 2 pi; - Re s / 2 pi of a motion that grows without vibrating."""
+    return float((s.imag if s.imag > VIBRATES * abs(s) else -s.real) / (2 * np.pi))
+
+
+def all_frequencies(values: np.ndarray) -> np.ndarray:
+    """Of all roots, ascending, with zero for each motion that nothing holds."""
+    largest = np.abs(values).max(initial=0)
+    zeros = sum(is_zero(each, largest) for each in values) // 2
+    return np.sort([*(frequency_of(each) for each in values if counts(each, largest)), *[0.0] * zeros])

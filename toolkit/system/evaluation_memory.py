@@ -23,7 +23,6 @@ class EvaluationMemory(threading.local):
 
     def __init__(self, plan: Plan) -> None:
         self._terms = allocate_terms(plan, float)
-        self._zero = [np.zeros_like(values) for values in self._terms]
         self._state = np.zeros((3, plan.n))
         self.terms: Any = in_memory(self._terms)
         self.work: Any = in_memory(allocate_work(plan, float))
@@ -39,6 +38,7 @@ class EvaluationMemory(threading.local):
         """What the last evaluation has found, for whoever asked; what it was not asked for is zero."""
         wanted = {"inertial": True, "applied": True, "I_x": designed, "A_x": designed}
         asked = [wanted.get(name, linearized) for name in Terms._fields]
+        found = zip(asked, self._terms, strict=True)
         return Terms(
-            *[(each if is_wanted else zero).copy() for is_wanted, each, zero in zip(asked, self._terms, self._zero, strict=True)]
-        )
+            *[each.copy() if is_wanted else np.zeros(each.shape) for is_wanted, each in found]
+        )  # memory that nobody reads

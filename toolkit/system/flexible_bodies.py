@@ -52,6 +52,16 @@ def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
     return flexible_body(scene, body).design_point(scene, *parts)
 
 
+def is_in_pieces(scene: Scene, body: str) -> bool:
+    """Whether a flexible body is a solid in pieces, which are its elements: their faces have been judged."""
+    return bool(scene.model(flexible_body(scene, body).model).face_errors)
+
+
+def elements_of(scene: Scene, body: str) -> str:
+    """What a flexible body, or part of one, calls its elements."""
+    return "pieces" if is_in_pieces(scene, body) else "elements"
+
+
 def used_interfaces(scene: Scene, body: str) -> list[str]:
     """Interface points of a flexible body's reduced model that the scene has points at, in order."""
     known = design_point(scene, body, "interfaces").model.interfaces or {}

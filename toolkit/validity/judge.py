@@ -9,6 +9,7 @@ from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, sheared
+from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
@@ -89,6 +90,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from shapes_missed(solution)
     yield from large_deformations(solution)
     yield from bent_surfaces(solution)
+    yield from bent_pieces(solution)
     yield from critical_loads(solution)
     yield from unseen_tension(scene)
     yield from sheared(scene)

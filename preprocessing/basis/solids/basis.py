@@ -11,7 +11,7 @@ from scipy import sparse
 
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.mode_count import count_by_frequency
-from preprocessing.basis.normal_modes import NormalModes
+from preprocessing.basis.normal_modes import NormalModes, slowest_left_out
 from preprocessing.basis.solids.basis_change import BasisChange
 from preprocessing.basis.solids.chord_turn import chord_turn, supported
 from preprocessing.basis.solids.free_system import free_system
@@ -46,6 +46,11 @@ class SolidShapes:
     points: tuple[str, ...] = ()  # interface points with constraint modes, in their order
     of_points: np.ndarray | None = None  # their constraint modes (n^, k) before a chord took some of their motions
     turn: np.ndarray | None = None  # T of `chord_turn`
+
+    @property
+    def left_out(self) -> dict[str, float]:
+        """As `ReducedModel.left_out`."""
+        return slowest_left_out(self.beyond.eigenvalues, bool(self.points)) if self.beyond else {}
 
     def rates(self, change: BasisChange) -> np.ndarray:
         """Derivatives (n^, n_f) by a variable that changes what is on the independent coordinates."""
@@ -139,7 +144,7 @@ def _with_interface(
     averaged = tuple(name for name in rows if name not in free.rigid)
     border = sparse.vstack([sparse.csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
     inner = _first_of(stiffness, inside)
-    if turn is not None and not free.rigid:
+    if free.floats:
         inner = supported(inner, [rows[name][:, :inside] for name in averaged])
     system = held_system(inner, border[:, :inside], places[:inside])
     unit = np.eye(n_held)
@@ -152,7 +157,8 @@ def _with_interface(
     all_points, static = static, static if turn is None else static @ turn
     if choice.kind == "static":
         words = _words(choice, rows, None)
-        return SolidShapes(static, words, stiffness, system, None, None, n_held, averaged, tuple(rows), all_points, turn)
+        beyond = lowest_modes(system, _first_of(mass, inside), lambda found: found.count > 0, 1)
+        return SolidShapes(static, words, stiffness, system, None, beyond, n_held, averaged, tuple(rows), all_points, turn)
     kept, beyond = _modes(choice, _first_of(mass, inside), rows, system)
     inside_only = np.vstack([kept.columns, np.zeros((n_held, kept.count))])
     columns = np.column_stack([static, inside_only])

@@ -61,6 +61,11 @@ class Freedom:
         every = self.map.tocoo()
         return np.unique(every.row[every.col < self.n_free])
 
+    @property
+    def floats(self) -> bool:
+        """Whether neither a clamp nor a rigid tie takes a coordinate, so that averaged points alone can hold the body."""
+        return not self.rigid and self.map.shape[0] == self.map.shape[1]
+
     def coordinates_of(self, motions: np.ndarray, ties: Mapping[str, Tie]) -> np.ndarray:
         """Independent coordinates (n^, k) of nodal motions (n, k) that leave tied nodes rigid."""
         return np.vstack([motions[self.free], *(ties[name].rows @ motions for name in self.rigid)])

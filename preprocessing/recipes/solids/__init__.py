@@ -10,5 +10,9 @@ A spatial body needs a mesh of tetrahedra, hexahedra or wedges with named groups
     pressure_surfaces.skin.group = "outside"
     basis = { kind = "craig-bampton", count = 12 }
 
+A slender body that bends far is cut across into groups of elements, for several floating frames; it has no basis then:
+
+    pieces.groups = ["root", "middle", "outer"]
+
 Then `ffrf-preprocess body.toml`, or `preprocessing.save(preprocessing.build("body.toml"), "body.h5")`.
 """

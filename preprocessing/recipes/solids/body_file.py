@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from preprocessing.recipes.solids.body_tables import (
     MatricesTable,
     MeshTable,
+    PiecesTable,
     Region,
     ShapeVariable,
     SolidMaterial,
@@ -37,12 +38,13 @@ class BodyFile(Table):
         default_factory=dict
     )  # of spatial bodies, for pressures on their faces
     shape_variables: dict[InterfaceName, ShapeVariable] = Field(default_factory=dict)
+    pieces: PiecesTable | None = None  # of spatial bodies, for several floating frames
     basis: BasisTable = BasisTable()
     stress: StressTable = StressTable()
 
     @model_validator(mode="after")
     def _can_be_meant(self) -> BodyFile:
-        for complaint in (self._lacking(), self._frame()):
+        for complaint in (self._lacking(), self._frame(), self._cut()):
             if complaint:
                 raise ValueError(complaint)
         return self
@@ -64,6 +66,22 @@ class BodyFile(Table):
 
     def _frame(self) -> str:
         return self.basis.complaint("a body", self.clamp is not None, "[clamp]", self.interface_points)
+
+    def _cut(self) -> str:
+        if self.pieces is None:
+            return ""
+        foreign = {"matrices": self.matrices is not None, "pressure_surfaces": bool(self.pressure_surfaces)}
+        if names := [f"[{name}]" for name, given in foreign.items() if given]:
+            return f"[pieces] are those of a mesh without {' and '.join(names)}; leave one of them out"
+        if self.clamp is None:
+            return (
+                "[pieces] begin at a clamp, to which the frame of the whole body is tied; add [clamp] with the nodes at one end"
+            )
+        if self.basis != BasisTable():
+            return "[pieces] keep all motions of their ends and nothing else, which no [basis] can change; leave one of them out"
+        if not self.interface_points:
+            return "[pieces] end at an interface point; add one with the nodes at the end that is not clamped"
+        return ""
 
     @property
     def inputs(self) -> list[str]:

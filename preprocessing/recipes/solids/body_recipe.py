@@ -10,6 +10,7 @@ from typing import Any
 from preprocessing.mesh.included_files import drawn_on
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
 from preprocessing.recipes.solids.body_file import BodyFile
+from preprocessing.reduction.reduced import element_parts
 from toolkit.foundation.errors import InputError
 
 PLACES = {
@@ -35,7 +36,8 @@ class BodyRecipe(Recipe[BodyFile]):
 
     @property
     def parts(self) -> tuple[str, ...]:
-        return ("invariants", "derivatives", "affine", "interfaces", "stress", *self.file.basis.parts)
+        cut = () if self.file.pieces is None else (*element_parts("full"), "pieces")
+        return ("invariants", "derivatives", "affine", "interfaces", "stress", *cut, *self.file.basis.parts)
 
     @classmethod
     def means(cls, content: Mapping[str, Any]) -> bool:
@@ -59,17 +61,24 @@ class BodyRecipe(Recipe[BodyFile]):
     def _designs(self, remark: Remark | None) -> Any:
         try:
             from preprocessing.recipes.solids.discrete_body import discrete_body
+            from preprocessing.recipes.solids.named_mesh import named_mesh
+            from preprocessing.recipes.solids.pieces.piece_bodies import piece_bodies
         except ImportError as error:
             raise InputError(
                 f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install "
                 "'ffrf-toolkit[preprocessing]'."
             ) from error
-        return discrete_body(self.path, self.file)
+        if self.file.pieces is None:
+            return discrete_body(self.path, self.file)
+        return piece_bodies(named_mesh(self.path, self.file))
 
     def _fields(self, designs: Any) -> dict[str, Any]:
+        from preprocessing.recipes.solids.pieces.joined_model import joined_model
         from preprocessing.recipes.solids.reduced_body import reduced_body
 
         file = self.file
+        if file.pieces is not None:
+            return joined_model(designs)
         return reduced_body(designs, file.basis.choice(), file.clamp.words if file.clamp else "", file.units)
 
     def _writers(self) -> dict[str, str]:

@@ -72,6 +72,19 @@ class TiedRegion(Region):
     at: Coordinates | None = None  # the point's undeformed place; by default the middle of the nodes
 
 
+class PiecesTable(Table):
+    """Groups of elements that the body is cut into, one behind the other from the clamp on: then `frames` of a scene gives it as many
+    floating frames as there are pieces, or fewer.
+
+    Two pieces meet in one face, which moves as its middle does and turns: `averaged`, as the mean of its nodes, which each piece deforms
+    as if alone, so that the body is too soft by what the faces part; or `rigid`, so that it is too stiff. Each piece has the shapes that
+    its two ends give it at rest and no others; so interface points lie on faces between pieces or at an end of the body.
+    """
+
+    groups: Annotated[list[str], Field(min_length=1)]  # physical groups or element sets of the mesh file, in any order
+    faces: Literal["averaged", "rigid"] = "averaged"  # how the pieces are joined
+
+
 class SolidSection(Table):
     """What stands across the plane."""
 

@@ -58,8 +58,12 @@ def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
     InputError
         Names the file, the key and what is wrong there.
     """
-    named = named_mesh(path, file)
-    mesh = named.mesh
+    return discretised(named_mesh(path, file))
+
+
+def discretised(named: NamedMesh) -> DiscreteBody:
+    """Assemble a body of a mesh that was read; raises as `discrete_body`."""
+    file, mesh = named.file, named.mesh
     material, section = file.material, file.section
     made_with = {} if material is None else {"youngs_modulus": material.youngs_modulus, "density": material.density}
     made_with |= {} if section is None else {"width": section.width}

@@ -59,6 +59,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         "units": units,
         "reference_condition": _condition(choice, clamp),
         "basis": shapes.words,
+        "left_out": shapes.left_out,
         "nominal": nominal,
         "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
         **found._asdict(),

@@ -159,7 +159,7 @@ def _shapes(
 
 def whole_design(scene: Placed, whole: str) -> DesignPoint:
     """The reduced model of a cut body at the scene's parameter values, with its elements."""
-    design: DesignPoint = scene.bodies[whole].design_point(scene, "elements", "stress", "mesh", "surface")
+    design: DesignPoint = scene.bodies[whole].design_point(scene, "elements", "stress", "mesh", "surface", "pieces")
     return design
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.foundation.kernel import inlined, inner
+from toolkit.foundation.kernel import copy, inlined, inner
 
 HALVES = 134217729.0
 """2^27 + 1: splits a number into two of 26 bits, whose products are exact."""
@@ -42,7 +42,7 @@ class Constant(NamedTuple):
     """Entries of M, D, K (global rows and columns), the constant force f, and their design derivatives.
 
     Segments are the bodies' entries, one body after the other, row by row: those of a body that fills most of its matrices are all entries
-    of a square, which need no list.
+    of a square, which need no list. Rows and columns are unsigned because numba then skips the test for indices counted from the end.
     """
 
     segment_start: np.ndarray  # (n_segments + 1,) into the entries
@@ -54,6 +54,9 @@ class Constant(NamedTuple):
     mass: np.ndarray
     damping: np.ndarray
     stiffness: np.ndarray
+    M: np.ndarray  # (n_pattern,) the same matrices on the whole pattern
+    D: np.ndarray
+    K: np.ndarray
     soft: np.ndarray  # the stiffness where it is added as usual, otherwise 0
     stiff_row: np.ndarray  # rows with entries that are summed in twice the precision
     stiff_start: np.ndarray  # their first such entry, and the number of all such entries
@@ -81,10 +84,16 @@ def constant_residual(part, q, v, acc, scale, rough, halves, inertial, applied):
                 add_square_product(part.damping, first, n, part.row[first], v, applied)
                 add_square_product(part.mass, first, n, part.row[first], acc, inertial)
             continue
-        for e in range(first, last):
-            i, k = part.row[e], part.column[e]
-            inertial[i] += part.mass[e] * acc[k]
-            applied[i] += part.damping[e] * v[k] + stiffness[e] * q[k]
+        e = first
+        while e < last:  # row by row, whose sums stay in registers
+            i = part.row[e]
+            by_mass, by_rest = inertial[i], applied[i]
+            while e < last and part.row[e] == i:
+                k = part.column[e]
+                by_mass += part.mass[e] * acc[k]
+                by_rest += part.damping[e] * v[k] + stiffness[e] * q[k]
+                e += 1
+            inertial[i], applied[i] = by_mass, by_rest
     if len(part.stiff_row) > 0 and not rough:
         for k in range(len(q)):
             halves[0, k] = HALVES * q[k] - (HALVES * q[k] - q[k])
@@ -110,20 +119,10 @@ def precise_sum(part, first, last, q, halves):
 
 @inlined
 def constant_jacobian(part, I_acc, A_q, A_v):
-    """The same entries in every step."""
-    for s in range(len(part.segment_size)):
-        first, last, n = part.segment_start[s], part.segment_start[s + 1], part.segment_size[s]
-        if n > 0:
-            add_square(part.stiffness, first, n, part.position, A_q)
-            if part.segment_damped[s] == 1:
-                add_square(part.damping, first, n, part.position, A_v)
-                add_square(part.mass, first, n, part.position, I_acc)
-            continue
-        for e in range(first, last):
-            at = part.position[e]
-            I_acc[at] += part.mass[e]
-            A_q[at] += part.stiffness[e]
-            A_v[at] += part.damping[e]
+    """The same in every step: what all else is added to."""
+    copy(part.M, I_acc)
+    copy(part.K, A_q)
+    copy(part.D, A_v)
 
 
 @inlined
@@ -147,16 +146,6 @@ def add_square_product(values, first, n, at, x, target):
             total += row[j] * source[j]
         target[at + i] = total
         i += 1
-
-
-@inlined
-def add_square(values, first, n, position, target):
-    """A square matrix into the pattern, whose rows have its columns next to each other."""
-    for i in range(n):
-        row, place = values[first + i * n : first + i * n + n], position[first + i * n]
-        to = target[place : place + n]
-        for j in range(n):
-            to[j] += row[j]
 
 
 @inlined

@@ -49,9 +49,10 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
     """Everything that a reader of the file wants to know before using it."""
     from toolkit.foundation.units import unit
     from toolkit.reduced_model.file import SCHEMA, SCHEMA_VERSION
+    from toolkit.reduced_model.questions.face_questions import face_record
     from toolkit.reduced_model.questions.mesh_questions import mesh_record
 
-    length, judged = unit(model.units, "length"), mesh_record(model)
+    length, judged, faces = unit(model.units, "length"), mesh_record(model), face_record(model)
     return {
         "schema": f"{SCHEMA}, version {SCHEMA_VERSION}",
         "units": model.units,
@@ -64,6 +65,7 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
         "exact_for_every_value": dependences(model, model.affine),
         "derivatives": dependences(model, model.derivatives),
         **({"stress_error": judged} if judged else {}),
+        **({"face_error": faces} if faces else {}),
         "writers": dict(model.writers),
         "input_hash": model.input_hash,
     }
@@ -115,6 +117,8 @@ def sizes(model: ReducedModel) -> dict[str, int]:
         found["points with a target"] = len(model.shape.target)
     if model.mesh is not None:
         found |= {"nodes": len(model.mesh.nodes), "elements": len(model.mesh.connectivity)}
+    if model.pieces is not None and model.elements is not None:
+        found["pieces"] = len(model.elements.connectivity)
     if model.surface is not None:
         parts = {"triangles": len(model.surface.triangles), "lines": len(model.surface.lines)}
         found |= {f"{what} of the surface": count for what, count in parts.items() if count}

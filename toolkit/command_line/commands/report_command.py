@@ -63,8 +63,8 @@ def report(
 
 
 def title_of(file: Path) -> str:
-    """What the page is called: the name of the scene, which is that of its folder where its file is only called scene."""
-    name = file.resolve().parent.name if file.stem == "scene" else file.stem
+    """What the page is called: the name of the scene, which is that of its folder where its file is only called scene or results."""
+    name = file.resolve().parent.name if file.stem in ("scene", "results") else file.stem
     return f"{name[:1].upper()}{name[1:]}".replace("_", " ")
 
 

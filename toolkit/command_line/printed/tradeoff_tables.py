@@ -132,8 +132,8 @@ def _print_recommendation(found: Tradeoff, best: Judged) -> None:
         typer.echo(
             f"\nIn the skin file of {body}, which ffrf-preprocess builds again, in place of the tables of these names:\n\n{text}"
         )
-    for body, number in frames(found.plan.case, best.setting).items():
-        typer.echo(f"\nIn the scene's bodies.{body}: frames = {number}")
+    for body, numbers in frames(found.plan.case, best.setting).items():
+        typer.echo(f"\nIn the scene's bodies.{body}: {', '.join(f'{key} = {n}' for key, n in numbers.items())}")
     for line in next_steps(found.plan.case, best.setting):
         typer.echo(f"\n{line}")
 

@@ -40,15 +40,18 @@ def constant_part(
     counts = [len(part.row) for part in parts]
     places = _places(parts, rows, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
     row, column, first_entry = places["row"], places["column"], places["segment_start"]
-    stiffness = joined("stiffness")
+    mass, damping, stiffness = map(joined, ("mass", "damping", "stiffness"))
     change = partial(_changes_of, derivatives, first_entry, row, column)
     force_row, force_variable, design_force = _changes_of_forces(numbering, derivatives)
     return Constant(
         **places,
         segment_damped=ints([[bool(np.any(part.mass) or np.any(part.damping)) for part in parts]]),
-        mass=joined("mass"),
-        damping=joined("damping"),
+        mass=mass,
+        damping=damping,
         stiffness=stiffness,
+        **{
+            name: _on_pattern(pattern, places["position"], of) for name, of in zip("MDK", (mass, damping, stiffness), strict=True)
+        },
         **stiff_entries(row, column, stiffness, weights, counts)._asdict(),
         force=joined("force"),
         design_mass=change("mass"),
@@ -66,9 +69,16 @@ PLACES = ("segment_start", "segment_size", "row", "column", "position")
 
 def _places(parts: list[ConstantNumbers], rows: list, pattern: Pattern) -> dict[str, np.ndarray]:
     row, column = (np.concatenate(each).astype(np.int64) for each in zip(*rows, strict=True))
-    sizes = [square_size(part.row, part.column) for part in parts]
-    found = starts([len(part.row) for part in parts]), ints([sizes]), row, column, pattern.find(row, column)
+    sizes, position = [square_size(part.row, part.column) for part in parts], pattern.find(row, column)
+    found = starts([len(part.row) for part in parts]), ints([sizes]), row.astype(np.uint32), column.astype(np.uint32), position
     return dict(zip(PLACES, found, strict=True))
+
+
+def _on_pattern(pattern: Pattern, position: np.ndarray, entries: np.ndarray) -> np.ndarray:
+    """Entries of a matrix at their places among all that are stored."""
+    found = np.zeros(len(pattern.indices), entries.dtype)
+    np.add.at(found, position, entries)
+    return found
 
 
 def _changes_of(
@@ -77,7 +87,7 @@ def _changes_of(
     """What is not zero in the derivatives of one matrix, whose entries are body by body and row by row."""
     parts = [(x, b, getattr(part, name)) for x, derivative in enumerate(derivatives) for b, part in derivative.constant.items()]
     entry, variable, value = _not_zero([(first_entry[b], x, change) for x, b, change in parts])
-    rows = row[entry]
+    rows = row[entry].astype(np.int64)
     begins = np.ones(len(entry), bool)
     begins[1:] = (rows[1:] != rows[:-1]) | (variable[1:] != variable[:-1])
     first = np.flatnonzero(begins)

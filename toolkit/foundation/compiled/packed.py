@@ -113,7 +113,7 @@ def _kinds(key: Any, record: tuple) -> PackedType:
 def key_of(given: Any) -> Any:
     """What the type of an argument follows from."""
     if isinstance(given, np.ndarray):
-        return given.dtype.str, given.ndim, given.flags.num & LAID_OUT
+        return given.dtype, given.ndim, given.flags.num & LAID_OUT
     if isinstance(given, Packed):
         return id(given.kind)  # of which there is one for ever: `_KNOWN`
     if isinstance(given, Formula):

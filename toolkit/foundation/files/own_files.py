@@ -2,11 +2,13 @@
 
 Whoever writes a set of files into a folder refuses before anything long what is there of these names and not in the list
 (`refuse_foreign`), and lists the names when it begins to write (`list_own`): files of an earlier set that are not written again go.
+If nothing comes of it, what was made for it goes too (`own_set`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -55,3 +57,29 @@ def list_own(folder: Path, names: Collection[str], instead_of: Collection[str] =
         write_whole(folder / OWN, "\n".join(sorted({*before, *names} - gone)).encode())
     for name in gone:
         (folder / name).unlink(missing_ok=True)
+
+
+@contextmanager
+def own_set(folder: Path, names: Collection[str], instead_of: Collection[str] = ()) -> Iterator[None]:
+    """Make a folder, list the names, and write there; raises as `list_own`. What fails before its first file leaves nothing behind."""
+    made = missing(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        list_own(folder, names, instead_of)
+        yield
+    finally:
+        leave_nothing(folder, made)
+
+
+def missing(folder: Path) -> list[Path]:
+    """The folder and those that it lies in, as far as they are not there, innermost first."""
+    return [each for each in (folder, *folder.parents) if not each.exists()]
+
+
+def leave_nothing(folder: Path, made: Sequence[Path]) -> None:
+    """Take the list away if nothing is there that it names, and what was made for it and is empty."""
+    with suppress(OSError):
+        if not any((folder / name).exists() for name in listed(folder)):
+            (folder / OWN).unlink(missing_ok=True)
+        for each in made:
+            each.rmdir()

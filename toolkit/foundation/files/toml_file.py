@@ -9,6 +9,7 @@ from typing import Any
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.regular_file import read_start
+from toolkit.foundation.listed_names import listed
 
 LARGEST_FILE = 10_000_000
 """Bytes; a scene of a thousand bodies has a hundredth of it."""
@@ -31,7 +32,10 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     try:
         content = read_start(path, LARGEST_FILE + 1)
     except OSError as error:
-        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of {what}.") from error
+        inside = (
+            f"; in this folder there are: {names}" if (names := listed(sorted(map(str, path.glob("*.toml"))))) != "none" else ""
+        )
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of {what}{inside}.") from error
     if len(content) > LARGEST_FILE:
         raise InputError(f"{str(path)!r} has more than {LARGEST_FILE} bytes. Give the path of {what}.")
     if content.startswith(HDF5):
@@ -41,7 +45,8 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     try:
         return parse_toml(content.decode("utf-8-sig"))
     except ValueError as error:
-        raise InputError(f"{str(path)!r} is not readable as TOML: {error}. Mend that line.") from error
+        remedy = "Mend that line" if path.suffix == ".toml" else f"Mend that line, or give the path of {what}"
+        raise InputError(f"{str(path)!r} is not readable as TOML: {error}. {remedy}.") from error
 
 
 def parse_toml(text: str) -> dict[str, Any]:

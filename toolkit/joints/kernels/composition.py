@@ -107,5 +107,5 @@ def gap(joints, j, i, value, target):
     """value - target of row i; of an angle that of the turn next to the target."""
     difference = value - target
     if joints.of[j, LAW + 2 * i] == ANGLE:
-        difference -= 2 * np.pi * np.round(difference.real / (2 * np.pi))
+        difference -= 2 * np.pi * np.rint(difference.real / (2 * np.pi))
     return difference

@@ -42,7 +42,7 @@ def profile_law(h, w, n, values, g, g_h, g_hh, g_hww):
     else:
         found = add_angle(h, w, 0, 1.0, g_h, g_hh, g_hww)
         g[0] = found[0] - values[0]
-        g[0] -= 2 * np.pi * np.round(g[0].real / (2 * np.pi))
+        g[0] -= 2 * np.pi * np.rint(g[0].real / (2 * np.pi))
 
 
 @inner

@@ -52,7 +52,7 @@ def turn_law(h, w, g, g_h, g_hh, g_hww):
     scale_angle(w, 1, 3, -1.0, found, g_h, g_hh, g_hww)
     turn = found[0]
     if p.real != 0:
-        turn += 2 * np.pi * np.round((x / p - turn).real / (2 * np.pi))
+        turn += 2 * np.pi * np.rint((x / p - turn).real / (2 * np.pi))
     g[0] = x - p * turn
     g_h[0], g_h[3] = 1, -turn
 
@@ -66,4 +66,4 @@ def teeth_law(h, w, g, g_h, g_hh, g_hww):
     of_a = add_angle(h, w, 0, 1.0, g_h, g_hh, g_hww)
     of_b = add_angle(h, w, 2, h[4], g_h, g_hh, g_hww)
     g[0] = of_a[0] + h[4] * of_b[0]
-    g[0] -= h[5] * np.round((g[0] / h[5]).real)
+    g[0] -= h[5] * np.rint((g[0] / h[5]).real)

@@ -15,6 +15,7 @@ from toolkit.kinematics.spatial import axes_along, skew
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, curve_at, part_nodes, symmetric
 from toolkit.reduced_model.elements import SpatialElements
+from toolkit.reduced_model.parts.pieces import Pieces
 from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface
 
 
@@ -45,7 +46,14 @@ class SpatialPart(Part):
         return shape, rotation
 
     def picture(self, whole: Any) -> dict[str, Any]:
-        """The fibres whose stress is told, each as far from its node as in the whole."""
+        """The points of the surface of pieces, or the fibres whose stress is told, each as far from its node as in the whole."""
+        if whole.pieces is not None:
+            rows = rows_of_pieces(whole.pieces, self.first, self.last)
+            start = 6 * (whole.pieces.element[rows] - self.first)
+            ends = np.real(self.recovery)[start[:, None] + np.arange(12)]
+            position = np.einsum("pdk,pkf->pdf", whole.pieces.position[rows, :, 1:], ends)
+            position[:, :, 0] = whole.pieces.position[rows, :, 0]
+            return {"surface": Surface(position, np.zeros((0, 3), int), np.zeros((0, 2), int))}
         if whole.surface is None or whole.stress is None or whole.surface.lines.size != len(whole.stress.element):
             return {}
         element, end = (each[self.stress_rows].astype(int) for each in (whole.stress.element, whole.stress.end))
@@ -55,6 +63,11 @@ class SpatialPart(Part):
         position = by_node[:, :3] + np.cross(by_node[:, 3:], offset[:, :, None], axis=1)
         position[:, :, 0] += offset
         return {"surface": Surface(position, np.zeros((0, 3), int), np.arange(len(position)).reshape(-1, 2))}
+
+
+def rows_of_pieces(pieces: Pieces, first: int, last: int) -> np.ndarray:
+    """Numbers of the points of the surface that elements from one up to, but without, another tell."""
+    return np.flatnonzero((pieces.element >= first) & (pieces.element < last))
 
 
 def spatial_part(
@@ -78,9 +91,17 @@ def spatial_part(
         second_moment=np.stack([symmetric(each) if a == b else each for each, (a, b) in zip(moments, PAIRS, strict=True)]),
         stiffness=sums.square(elements.stiffness),
         damping=sums.square(elements.damping),
-        stress_operator=sums.stress(elements.stress_operator[rows], stress_elements[rows] - first)[:, None],
+        stress_operator=_stress(sums, elements.stress_operator, stress_elements, rows),
     )
     return SpatialPart(first, last, nodes, sums.recovery, invariants, rows)
+
+
+def _stress(sums: Sums, operator: np.ndarray, elements: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Of some of all stress points, whose elements are given, (n, n_components, n_f)."""
+    components = len(operator) // len(elements) if len(elements) else 1
+    every = (components * rows[:, None] + np.arange(components)).ravel()
+    found = sums.stress(operator[every], np.repeat(elements[rows], components) - sums.own.start)
+    return found.reshape(len(rows), components, sums.psi.shape[1])
 
 
 def _coordinates(nodes: np.ndarray, chord: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 import pyvista
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from toolkit.foundation.files.own_files import list_own, refuse_foreign
+from toolkit.foundation.files.own_files import own_set, refuse_foreign
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.units import unit
 from toolkit.render.paraview.mechanism_lines import lifted, mechanism
@@ -53,16 +53,15 @@ def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[
     parts = [safe_name(name) for name in meshes_at(0)]
     names = ["results.pvd", *(f"{part}_{step:0{digits}}.vtp" for part in parts for step in range(len(solution.times)))]
     refuse_foreign(directory, names)
-    directory.mkdir(parents=True, exist_ok=True)
-    list_own(directory, names, instead_of=["*_*.vtp"])
-    for step, time in enumerate(solution.times):
-        for name, mesh in meshes_at(step).items():
-            if mesh is not None:
-                file = f"{safe_name(name)}_{step:0{digits}}.vtp"
-                write_whole(directory / file, _vtp(mesh))
-                entries.append((float(time), name, file))
     path = directory / "results.pvd"
-    write_whole(path, ElementTree.tostring(_collection(entries), encoding="utf-8", xml_declaration=True))
+    with own_set(directory, names, instead_of=["*_*.vtp"]):
+        for step, time in enumerate(solution.times):
+            for name, mesh in meshes_at(step).items():
+                if mesh is not None:
+                    file = f"{safe_name(name)}_{step:0{digits}}.vtp"
+                    write_whole(directory / file, _vtp(mesh))
+                    entries.append((float(time), name, file))
+        write_whole(path, ElementTree.tostring(_collection(entries), encoding="utf-8", xml_declaration=True))
     return path
 
 

@@ -1,4 +1,4 @@
-"""Curves over time: extreme stress, distance to the target shape, rotations of the rigid bodies."""
+"""Curves over time: extreme stress, distance to the target shape, rotations of the rigid bodies; motion of points where nothing turns."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.planar.flexible import Flexible
-from toolkit.render.curves import Panels, draw_panels, merged
+from toolkit.render.curves import SEEN, Panels, draw_panels, merged, motion_panels
+from toolkit.render.plane.configuration import Configuration
 from toolkit.render.stress_told import stress_range
 from toolkit.responses.shape_error import gaps
 from toolkit.system.flexible_bodies import flexible_body
@@ -55,4 +56,12 @@ def _rotation_panels(solution: Solution) -> Panels:
     scene = solution.system.scene
     framed = [name for name, body in scene.bodies.items() if body.has_frame and not isinstance(body, CutBody)]
     curves = {name: np.real(solution.q[:, solution.coordinates(name).start + 2]) for name in framed}
-    return [("rotation", "angle", merged(curves))] if curves else []
+    rotations: Panels = [("rotation", "angle", merged(curves))] if curves else []
+    turned = any(np.abs(angle).max() > SEEN for angle in curves.values())
+    return rotations if turned or not curves else _motion_panels(solution) or rotations
+
+
+def _motion_panels(solution: Solution) -> Panels:
+    moments = [Configuration(solution, step) for step in range(len(solution.times))]
+    scene, points = solution.system.scene, moments[0].named_points()
+    return motion_panels({point: np.real(scene.position(point)) for point in points}, moments)

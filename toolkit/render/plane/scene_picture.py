@@ -130,11 +130,12 @@ def _fill(
         write_names(panel, moment, bodies=not number, motion=motion, number=number)
 
 
-def color_bar(figure: Figure, axes: list[Axes], colors: Normalize, label: str) -> None:
-    """What the colours of bands mean, below the axes."""
+def color_bar(figure: Figure, axes: list[Axes], colors: Normalize, label: str, beyond: float = 0.0) -> None:
+    """What the colours of bands mean, below the axes; pointed where there are numbers beyond them."""
     bar = figure.colorbar(
-        ScalarMappable(colors, SIGNED), ax=axes, location="bottom", label=label, aspect=50, shrink=0.7, pad=0.02
-    )
+        ScalarMappable(colors, SIGNED), ax=axes, location="bottom", label=label, aspect=50, shrink=0.7, pad=0.02,
+        extend="both" if beyond else "neither",
+    )  # fmt: skip
     bar.set_ticks(np.linspace(colors.vmin or 0.0, colors.vmax or 0.0, 5).tolist())
 
 

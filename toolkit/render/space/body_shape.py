@@ -10,7 +10,9 @@ import numpy as np
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.reduced_model.cut.spatial_part import rows_of_pieces
 from toolkit.reduced_model.model import StressPoints
+from toolkit.reduced_model.parts.pieces import Pieces
 from toolkit.reduced_model.spatial_model import Surface
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.responses.stress.stress import stress_components
@@ -66,9 +68,17 @@ def _points(moment: SpatialConfiguration, body: str, surface: Surface) -> np.nda
         assert isinstance(part, FramedPart)
         own = part.design_point(scene).model.surface
         if own is not None:
-            rows = surface.lines.ravel()[part.part(scene).stress_rows]
+            rows = _rows(surface, scene.model(found.model, "pieces").pieces, part, scene)
             points[rows] = moment.place(name, own.position @ np.append(1.0, moment.elastic(name)))
     return points
+
+
+def _rows(surface: Surface, pieces: Pieces | None, part: FramedPart, scene: Scene) -> np.ndarray:
+    """Points of the surface of a body that a part of it tells."""
+    if pieces is not None:
+        return rows_of_pieces(pieces, part.first, part.last)
+    found: np.ndarray = surface.lines.ravel()[part.part(scene).stress_rows]
+    return found
 
 
 def at_points(surface: Surface, values: np.ndarray) -> np.ndarray:

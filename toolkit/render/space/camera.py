@@ -98,6 +98,12 @@ class Camera:
         return self.eye + (points - self.eye) * factor if self.perspective else points + shift * ISOMETRIC[2]
 
 
+def natural_aspect(points: np.ndarray, least: float, largest: float) -> float:
+    """Width over height of what is seen of points (n, 3), within bounds: a panel like this stands empty at no side."""
+    width, height = np.ptp(points @ ISOMETRIC[:2].T, axis=0)
+    return float(np.clip(width / height if height else largest, least, largest))
+
+
 def _framed(extent: np.ndarray, aspect: float, margin: float) -> np.ndarray:
     """Width and height (2,) of the smallest rectangle of an aspect round an extent (2,), with a margin relative to that."""
     size = extent + 2 * margin * max(extent.max(), 1e-12)

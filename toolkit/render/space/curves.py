@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.render.curves import Panels, draw_panels, merged
+from toolkit.render.curves import Panels, draw_panels, merged, motion_panels
 from toolkit.render.space.body_shape import body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.stress_told import stress_range
@@ -25,8 +25,8 @@ def stress_extremes(moment: SpatialConfiguration, body: str) -> tuple[float, flo
 def spatial_curves_figure(solution: Solution) -> Figure:
     """The curves, a panel per quantity."""
     moments = [SpatialConfiguration(solution, step) for step in range(len(solution.times))]
-    panels = _stress_panels(solution, moments[0]) + _motion_panels(solution, moments) + _rotation_panels(solution, moments)
-    return draw_panels(solution, panels)
+    moved = motion_panels(SpatialConfiguration.undeformed(solution).named_points(), moments)
+    return draw_panels(solution, _stress_panels(solution, moments[0]) + moved + _rotation_panels(solution, moments))
 
 
 def _stress_panels(solution: Solution, start: SpatialConfiguration) -> Panels:
@@ -38,15 +38,6 @@ def _stress_panels(solution: Solution, start: SpatialConfiguration) -> Panels:
         else:
             curves[f"{body}, largest von Mises"] = high
     return [("stress", "stress", curves)] if curves else []
-
-
-def _motion_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
-    """Distance of every named point that moves from where it is undeformed."""
-    start = SpatialConfiguration.undeformed(solution).named_points()
-    places = [moment.named_points() for moment in moments]
-    curves = {point: np.array([np.linalg.norm(place[point] - here) for place in places]) for point, here in start.items()}
-    moved = {point: values for point, values in curves.items() if values.any()}
-    return [("motion of points", "length", merged(moved))] if moved else []
 
 
 def _rotation_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:

@@ -43,11 +43,12 @@ _LOWEST = 5.6
 def draw_legend(
     plotter: Any, actor: Any, moments: Sequence[SpatialConfiguration], look: SpatialLook, left: int, letters: int
 ) -> None:
-    """Colour bar at the lower left, meaning of colours at the lower right, symbols above."""
+    """Colour bar at the lower left, meaning of colours beside it or in its place, symbols above."""
+    words = 0.62 * plotter.window_size[0] if look.stress_limit else left
     if actor is not None and look.stress_limit:
         color_bar(plotter, actor, f"{look.stress_name} in {look.shown_stress.label}", letters)
     found = [(f"faint: {_faint(moments[0], look)}", UNDEFORMED)] if any(has_moved(moment, look) for moment in moments) else []
-    explain(plotter, [*found, *_loads(moments, look), ("motion and shape to scale", INK)], letters)
+    explain(plotter, [*found, *_loads(moments, look), ("motion and shape to scale", INK)], words, letters)
     _draw_symbols(plotter, moments[0], left, letters)
 
 

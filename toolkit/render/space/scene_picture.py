@@ -13,7 +13,7 @@ from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.render.motion.names import NamesOfMotion
 from toolkit.render.round_numbers import even
 from toolkit.render.space.body_shape import body_shape
-from toolkit.render.space.camera import Camera
+from toolkit.render.space.camera import Camera, natural_aspect
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.curves import stress_extremes
 from toolkit.render.space.drawing import draw_spatial_scene
@@ -29,6 +29,8 @@ _MARGIN = 0.08
 """Round what is drawn, relative to its extent; symbols stand a little beyond it."""
 _FOOT = 12
 """Height of the space below the panels, in letters."""
+_ASPECTS = 1.15, 1.8
+"""Least and largest width of a panel of an overview over its height."""
 
 
 def draw_spatial_instant(
@@ -43,7 +45,7 @@ def draw_spatial_instant(
 def draw_spatial_overview(moments: Sequence[SpatialConfiguration], look: SpatialLook, path: Path, width: int) -> None:
     """Several instants, two beside each other."""
     letters = width // 60
-    places, height = overview_places(len(moments), width, _FOOT * letters)
+    places, height = overview_places(len(moments), width, _FOOT * letters, natural_aspect(look.points, *_ASPECTS))
     _draw(path, (width, height), places, moments, look, letters)
 
 

@@ -19,6 +19,9 @@ from toolkit.report.figures.stress_motion import stress
 from toolkit.report.material import Material
 from toolkit.scene_file.gradient_units import per, variable_unit
 
+_FAR = 5.0
+"""How many times as large as what three quarters of the instants reach a peak is that gets no colour of its own."""
+
 
 def stress_sensitivity(material: Material) -> list[Drawing]:
     """One drawing per skin and variable."""
@@ -31,7 +34,7 @@ def _one(material: Material, body: str, x: int, variable: str) -> Drawing:
     derivative = material.results.bodies[body].dstress[:, :, x]
     fibres = np.array([fibre_values(drawn_model(moment, body), row) for row in derivative])  # (n_t, n_e, POINTS, 2)
     value = abs(material.results.variables[variable]["value"]) or 1.0
-    limit = round_up(told(fibres, round_off(material.scene, body) / value))
+    limit, beyond = color_range(fibres, round_off(material.scene, body) / value)
     fibres, limit = (fibres, limit) if limit else (np.zeros_like(fibres), 1.0)
     colors = Normalize(-limit, limit)
     corners = window(material.look.points)
@@ -43,11 +46,24 @@ def _one(material: Material, body: str, x: int, variable: str) -> Drawing:
         above.set_title(f"at the end; {words}", loc="left")
         if material.moving:
             _over_time(axes[1, 0], material, body, fibres[..., 0], colors)
-        color_bar(figure, list(axes[:, 0]), colors, f"d stress / d {variable} in {label}")
+        color_bar(figure, list(axes[:, 0]), colors, f"d stress / d {variable} in {label}", beyond)
         open_windows(figure, moment, {above: corners})
         draw_band(above, moment, body, fibres[-1], colors, material.look.thickness[body])
     caption = f"How the stress of {body} changes with {variable} ({path})."
+    if beyond:
+        caption += f" A short peak beyond the colours reaches {float(f'{beyond:.3g}'):g} {label}."
     return Drawing(f"stress_sensitivity_{body}_{variable}", f"Sensitivity of the stress to {variable}", caption, figure)
+
+
+def color_range(fibres: np.ndarray, noise: float) -> tuple[float, float]:
+    """How far colours reach, and the largest size if that is far beyond them, or else zero.
+
+    Where a motion snaps through, derivatives have a peak that would leave all else without a colour: then they reach as far as three
+    quarters of the instants and the end do.
+    """
+    each = np.array([told(instant, noise) for instant in fibres])
+    usual = max(float(np.quantile(each, 0.75)), each[-1])
+    return (round_up(usual), each.max()) if each.max() > _FAR * usual > 0 else (round_up(each.max()), 0.0)
 
 
 def _over_time(axes: Axes, material: Material, body: str, outer: np.ndarray, colors) -> None:

@@ -34,6 +34,11 @@ def pencil_of(solution: Solution) -> Pencil:
     return Pencil(stiffness, damping, mass)
 
 
+def real_pencil(pencil: Pencil) -> Pencil:
+    """Its real parts."""
+    return Pencil(*(np.real(each) for each in pencil))
+
+
 def pencil_change(solution: Solution, s: complex, u: np.ndarray, w: np.ndarray, damped: bool) -> tuple[np.ndarray, np.ndarray]:
     """w^T (s^2 dM + s dC + dK) u by q and multipliers (n,), and by the design (n_x,).
 

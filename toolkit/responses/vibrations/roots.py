@@ -10,11 +10,15 @@ import numpy as np
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.responses.vibrations.pencil import Pencil
 from toolkit.solvers.free_motions import free_motions
-from toolkit.solvers.roots import all_roots, refined
-from toolkit.system.system import System
+from toolkit.solvers.roots import all_roots, is_zero, refined
 
 SAME = 1e-6
 """Part of the largest by which two vibrations that are one differ: then neither has a derivative of its own."""
+
+
+CLOSE = 0.01
+"""Part of a slow root by which Rayleigh's quotient moves it at most: the round-off of one of 1e-7 of the fastest is 5e-3 of it, while one
+that is round-off goes half the way to zero, or anywhere."""
 
 
 class Vibration(NamedTuple):
@@ -28,8 +32,13 @@ class Vibration(NamedTuple):
     alone: bool
 
 
-def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callable[[complex], float]) -> Vibration:
+def find_vibration(weights: np.ndarray, pencil: Pencil, number: int, slowness: Callable[[complex], float]) -> Vibration:
     """The vibration of a number, from 1 on, of those whose `slowness` is no nan, in its order.
+
+    Parameters
+    ----------
+    weights : (n_q,)
+        What makes coordinates comparable, see `numbering.weights`.
 
     Raises
     ------
@@ -38,15 +47,9 @@ def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callab
     SingularSystemError
         The joints leave no motion.
     """
-    n_q = system.n_q
-    J = pencil.stiffness[n_q:, :n_q]
-    Z = free_motions(J, system.weights[:n_q])
-    if not Z.shape[1]:
-        raise SingularSystemError("the joints leave no motion, so nothing vibrates. Remove a joint or a driver.")
-    reduced = Pencil(*(Z.T @ each[:n_q, :n_q] @ Z for each in pencil))
-    values, left, right = all_roots(*reduced)
-    known = [k for k in range(len(values)) if np.isfinite(slowness(complex(values[k])))]
-    order = sorted(known, key=lambda k: slowness(complex(values[k])))
+    Z, reduced = free_pencil(weights, pencil)
+    values, left, right = _without_round_off(reduced, *all_roots(*reduced))
+    order = _order(values, slowness)
     if len(order) < number:
         raise InputError(f"there are {len(order)} vibrations about this equilibrium; number = {number} is none of them.")
     k = order[number - 1]
@@ -56,8 +59,50 @@ def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callab
     s, u, w = refined(*reduced, values[k], right[:, k], left[:, k])
     u, w = Z @ u, Z @ w
     whole = s * s * pencil.mass + s * pencil.damping + pencil.stiffness
+    J = pencil.stiffness[len(weights) :, : len(weights)]
     u, w = (_with_multipliers(J, each, matrix) for each, matrix in ((u, whole), (w, whole.T)))
     return Vibration(s, u, w, w @ (2 * s * pencil.mass + pencil.damping) @ u, alone=True)
+
+
+def all_vibrations(weights: np.ndarray, pencil: Pencil, slowness: Callable[[complex], float]) -> np.ndarray:
+    """s of all of them, in the order of their numbers."""
+    reduced = free_pencil(weights, pencil)[1]
+    values = _without_round_off(reduced, *all_roots(*reduced))[0]
+    return values[_order(values, slowness)]
+
+
+def _without_round_off(
+    pencil: Pencil, values: np.ndarray, left: np.ndarray, right: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Roots with their vectors, with one s = 0 for every motion that nothing holds, of whose two roots round-off leaves anything near zero.
+
+    A slow vibration is known from these by Rayleigh's quotient, which leaves it where it is.
+    """
+    small = np.flatnonzero([is_zero(s, np.abs(values).max(initial=0)) for s in values])
+    zero = [k for k in small if not _stays(pencil, values[k], right[:, k], left[:, k])]
+    values[zero] = 0.0
+    kept = np.delete(np.arange(len(values)), zero[: len(zero) - len(zero) // 2])
+    return values[kept], left[:, kept], right[:, kept]
+
+
+def _stays(pencil: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> bool:
+    with np.errstate(all="ignore"):
+        found = refined(*pencil, s, u, w)[0]
+    return bool(abs(found - s) < CLOSE * abs(s))
+
+
+def free_pencil(weights: np.ndarray, pencil: Pencil) -> tuple[np.ndarray, Pencil]:
+    """Motions that the joints allow, (n_q, n_free), and the matrices of these."""
+    n_q = len(weights)
+    Z = free_motions(pencil.stiffness[n_q:, :n_q], weights)
+    if not Z.shape[1]:
+        raise SingularSystemError("the joints leave no motion, so nothing vibrates. Remove a joint or a driver.")
+    return Z, Pencil(*(Z.T @ each[:n_q, :n_q] @ Z for each in pencil))
+
+
+def _order(values: np.ndarray, slowness: Callable[[complex], float]) -> list[int]:
+    slow = {k: slowness(complex(value)) for k, value in enumerate(values)}
+    return sorted((k for k in slow if np.isfinite(slow[k])), key=lambda k: slow[k])
 
 
 def _with_multipliers(J: np.ndarray, motion: np.ndarray, matrix: np.ndarray) -> np.ndarray:

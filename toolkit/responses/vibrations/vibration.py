@@ -18,11 +18,16 @@ from pydantic import Field
 
 from toolkit.foundation.errors import InputError
 from toolkit.responses.response import Partials, Response
-from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of
-from toolkit.responses.vibrations.roots import SAME, Vibration, find_vibration
+from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of, real_pencil
+from toolkit.responses.vibrations.roots import SAME, all_vibrations, find_vibration
 from toolkit.responses.vibrations.spinning import spinning_change, spinning_pencil
 from toolkit.responses.vibrations.steadiness import refuse_unsteady
 from toolkit.system.solution import Solution
+
+
+def any_pencil_of(solution: Solution) -> Pencil:
+    """Of the state that a solution ends in, at rest or spinning."""
+    return spinning_pencil(solution) if solution.spins or solution.steps else pencil_of(solution)
 
 
 class OfVibration(Response):
@@ -80,30 +85,40 @@ class OfVibration(Response):
                 f"{system.numbering.names[system.n_b]} is an integral over time, which undamped vibrations do not have. Ask for "
                 "the response damping-ratio instead, or leave the integral out."
             )
-        pencil = pencil_of(solution)
-        found = self.about_rest(solution, pencil)
+        pencil = self.counting(solution, any_pencil_of(solution))
+        found = find_vibration(system.weights[: system.n_q], real_pencil(pencil), self.number, self.slowness)
         s, u, w = found.s, found.right, found.left
         if not found.alone:
             return self._one_of_two(solution, s)
         step = Pencil(*(np.imag(each) for each in pencil))
-        moved = s * s * step.mass + s * self.counted(step.damping) + step.stiffness
+        moved = s * s * step.mass + s * step.damping + step.stiffness
         value = self.of(s) + 1j * self.slope(s, -(w @ moved @ u) / found.scale)
         changes = pencil_change(solution, s, u, w, damped=damped)
         by_z, design = (self.slope(s, -each / found.scale) for each in changes)
         n_q = system.n_q
         return Partials(value.real if system.compiled else value, q=by_z[None, :n_q], multipliers=by_z[None, n_q:], design=design)
 
-    def about_rest(self, solution: Solution, pencil: Pencil) -> Vibration:
-        """The vibration of that number, of a state at rest with this pencil."""
-        real = Pencil(*(np.real(each) for each in pencil))
-        return find_vibration(solution.system, real._replace(damping=self.counted(real.damping)), self.number, self.slowness)
+    def counting(self, solution: Solution, pencil: Pencil) -> Pencil:
+        """The same with the damping that counts: about a spin, and at the end of a motion, all of it."""
+        moves = solution.spins or solution.steps
+        return pencil if moves else pencil._replace(damping=self.counted(pencil.damping))
+
+    def vibrations(self, solution: Solution, pencil: Pencil, weights: np.ndarray) -> np.ndarray:
+        """s of all vibrations that count, with a pencil about this state, from the slowest on.
+
+        Parameters
+        ----------
+        weights : (n_q,)
+            What makes coordinates of the pencil comparable.
+        """
+        return all_vibrations(weights, real_pencil(self.counting(solution, pencil)), self.slowness)
 
     def _of_a_state_that_moves(self, solution: Solution) -> Partials:
         """Of a steady spin, or of the end of a motion: with dampers, and in the frame that spins."""
-        system, pencil = solution.system, spinning_pencil(solution)
-        found = find_vibration(system, Pencil(*(np.real(each) for each in pencil)), self.number, self.slowness)
+        system, pencil = solution.system, any_pencil_of(solution)
+        found = find_vibration(system.weights[: system.n_q], real_pencil(pencil), self.number, self.slowness)
         s, u, w = found.s, found.right, found.left
-        if solution.steps and system.compiled:
+        if solution.steps and system.compiled and s:
             refuse_unsteady(solution, abs(s))
         if not found.alone:
             return self._one_of_two(solution, s)
@@ -122,9 +137,9 @@ class OfVibration(Response):
 
 
 class Frequency(OfVibration):
-    """Frequency of a vibration about an equilibrium, in cycles per time: those of `ffrf modes`. Negative where the equilibrium is unstable.
-    About an equilibrium at rest it is without dampers; about a steady spin, and at the end of a motion, it is with dampers, seen
-    from the frame that spins.
+    """Frequency of a vibration about an equilibrium, in cycles per time: those of `ffrf modes`. Negative where the equilibrium is unstable;
+    motions that nothing holds have zero, each once. About an equilibrium at rest it is without dampers; about a steady spin, and at
+    the end of a motion, it is with dampers, seen from the frame that spins.
     """
 
     kind = "frequency"
@@ -138,7 +153,7 @@ class Frequency(OfVibration):
         """Im s of a pair of roots, - Re s where it is real; one of each pair."""
         vibrates = abs(s.imag) > SAME * abs(s)
         one = s.imag if vibrates else s.real
-        return (one if vibrates else -one) / (2 * np.pi) if one >= 0 else np.nan
+        return (one if vibrates else 0.0 - one) / (2 * np.pi) if one >= 0 else np.nan
 
     def slowness(self, s: complex) -> float:
         """The frequency, so that what is unstable comes first."""

@@ -70,6 +70,7 @@ def stiffened(system: System) -> System:
     everywhere = np.ones_like(part.segment_damped)  # there is a mass where there is stiffness alone otherwise
     mass = {
         "mass": part.mass + part.stiffness,
+        "M": part.M + part.K,
         "design_mass": together(part.design_mass, part.design_stiffness),
         "segment_damped": everywhere,
     }

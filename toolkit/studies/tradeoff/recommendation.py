@@ -12,6 +12,9 @@ from toolkit.studies.tradeoff.settings.frame_axes import framed
 from toolkit.studies.tradeoff.settings.setting import Setting, options_with
 from toolkit.studies.tradeoff.settings.skin_models import model_file, tables_file
 
+EVERY_SHAPE = 10_000
+"""Modes of a part that no part has: it keeps all its coordinates."""
+
 
 def solver_fragment(case: Case, setting: Setting) -> str:
     """The table [solver] that takes the place of the scene's; what is the default anyway stands in it only if it did before."""
@@ -26,14 +29,20 @@ def changes(case: Case, setting: Setting) -> dict[str, str]:
     scene = case.scene()
     mine, theirs = scene.solver.model_dump(), options_with(scene, setting.solver).model_dump(exclude_unset=True)
     solver = {f"solver.{key}": toml_value(value) for key, value in theirs.items() if mine.get(key) != value}
-    return {**solver, **{f"bodies.{name}.frames": str(number) for name, number in frames(case, setting).items()}}
+    return {
+        **solver,
+        **{f"bodies.{name}.{key}": str(n) for name, keys in frames(case, setting).items() for key, n in keys.items()},
+    }
 
 
-def frames(case: Case, setting: Setting) -> dict[str, int]:
-    """Body -> number of its floating frames, of those that have another one in the scene."""
-    scene = case.scene()
-    bodies = framed(scene, setting.frames).bodies
-    return {name: body.frames for name, body in bodies.items() if body is not scene.bodies[name] and body != scene.bodies[name]}  # type: ignore[attr-defined]
+def frames(case: Case, setting: Setting) -> dict[str, dict[str, int]]:
+    """Body -> its number of floating frames, and of modes in each part, as far as the scene has others."""
+    scene, found = case.scene(), {}
+    for name, body in framed(scene, setting.frames, setting.modes).bodies.items():
+        if body is not scene.bodies[name] and body != scene.bodies[name]:
+            new, old = ({key: getattr(each, key) for key in ("frames", "modes_per_frame")} for each in (body, scene.bodies[name]))
+            found[name] = {key: EVERY_SHAPE if n is None else n for key, n in new.items() if n != old[key]}
+    return found
 
 
 def skin_fragments(case: Case, setting: Setting) -> dict[str, str]:

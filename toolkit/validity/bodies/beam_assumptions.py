@@ -23,7 +23,7 @@ from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates
+from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates, elements_of, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
@@ -64,7 +64,7 @@ def beams_of(behind: Chain) -> Beams:
 def sheared(scene: Scene) -> Iterator[Caution]:
     """Bodies so short that shear, which beams leave out, counts."""
     for body in whole_bodies(scene):
-        behind = chain(scene, body)
+        behind = None if is_in_pieces(scene, body) else chain(scene, body)
         if behind is None:
             continue
         found, size = beams_of(behind), float(np.linalg.norm(np.ptp(behind.nodes, axis=0)))
@@ -92,7 +92,7 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
                 "weight-between-nodes",
                 f"the stress of {body} lacks what its weight does between nodes, or what no shape of its basis knows of that: some "
                 f"{part:.0%} of the largest, while interface points are where they should be. Build the model with "
-                f"{factor:.1f} times as many elements, or with more modes.",
+                f"{factor:.1f} times as many {elements_of(scene, body)}, or with more modes.",
             )
 
 

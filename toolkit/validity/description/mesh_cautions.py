@@ -1,4 +1,5 @@
-"""Flexible bodies whose mesh is too coarse for their stress, if a scene asks for it, or for their deflections."""
+"""Flexible bodies whose mesh is too coarse for their stress, if a scene asks for it, or for their deflections, and those in pieces whose
+faces make them softer or stiffer."""
 
 from __future__ import annotations
 
@@ -6,6 +7,7 @@ from collections.abc import Iterator
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.verdict import Caution
+from toolkit.reduced_model.questions.face_questions import face_questions
 from toolkit.reduced_model.questions.mesh_questions import COARSE, TOO_STIFF, mesh_questions
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.stress.local_stress import LocalStress
@@ -14,12 +16,14 @@ from toolkit.scene.scene import Scene
 
 
 def cautions_of_meshes(scene: Scene) -> Iterator[Caution]:
-    """A doubt for every body with a mesh that is too coarse for its stress, if that is asked for, or for its deflections."""
+    """A doubt for every body with a mesh that is too coarse for its stress, if that is asked for, or for its deflections, or with faces
+    between its pieces that count."""
     asked = bodies_of_stress(scene)
     for name, body in scene.bodies.items():
         if isinstance(body, ModelBody):
             limit = COARSE if name in asked else TOO_STIFF
             yield from mesh_questions(scene.model(body.model), f"body {name!r}", doubt=True, limit=limit)
+            yield from face_questions(scene.model(body.model), f"body {name!r}", doubt=True)
 
 
 def bodies_of_stress(scene: Scene) -> set[str]:

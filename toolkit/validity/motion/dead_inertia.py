@@ -18,8 +18,9 @@ from toolkit.system.flexible_bodies import deforming
 from toolkit.system.system import System
 
 
-def dead_inertia(system: System, q: np.ndarray, residual: np.ndarray) -> coo_array:
-    """Matrix (n, n) of all flexible bodies with a frame that moves and turns; of rigid ones the origin is the centre of mass.
+def dead_inertia(system: System, q: np.ndarray, residual: np.ndarray) -> coo_array | None:
+    """Matrix (n, n) of all flexible bodies with a frame that moves and turns; of rigid ones the origin is the centre of mass. None if there
+    are no such bodies.
 
     Parameters
     ----------
@@ -39,9 +40,10 @@ def dead_inertia(system: System, q: np.ndarray, residual: np.ndarray) -> coo_arr
         rows.append(np.repeat(at, body.turns))
         columns.append(np.tile(at, body.turns))
         values.append(block.ravel())
-    none = [np.zeros(0, int)]
-    places = np.concatenate(rows or none), np.concatenate(columns or none)
-    return coo_array((np.concatenate(values or [np.zeros(0)]), places), shape=(system.n, system.n))
+    if not values:
+        return None
+    places = np.concatenate(rows), np.concatenate(columns)
+    return coo_array((np.concatenate(values), places), shape=(system.n, system.n))
 
 
 def stiffness_of_turns(force: np.ndarray, centre: np.ndarray, axes: np.ndarray, turns: int) -> np.ndarray:

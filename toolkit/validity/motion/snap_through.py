@@ -9,9 +9,10 @@ from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.verdict import Caution
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.static.stability.critical_state import has_negative_stiffness, softest_motion
-from toolkit.solvers.static.stability.saddle import factorised, free_count
+from toolkit.solvers.static.stability.saddle import balance, factorised, free_count
 from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, scaled_by, static_array
 from toolkit.system.solution import Solution
+from toolkit.validity.motion.balancing_forces import balancing_forces
 from toolkit.validity.motion.dead_inertia import dead_inertia
 
 LOOKED_AT, AMONG = 50, 5000
@@ -74,13 +75,16 @@ def _begins_at_rest(solution: Solution) -> bool:
     if (weights * np.abs(solution.v[0, :n_b])).max() * (solution.times[-1] - solution.times[0]) > SLOW:
         return False
     residual, matrix, _ = _static(solution, 0.0)
+    scale = balance(system, matrix)
+    largest = largest_entry(scaled_by(matrix, scale)[:n_b, :n_b])
+    if not softest_motion(system, matrix)[0] > NONE * largest:  # first, as it takes sparse factors alone
+        return False
     try:
-        saddle = factorised(system, matrix)
+        saddle = factorised(system, matrix, scale)
     except SingularSystemError:
         return False
-    largest = largest_entry(scaled_by(matrix, saddle.scale)[:n_b, :n_b])
     away = (weights * np.abs(saddle.solve(residual)[:n_b])).max()
-    return saddle.negative == 0 and away <= NEAR and softest_motion(system, matrix)[0] > NONE * largest
+    return bool(saddle.negative == 0 and away <= NEAR)
 
 
 def _inputs(solution: Solution, places: list[float]) -> list[Inputs]:
@@ -96,12 +100,12 @@ def _static(solution: Solution, place: float, inputs: Inputs | None = None) -> t
     inputs = inputs or system.inputs(time, LEVELS)
     q, forces, rest = np.append(found, np.zeros(system.n - n_q)), np.zeros(system.n), np.zeros(system.n)
     terms = system.evaluate(inputs, q, rest, forces)
-    scaled = system.dense(terms.I_acc)[:n_q, n_q:] / system.weights[:n_q, None]
-    forces[n_q:] = np.linalg.lstsq(scaled, -(terms.inertial + terms.applied)[:n_q] / system.weights[:n_q])[0]
+    forces[n_q:] = balancing_forces(system, terms)
     terms = system.evaluate(inputs, q, rest, forces)
     residual, matrix = terms.inertial + terms.applied, static_array(system, terms)
-    held = dead_inertia(system, q, residual)
-    return residual, matrix + (held.toarray() if isinstance(matrix, np.ndarray) else held.tocsr()), forces
+    if (held := dead_inertia(system, q, residual)) is not None:
+        matrix = matrix + (held.toarray() if isinstance(matrix, np.ndarray) else held.tocsr())
+    return residual, matrix, forces
 
 
 def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:

@@ -17,12 +17,15 @@ COLUMNS = 2
 _LEFT = ("left", "center")
 
 
-def overview_places(count: int, width: int, foot: int) -> tuple[list[Place], int]:
-    """Places of panels row by row from the top, above a foot of that height and with a margin on the left; and the picture's height."""
+def overview_places(count: int, width: int, foot: int, aspect: float) -> tuple[list[Place], int]:
+    """Places of panels row by row from the top, above a foot of that height and with a margin on the left; and the picture's height.
+
+    `aspect` is the width of a panel over its height.
+    """
     letters, columns = width // 60, min(COLUMNS, count)
     rows, left = -(-count // columns), 3 * letters
     wide = (width - left) // columns - letters
-    tall, head = round(0.55 * wide), 7 * letters // 2
+    tall, head = round(wide / aspect), 7 * letters // 2
     cells = [divmod(k, columns) for k in range(count)]
     places = [(left + column * (wide + letters), foot + (rows - 1 - row) * (tall + head), wide, tall) for row, column in cells]
     return places, foot + rows * (tall + head)
@@ -51,8 +54,8 @@ def color_bar(plotter: Any, actor: Any, title: str, letters: int) -> None:
     letter(plotter, title, np.array([0.31 * width, 3.9 * letters]), letters)
 
 
-def explain(plotter: Any, meanings: Sequence[tuple[str, str]], letters: int) -> None:
-    """Words in their colours at the lower right of the picture."""
+def explain(plotter: Any, meanings: Sequence[tuple[str, str]], left: float, letters: int) -> None:
+    """Words in their colours at the lower edge of the picture, from a pixel on."""
     plotter.subplot(0, 0)
     for k, (text, color) in enumerate(reversed(meanings)):
-        letter(plotter, text, np.array([0.62 * plotter.window_size[0], (0.8 + 1.3 * k) * letters]), letters, color, _LEFT)
+        letter(plotter, text, np.array([left, (0.8 + 1.3 * k) * letters]), letters, color, _LEFT)

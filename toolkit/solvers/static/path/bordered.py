@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse import block_array, csc_array
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from toolkit.solvers.static.stability.static_array import StaticArray
 
@@ -15,8 +16,9 @@ TRUSTED = 1e-10
 """Refinement of a solution, in parts of it, up to which it is believed: near a limit point the matrix alone is singular."""
 
 
-class Bordered(NamedTuple):
-    """[A, f; b^T, c]."""
+@dataclass(frozen=True)
+class Bordered:
+    """[A, f; b^T, c], which is factored once."""
 
     matrix: StaticArray  # A (n, n)
     column: np.ndarray  # f (n,)
@@ -31,18 +33,30 @@ class Bordered(NamedTuple):
         return self._by_sparse_factors(rhs) if found is None else found
 
     def _by_dense_factors(self, rhs: np.ndarray) -> np.ndarray | None:
+        factors, pivots, info = self._dense_factors
+        return None if info else lapack.dgetrs(factors, pivots, rhs, trans=1)[0]
+
+    @cached_property
+    def _dense_factors(self) -> tuple[np.ndarray, np.ndarray, int]:
+        """Of the whole, transposed as LAPACK wants it, with pivots; not 0 if it is singular."""
         n = len(self.column)
         full = np.empty((n + 1, n + 1))
         full[:n, :n], full[:n, n], full[n, :n], full[n, n] = self.matrix, self.column, self.row, self.corner
-        factors, pivots, info = lapack.dgetrf(full.T, overwrite_a=1)  # transposed it is as LAPACK wants it
-        return None if info else lapack.dgetrs(factors, pivots, rhs, trans=1)[0]
+        factors, pivots, info = lapack.dgetrf(full.T, overwrite_a=1)
+        return factors, pivots, info
+
+    @cached_property
+    def _sparse_factors(self) -> SuperLU | None:
+        """Of A alone; None if it is exactly singular."""
+        try:
+            return splu(csc_array(self.matrix))
+        except RuntimeError:
+            return None
 
     def _by_the_matrix_alone(self, rhs: np.ndarray) -> np.ndarray | None:
         """Refined once; None where A alone is too near to singular."""
-        n = len(self.column)
-        try:
-            factors = splu(csc_array(self.matrix))
-        except RuntimeError:  # exactly singular
+        n, factors = len(self.column), self._sparse_factors
+        if factors is None:
             return None
         along = factors.solve(self.column)
         rest = self.corner - self.row @ along

@@ -22,12 +22,39 @@ CLOSE = 1e-4
 """Part of the way to another point at which the change of the stiffness is taken."""
 
 
+class Crossing(NamedTuple):
+    """[A, f; b^T] of a path and a plane across it, in coordinates of comparable size."""
+
+    bordered: Bordered
+    scale: np.ndarray  # (n,) of the unknowns
+    wide: float  # of the column f
+    high: float  # of the row b
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """x (n + 1,) of [A, f; b^T] x = rhs.
+
+        Raises
+        ------
+        ConvergenceError
+            There is no such x, or more than one.
+        """
+        n, scale = len(self.scale), self.scale
+        found = self.bordered.solve(np.append(scale * rhs[:n], rhs[n] / self.high))
+        if found is None or not np.all(np.isfinite(found)):
+            raise ConvergenceError("the path has no single direction here")
+        return np.append(scale * found[:n], found[n] / self.wide)
+
+    def ahead(self) -> np.ndarray:
+        """The direction t (n + 1,) of the path, [A, f; b^T] t = [0; 1]; errors as `solve`."""
+        return self.solve(np.append(np.zeros(len(self.scale)), 1.0))
+
+
 class Corrected(NamedTuple):
-    """A point of the path z (n + 1,), the static matrix (n, n) and d residual / d factor (n,) there, and Newton's iterations."""
+    """A point of the path z (n + 1,), the static matrix (n, n) there, also with the plane's border, and Newton's iterations."""
 
     z: np.ndarray
     matrix: StaticArray
-    load: np.ndarray
+    crossing: Crossing
     iterations: int
 
 
@@ -51,16 +78,26 @@ def correct(
     z, size = predicted, np.inf
     for iteration in range(1, options.max_iterations + 1):
         residual, matrix = equations.linearised(z)
-        load = equations.load(z, residual)
-        correction = bordered_solve(equations, matrix, load, border, np.append(residual, border @ (z - predicted)))
+        crossing = crossed(equations, matrix, equations.load(z, residual), border)
+        correction = crossing.solve(np.append(residual, border @ (z - predicted)))
         z = z - correction
         before, size = size, measure(equations, correction)
         if not np.isfinite(size) or measure(equations, z - predicted) > allowed + options.tolerance:
             raise ConvergenceError(f"Newton strays from the path at {system.most_moved(correction)}")
         left = size if exact or iteration == 1 or size > QUADRATIC * before else size * size / before
         if left <= options.tolerance and (not exact or size > 0.5 * before or size <= ROUND_OFF):
-            return Corrected(z, matrix, load, iteration)
+            return Corrected(z, matrix, crossing, iteration)
     raise ConvergenceError(f"Newton did not converge in {options.max_iterations} iterations: correction {size:.1e}")
+
+
+def crossed(equations: PathEquations, matrix: StaticArray, load: np.ndarray, border: np.ndarray) -> Crossing:
+    """Of a plane with normal `border` (n + 1,), where the static matrix A (n, n) and d residual / d factor f (n,) are known."""
+    n, scale = equations.n, equations.scale
+    column, row, corner = scale * load, border[:n] * scale, border[n]
+    wide = max(np.abs(column).max(initial=0), abs(corner)) or 1.0
+    high = max(np.abs(row).max(initial=0), abs(corner / wide))
+    bordered = Bordered(balanced(equations.system, matrix, scale), column / wide, row / high, corner / wide / high)
+    return Crossing(bordered, scale, wide, high)
 
 
 def first_point(equations: PathEquations, z: np.ndarray) -> PathPoint:
@@ -68,33 +105,18 @@ def first_point(equations: PathEquations, z: np.ndarray) -> PathPoint:
     equations.begin(z)
     residual, matrix = equations.linearised(z)
     border = np.append(np.zeros(equations.n), 1.0)
-    return complete(equations, border, Corrected(z, matrix, equations.load(z, residual), 0), None)
+    crossing = crossed(equations, matrix, equations.load(z, residual), border)
+    return complete(equations, Corrected(z, matrix, crossing, 0), None)
 
 
-def complete(equations: PathEquations, border: np.ndarray, found: Corrected, known: PathPoint | None) -> PathPoint:
-    """The point with the direction of the path, [K, residual_f; b^T] t = [0; 1], and its stability; `known` is a point near by."""
-    system = equations.system
-    direction = bordered_solve(equations, found.matrix, found.load, border, np.append(np.zeros(equations.n), 1.0))
+def complete(equations: PathEquations, found: Corrected, known: PathPoint | None) -> PathPoint:
+    """The point with the direction of the path and its stability; `known` is a point near by."""
+    system, direction = equations.system, found.crossing.ahead()
     saddle = factorised(system, found.matrix, equations.scale)
     soft = softest(saddle, free_count(system), system.n_b, known.soft if known else None)
     ahead = CLOSE / max(measure(equations, direction), CLOSE)
     difference = equations.linearised(found.z + ahead * direction)[1] - equations.linearised(found.z)[1]
     return PathPoint(found.z, direction, saddle.negative, soft, soft.change(difference) / ahead)
-
-
-def bordered_solve(
-    equations: PathEquations, matrix: StaticArray, load: np.ndarray, border: np.ndarray, rhs: np.ndarray
-) -> np.ndarray:
-    """Solution of [A, f; b^T] x = rhs (n + 1,), in coordinates of comparable size."""
-    n, scale = equations.n, equations.scale
-    column, row, corner = scale * load, border[:n] * scale, border[n]
-    wide = max(np.abs(column).max(initial=0), abs(corner)) or 1.0
-    high = max(np.abs(row).max(initial=0), abs(corner / wide))
-    bordered = Bordered(balanced(equations.system, matrix, scale), column / wide, row / high, corner / wide / high)
-    found = bordered.solve(np.append(scale * rhs[:n], rhs[n] / high))
-    if found is None or not np.all(np.isfinite(found)):
-        raise ConvergenceError("the path has no single direction here")
-    return np.append(scale * found[:n], found[n] / wide)
 
 
 def measure(equations: PathEquations, change: np.ndarray) -> float:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.solvers.static.path.corrector import Corrected, bordered_solve, correct, measure
+from toolkit.solvers.static.path.corrector import Corrected, correct, measure
 from toolkit.solvers.static.path.path_equations import PathEquations
 from toolkit.solvers.static.path.path_steps import Arc
 
@@ -83,5 +83,4 @@ def _place(equations: PathEquations, arc: Arc, length: float) -> Place:
     cubic = arc.cubic
     allowed = ALLOWED * measure(equations, cubic.end - cubic.begin)
     point: Corrected = correct(equations, arc.border, cubic.at(length), allowed, exact=True)
-    ahead = np.append(np.zeros(equations.n), 1.0)
-    return Place(length, point.z, bordered_solve(equations, point.matrix, point.load, arc.border, ahead))
+    return Place(length, point.z, point.crossing.ahead())

@@ -177,7 +177,7 @@ def _attempt(equations: PathEquations, box: Box, begin: PathPoint, before: Arc |
     error = box.measure(found.z - predicted) if known else 0.0
     if error > PREDICTED:
         raise _TooLong("the path bends too sharply", 0.9 * (PREDICTED / error) ** 0.25, error)
-    end = complete(equations, plan.border, found, begin)
+    end = complete(equations, found, begin)
     arc = Arc(begin, end, plan.border, plan.length, found.iterations, _growth(error), plan.part, False)
     _check_directions(box, arc, known)
     if _stability_fits(arc):

@@ -16,7 +16,7 @@ from toolkit.scene.scene import Scene
 from toolkit.studies.tradeoff.errors.richardson import Limit, limit
 from toolkit.studies.tradeoff.errors.studied import Studied
 from toolkit.studies.tradeoff.settings.record import Record
-from toolkit.studies.tradeoff.settings.setting import EVERY_ELEMENT, Choice, Setting
+from toolkit.studies.tradeoff.settings.setting import ALL_SHAPES, EVERY_ELEMENT, Choice, Setting
 
 ORDER = 2
 """Of the scheme of the reference."""
@@ -129,8 +129,9 @@ def _setting(scene: Scene, axes: dict[str, list[Choice]], step: float, mesh: lis
     solver |= {"scheme": "arnold-bruels", "tolerance": min(TOLERANCE, scene.solver.tolerance), "step": step}
     solver |= {"baumgarte": None} if "baumgarte" in axes else {}
     words = f"step {step:.6g}" + "".join(f", {n} elements" for n in mesh)
-    frames = EVERY_ELEMENT if "frames" in axes else None
-    return Setting({"reference": Choice(words + (", a frame to every element" if frames else ""), solver, skin, frames)})
+    frames, modes = (EVERY_ELEMENT if "frames" in axes else None), (ALL_SHAPES if "modes_per_frame" in axes else None)
+    words += (", a frame to every element" if frames else "") + (", all shapes of its parts" if modes else "")
+    return Setting({"reference": Choice(words, solver, skin, frames, modes)})
 
 
 def _measured(measure: Measure, settings: list[Setting]) -> list[Record]:
@@ -172,6 +173,8 @@ def described(found: Reference) -> Iterator[str]:
         yield f"So are meshes of {', '.join(counts)} elements: errors contain that of the mesh."
     if found.in_time[-1].frames is not None:
         yield "Its bodies have one floating frame to every element: errors contain what fewer frames leave out."
+    elif found.in_time[-1].modes is not None:
+        yield "Its bodies keep all coordinates of their parts: errors contain what fewer shapes leave out."
     restless = [name for name, each in found.limits.items() if each.stalled and each.error > SEEN * abs(each.value)]
     if restless:
         yield (

@@ -59,14 +59,14 @@ class Case:
 
     def key(self, setting: Setting) -> str:
         """Hash of everything that a setting's record follows from."""
-        return hashed(self.identity, setting.solver, setting.skin, setting.frames)
+        return hashed(self.identity, setting.solver, setting.skin, setting.frames, setting.modes)
 
     def scene_of(self, setting: Setting) -> Scene:
         """The scene solved by a setting, whose models have been built."""
         scene = with_options(self.scene(), setting.solver)
         for body in model_bodies(scene, setting):
             scene = with_model(scene, body, model_file(self.models, self.identity, body, setting.skin).resolve())
-        return framed(scene, setting.frames)
+        return framed(scene, setting.frames, setting.modes)
 
 
 def model_bodies(scene: Scene, setting: Setting) -> list[str]:

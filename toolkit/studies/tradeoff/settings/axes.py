@@ -11,6 +11,7 @@ from typing import Any, get_args
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml
+from toolkit.foundation.listed_names import meant
 from toolkit.scene.scene import Scene
 from toolkit.studies.tradeoff.settings import frame_axes, skin_axes
 from toolkit.studies.tradeoff.settings.setting import Choice
@@ -53,7 +54,7 @@ def read_axes(scene: Scene, text: str | None) -> dict[str, list[Choice]]:
     for part in filter(None, (each.strip() for each in wanted)):
         name, equals, values = (piece.strip() for piece in part.partition("="))
         if name not in available():
-            raise InputError(f"--axes: there is no axis {name!r}; available: {', '.join(available())}.")
+            raise InputError(f"--axes: there is no axis {name!r}{meant(name, available())}; available: {', '.join(available())}.")
         if name in found:
             raise InputError(f"--axes: {name!r} is named twice. Give all its values at once, for example {name}=1/2/3.")
         given = [value.strip() for value in values.split("/") if value.strip()]
@@ -62,6 +63,7 @@ def read_axes(scene: Scene, text: str | None) -> dict[str, list[Choice]]:
         found[name] = _choices(scene, name, given)
     if not found:
         raise InputError(f"--axes names nothing; available: {', '.join(available())}.")
+    frame_axes.refuse_idle(scene, found)
     return found
 
 
@@ -69,7 +71,7 @@ def _choices(scene: Scene, name: str, given: Sequence[str]) -> list[Choice]:
     if name in skin_axes.AXES:
         return skin_axes.choices(scene, name, given)
     if name in frame_axes.AXES:
-        return frame_axes.choices(scene, given)
+        return frame_axes.choices(scene, name, given)
     maker = {"step": _steps, "baumgarte": _baumgarte}.get(name, _options)
     values = [_value(text) for text in given] if given else None
     return unlike(maker(scene, name, values))

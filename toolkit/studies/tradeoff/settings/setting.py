@@ -14,12 +14,14 @@ from toolkit.scene.scene import Scene
 
 EVERY_ELEMENT = "every"
 """In place of a number of frames: one to each element."""
+ALL_SHAPES = "all"
+"""In place of a number of modes of each part: all of its coordinates."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One value of one axis: its label, what it replaces in the solver's table, in skin.toml and of the bodies' frames, and whether the
-    scene has it already.
+    """One value of one axis: its label, what it replaces in the solver's table, in skin.toml and of the bodies' frames and of their modes,
+    and whether the scene has it already.
 
     A solver's option that is None is left out, so that its default holds.
     """
@@ -28,6 +30,7 @@ class Choice:
     solver: dict[str, Any] = field(default_factory=dict)
     skin: dict[str, Any] = field(default_factory=dict)
     frames: int | str | None = None
+    modes: int | str | None = None
     own: bool = False
 
 
@@ -56,6 +59,11 @@ class Setting:
     def frames(self) -> int | str | None:
         """Floating frames of the bodies that can have several; None if the scene's own serve."""
         return next((choice.frames for choice in self.choices.values() if choice.frames is not None), None)
+
+    @property
+    def modes(self) -> int | str | None:
+        """Modes that each part of these keeps; None if the scene's own serve."""
+        return next((choice.modes for choice in self.choices.values() if choice.modes is not None), None)
 
     @property
     def own(self) -> bool:

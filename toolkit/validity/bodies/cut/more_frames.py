@@ -8,6 +8,7 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.scene.cut_scene import can_be_cut, fewest_cut, most_frames
 from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import elements_of
 
 
 def divided(scene: Scene, body: str, excess: float) -> str:
@@ -22,8 +23,8 @@ def divided(scene: Scene, body: str, excess: float) -> str:
     enough, most = max(now + 1, fewest_cut(scene, body), int(np.ceil(now * np.sqrt(excess)))), most_frames(scene, body)
     if enough > most:
         return (
-            "a model with more elements, and frames to match"
+            f"a model with more {elements_of(scene, body)}, and frames to match"
             if now == most
-            else f"frames = {most} in its table, one to every element"
+            else f"frames = {most} in its table, one to every {elements_of(scene, body)[:-1]}"
         )
     return f"frames = {enough} in its table, which cuts it into so many parts with frames of their own"

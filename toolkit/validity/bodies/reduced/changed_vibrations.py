@@ -7,42 +7,51 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.vibrations.pencil import pencil_of
-from toolkit.responses.vibrations.roots import Vibration
-from toolkit.responses.vibrations.vibration import DampingRatio, OfVibration
+from toolkit.responses.vibrations.vibration import DampingRatio, OfVibration, any_pencil_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.reduced.full_scene import reduced_bodies
-from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD, root_changes
+from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD
+from toolkit.validity.bodies.reduced.richer_pencil import richer_pencil
 
 UNDAMPED = 1e-9
 """Damping ratio that is round-off."""
+HELD = 1e-6
+"""Part of the fastest vibration below which one is the round-off of a motion that nothing holds."""
+NEAR, LEFT = 0.01, 3e-4
+"""Parts of a frequency by which two vibrations differ at most that may change places, if it is off by as much; and which it may always be
+off by, see `richer_pencil`."""
 
 
 def changed_vibrations(solution: Solution) -> dict[str, float]:
-    """Response -> part of its value by which it is too large, of an equilibrium at rest; empty of other states, without what is
-    not damped."""
+    """Response -> part of its value by which it is too large; empty where nothing is reduced, without what is not damped.
+
+    Of vibrations that are so close to each other that they may change places, what it would lack to any of them.
+    """
     scene, n_q = solution.system.scene, solution.system.n_q
     asked = {name: each for name, each in scene.responses.items() if isinstance(each, OfVibration)}
-    if not asked or solution.steps or solution.spins or not reduced_bodies(scene):
+    asked = {name: each for name, each in asked.items() if not (solution.steps and each.needs_rest)}
+    if not asked or not reduced_bodies(scene):
         return {}
-    pencil = pencil_of(solution)
-    found = [each.about_rest(solution, pencil) for each in asked.values()]
-    right, left = (np.array([_vectors(of)[side][:n_q] for of in found]).T for side in range(2))
-    damped = np.array([each.counted(np.ones((1, 1)))[0, 0] for each in asked.values()])
-    changes = root_changes(solution, np.array([each.s for each in found]), right, left, damped)
-    return {
-        name: -float(each.slope(of.s, ds)) / value
-        for (name, each), of, ds in zip(asked.items(), found, changes, strict=True)
-        if abs(value := each.of(of.s)) > (UNDAMPED if isinstance(each, DampingRatio) else 0.0)
-    }
+    pencil, weights = any_pencil_of(solution), solution.system.weights[:n_q]
+    found = {name: each.vibrations(solution, pencil, weights)[each.number - 1] for name, each in asked.items()}
+    richer = richer_pencil(solution, max(map(abs, found.values())))
+    told = {name: _part(each, found[name], each.vibrations(solution, *richer)) for name, each in asked.items()}
+    return {name: part for name, part in told.items() if not np.isnan(part)}
 
 
-def _vectors(found: Vibration) -> tuple[np.ndarray, np.ndarray]:
-    """u and w; of a vibration with a twin some real motion, because vectors of the two need not belong together."""
-    if found.alone:
-        return found.right, found.left
-    motion = np.real(found.right / found.right[np.argmax(np.abs(found.right))])
-    return motion, motion
+def _part(response: OfVibration, s: complex, true: np.ndarray) -> float:
+    """By which the number from s is larger than those of its place among the true ones; nan of what is zero, inf where they are."""
+    if response.number > len(true):
+        return np.inf
+    wanted = true[response.number - 1]
+    reach = np.clip(abs(s - wanted), LEFT * abs(wanted), NEAR * abs(wanted))
+    numbers = np.array([response.of(each) for each in true[np.abs(true - wanted) <= reach]])
+    zero = UNDAMPED if isinstance(response, DampingRatio) else HELD * np.abs(true).max() / (2 * np.pi)
+    value = response.of(s)
+    if np.abs(numbers).min() <= zero:
+        return np.nan if abs(value) <= zero else np.inf
+    parts = (value - numbers) / np.abs(numbers)
+    return float(parts[np.argmax(np.abs(parts))])
 
 
 def cautions_of_changed(solution: Solution) -> Iterator[Caution]:

@@ -9,10 +9,12 @@ in shapes that were left out.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from scipy.linalg import cholesky, eigh, orth, solve_triangular
 from scipy.sparse import block_diag, csc_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
@@ -22,7 +24,11 @@ from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part
 from toolkit.scene.cut_scene import written
 from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
+
+SAME = 1e-6
+"""Part of a shape by which it differs from others if it is one of them."""
 
 
 @dataclass(frozen=True)
@@ -38,15 +44,34 @@ class ReducedPart:
         """All elastic coordinates per reduced one."""
         return self.shapes.columns(self.part.invariants.stiffness)
 
-    def moved(self, forces: np.ndarray, stiffness: np.ndarray | None = None) -> np.ndarray:
-        """-delta (n_t, n_f) under forces r (n_t, n_f), by a stiffness of its own (n_f, n_f) or another one; all real, or all complex."""
-        stiffness = self.part.invariants.stiffness if stiffness is None else stiffness
-        inner = np.delete(np.arange(len(stiffness)), self.shapes.kept)
-        own, phi, found = stiffness[np.ix_(inner, inner)], self.shapes.modes, np.zeros_like(forces)
+    @property
+    def inner(self) -> np.ndarray:
+        """Elastic coordinates (n_i,) that are not kept."""
+        return np.delete(np.arange(self.part.n_f), self.shapes.kept)
+
+    def moved(self, forces: np.ndarray) -> np.ndarray:
+        """-delta (n_t, n_f) under forces r (n_t, n_f)."""
+        inner, found = self.inner, np.zeros_like(forces)
+        own, phi = self.part.invariants.stiffness[np.ix_(inner, inner)], self.shapes.modes
         if inner.size:
             held = forces[:, inner].T
             found[:, inner] = (splu(csc_array(own)).solve(held) - phi @ np.linalg.solve(phi.T @ own @ phi, phi.T @ held)).T
         return found
+
+    def richer(self, fastest: float) -> np.ndarray:
+        """Its columns with all modes, with the kept coordinates held, that are slower than `fastest`, in rad/time, (n_f, n)."""
+        inner, kept, columns = self.inner, len(self.shapes.kept), self.columns
+        if not inner.size:
+            return columns
+        inv, own = self.part.invariants, np.ix_(inner, inner)
+        mass = inv.inertia_about_origin[1:, 1:][own]
+        squares, modes = eigh(inv.stiffness[own], mass)
+        factor = cholesky(mass)
+        every = factor @ np.column_stack([modes[:, squares < fastest**2], self.shapes.modes])
+        basis = orth(every / np.sqrt((every**2).sum(axis=0)), SAME)
+        inside = np.zeros((len(columns), basis.shape[1]))
+        inside[inner] = solve_triangular(factor, basis)
+        return np.column_stack([columns[:, :kept], inside])
 
 
 @dataclass(frozen=True)
@@ -55,7 +80,38 @@ class FullScene:
 
     system: System
     parts: dict[str, dict[str, ReducedPart]]  # of every such body, by name
-    expanded: csr_array  # its coordinates per coordinate of the reduced scene, (n_q, n_q)
+
+    @cached_property
+    def expanded(self) -> csr_array:
+        """Its coordinates per coordinate of the reduced scene, (n_q, n_q)."""
+        return self.expansion(lambda part: part.columns)
+
+    def expansion(self, columns: Callable[[ReducedPart], np.ndarray]) -> csr_array:
+        """Its coordinates per coordinate of a scene whose parts have these columns (n_f, n)."""
+        parts = {name: each for own in self.parts.values() for name, each in own.items()}
+        blocks, first = [], [*self.system.numbering.first.items()]
+        for (name, start), (_, end) in zip(first, [*first[1:], ("", self.system.n_q)], strict=True):
+            blocks.append(eye_array((parts[name].rows.start if name in parts else end) - start))
+            if name in parts:
+                blocks.append(csr_array(columns(parts[name])))
+        return csr_array(block_diag(blocks))
+
+    def last_state(self, solution: Solution) -> Solution:
+        """The state that a run of the reduced scene ends in."""
+        n_q, states = self.system.n_q, np.zeros((3, 1, self.system.n))
+        states[:, 0, :n_q] = [self.expanded @ each[-1] for each in (solution.q, solution.v, solution.a)]
+        states[2, 0, n_q:] = solution.multipliers[-1]
+        run = {"options": solution.options, "run_times": solution.whole_run}
+        none = np.zeros((1, self.system.n, 0))
+        return Solution.from_padded(self.system, solution.times[-1:], (*states, none, none, none), **run)
+
+
+def full_scene_of(solution: Solution) -> FullScene | None:
+    """That of a run, made when it is first asked for."""
+    if FullScene not in solution.known:
+        solution.known[FullScene] = full_scene(solution.system.scene)
+    found: FullScene | None = solution.known[FullScene]
+    return found
 
 
 def reduced_bodies(scene: Scene) -> dict[str, CutBody]:
@@ -72,8 +128,7 @@ def full_scene(scene: Scene) -> FullScene | None:
     plain = written(scene)
     changed = {name: plain.bodies[name].model_copy(update={"modes_per_frame": None}) for name in bodies}
     system = compile_scene(plain.model_copy(update={"bodies": {**plain.bodies, **changed}}))
-    parts = {name: _parts(scene, system, name, body) for name, body in bodies.items()}
-    return FullScene(system, parts, _expansion(system, {name: each for own in parts.values() for name, each in own.items()}))
+    return FullScene(system, {name: _parts(scene, system, name, body) for name, body in bodies.items()})
 
 
 def _parts(scene: Scene, full: System, name: str, body: CutBody) -> dict[str, ReducedPart]:
@@ -88,12 +143,3 @@ def _parts(scene: Scene, full: System, name: str, body: CutBody) -> dict[str, Re
         start = full.numbering.first[part_name] + whole.frame_coordinates
         found[part_name] = ReducedPart(part, shapes, slice(start, start + part.n_f))
     return found
-
-
-def _expansion(full: System, parts: Mapping[str, ReducedPart]) -> csr_array:
-    blocks, first = [], [*full.numbering.first.items()]
-    for (name, start), (_, end) in zip(first, [*first[1:], ("", full.n_q)], strict=True):
-        blocks.append(eye_array((parts[name].rows.start if name in parts else end) - start))
-        if name in parts:
-            blocks.append(csr_array(parts[name].columns))
-    return csr_array(block_diag(blocks))

@@ -19,7 +19,7 @@ from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.cut.places import STRAIGHT, largest_displacement, undeformed_places
 from toolkit.validity.bodies.deformation import LIMIT
-from toolkit.validity.bodies.reduced.full_scene import FullScene, ReducedPart, full_scene
+from toolkit.validity.bodies.reduced.full_scene import FullScene, ReducedPart, full_scene_of
 
 INSTANTS = 50
 """States of a run that are looked at, equally far apart."""
@@ -36,7 +36,7 @@ class LeftOut:
 def left_out_shapes(solution: Solution) -> dict[str, LeftOut]:
     """What every body lacks whose parts do not keep all coordinates."""
     if LeftOut not in solution.known:
-        full = full_scene(solution.system.scene)
+        full = full_scene_of(solution)
         forces = np.zeros(0) if full is None else _unbalanced(solution, full)
         parts = {} if full is None else full.parts
         solution.known[LeftOut] = {name: _of_body(solution, name, [*own.values()], forces) for name, own in parts.items()}

@@ -1,0 +1,60 @@
+"""The pieces of a body as meshes of their own that nothing holds, ready for the choice of a basis."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from preprocessing.input.at_key import at_key
+from preprocessing.mesh.faces import faces_of
+from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.recipes.solids.discrete_body import DiscreteBody, discretised
+from preprocessing.recipes.solids.named_mesh import NamedMesh
+from preprocessing.recipes.solids.pieces.cut_mesh import CutMesh, Piece, cut_mesh
+
+ENDS = ("first", "second")
+"""Names of the interface points at the ends of a piece, in the order of their coordinates."""
+
+
+class PieceBodies(NamedTuple):
+    """The uncut body, and the pieces in the order of the chain."""
+
+    cut: CutMesh
+    whole: DiscreteBody
+    bodies: list[DiscreteBody]
+
+
+def piece_bodies(named: NamedMesh) -> PieceBodies:
+    """Cut the mesh and assemble everything.
+
+    Raises
+    ------
+    InputError
+        Names the file, the key and what is wrong there.
+    """
+    with at_key(named.path, "pieces"):
+        cut = cut_mesh(named)
+    whole, bodies = discretised(named), []
+    for piece in cut.pieces:
+        with at_key(named.path, f"pieces, group {piece.group!r}"):
+            bodies.append(discretised(_named(cut, piece)))
+    return PieceBodies(cut, whole, bodies)
+
+
+def _named(cut: CutMesh, piece: Piece) -> NamedMesh:
+    """The piece as a mesh of its own."""
+    whole, ends = cut.named, dict(zip(ENDS, (cut.ends[k] for k in piece.ends), strict=True))
+    blocks = {kind: np.searchsorted(piece.nodes, each) for kind, each in piece.blocks.items()}
+    mesh = SolidMesh(whole.mesh.nodes[piece.nodes], blocks)
+    regions = {name: end.region for name, end in ends.items()}
+    return replace(
+        whole,
+        file=whole.file.model_copy(update={"clamp": None, "interface_points": regions, "pieces": None}),
+        mesh=mesh,
+        boundary=faces_of(mesh.nodes, blocks),
+        clamped=np.zeros(0, int),
+        tied={name: np.searchsorted(piece.nodes, end.nodes) for name, end in ends.items()},
+        motions={name: motion[piece.nodes] for name, motion in whole.motions.items()},
+    )

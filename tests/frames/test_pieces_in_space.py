@@ -1,0 +1,318 @@
+"""Solids that are cut into named groups of elements: against the elastica, the uncut mesh, other builds and the complex step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import meshio
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import toolkit as ffrf
+from preprocessing import build, save
+from tests.frames.test_cut_bodies import agree
+from tests.frames.test_cut_in_space import FLAP, SPUN, changes_in_flight
+from tests.models.solid_bodies import compliance, frequencies
+from tests.models.solid_pieces import LENGTHS, YOUNG, bar_scene, save_bar, write_bar
+from tests.models.spatial_chains import WHERE as OF_BEAM
+from toolkit.analyses.statics import solve_statics
+from toolkit.foundation.errors import InputError, ModelFileError
+from toolkit.reduced_model.conversion import converted_model
+from toolkit.reduced_model.file import load
+from toolkit.reduced_model.parts.pieces import Pieces
+from toolkit.render.space.body_shape import body_shape
+from toolkit.render.space.configuration import SpatialConfiguration
+from toolkit.render.space.symbols import spatial_symbols
+from toolkit.scene.cut_scene import with_parts, written
+from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.bent_pieces import shortening
+
+pytestmark = pytest.mark.usefixtures("all_read_here")
+
+WHERE = OF_BEAM.replace('"beam"', '"bar"')
+STIFFNESS = YOUNG * LENGTHS[1] * LENGTHS[2] ** 3 / 12
+"""E I of bending in the plane of x and z."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, all_read_here):
+    """Of a bar of four pieces, with a variable that makes it thicker towards its tip and bends it, and its model."""
+    found = tmp_path_factory.mktemp("bar")
+    write_bar(found, 4, cells=CELLS)
+    nodes = meshio.read(found / "bar.inp").points
+    field = np.column_stack([0 * nodes[:, 0], 0.2 * nodes[:, 0] ** 2, nodes[:, 0] * nodes[:, 2]])
+    np.save(found / "taper.npy", field)
+    save_bar(found, 4, cells=CELLS, more='[shape_variables]\ntaper.field = "taper.npy"\n')
+    return found
+
+
+CELLS = (8, 1, 1)
+
+
+def pulled(force, side=0.0):
+    """A load across the tip."""
+    return f'[loads]\npull = {{ type = "point-force", body = "bar", point = "tip", force = [0.0, {side!r}, {force!r}] }}\n'
+
+
+def elastica(force: float, stiffness: float) -> np.ndarray:
+    """x and z of the tip of an inextensible cantilever of length 1 without shear: E I theta'' = -F cos theta."""
+
+    def end(curvature):
+        def rate(_, y):
+            return [y[1], -force / stiffness * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])]
+
+        return solve_ivp(rate, (0, 1), [0, curvature, 0, 0], rtol=1e-10, atol=1e-12).y[:, -1]
+
+    return end(brentq(lambda curvature: end(curvature)[1], 0.0, 10.0))[2:]
+
+
+def test_a_solid_bends_as_the_elastica(folder):
+    """By half a right angle: the error of the tip falls with the square of the frames, and with as many as there are pieces what is left
+    is what these bend inside, which the meter knows. The elastica is as stiff as mesh and shear make the bar in the small."""
+    force = 2 * STIFFNESS
+    stiffness = 1 / (3 * compliance(load(folder / "bar.h5"))[2, 2])
+    exact, errors = elastica(force, stiffness) - [1.0, 0.0], {}
+    model = ffrf.compile(bar_scene(folder, 'frame = "grounded", frames = 4', pulled(force) + f"[responses]\n{WHERE}"))
+    runs = {4: model.statics()}
+    for frames in (1, 2):
+        scene = bar_scene(folder, f'frame = "grounded", frames = {frames}', pulled(force) + f"[responses]\n{WHERE}")
+        runs[frames] = ffrf.compile(scene).statics()
+    for frames, run in runs.items():
+        errors[frames] = np.linalg.norm([run.values["x"], run.values["z"]] - exact) / np.linalg.norm(exact)
+    assert errors[1] > 0.4  # one frame is no answer, and says so
+    assert not runs[1].verdict.trusted
+    assert errors[2] > 3.5 * errors[4]
+    assert errors[4] < 0.006
+    told, turn, count = shortening(runs[4].solution, "bar")
+    assert count == 4
+    assert 0.15 < turn < 0.25  # a piece turns by up to 0.35 rad from end to end, not the same at both
+    assert errors[4] < told < 3 * errors[4]  # a coarse mesh bends far a little otherwise than near, by 0.2 %
+
+
+def test_a_moment_rolls_a_solid_up(tmp_path):
+    """Without contraction across, pieces with averaged faces bend exactly: the chords of six are a hexagon, which closes."""
+    save_bar(tmp_path, 6, cells=(6, 1, 1), ratio=0.0)
+    torque = [0.0, -2 * np.pi * STIFFNESS, 0.0]
+    rest = f'[loads]\nroll = {{ type = "torque", body = "bar", point = "tip", torque = {torque} }}\n[responses]\n{WHERE}'
+    run = ffrf.compile(bar_scene(tmp_path, 'frame = "grounded", frames = 6', rest)).statics()
+    np.testing.assert_allclose([run.values[axis] for axis in "xyz"], [-1.0, 0.0, 0.0], atol=1e-8)  # statics end at 1e-10
+
+
+@pytest.fixture(scope="module")
+def by_faces(tmp_path_factory, all_read_here):
+    """The uncut bar, and that of two pieces with each kind of faces."""
+    found = {}
+    for faces in ("uncut", "averaged", "rigid"):
+        there = tmp_path_factory.mktemp(faces)
+        found[faces] = save_bar(there, 0 if faces == "uncut" else 2, faces=faces, cells=(4, 1, 1), lengths=(0.4, 0.05, 0.04))
+    return found
+
+
+def test_faces_make_a_body_softer_or_stiffer_by_what_its_model_says(by_faces):
+    """The compliance of the uncut mesh lies between; the file tells by how much, of the worst forces together and of each."""
+    exact = compliance(by_faces["uncut"])
+    for faces, sign in (("averaged", 1), ("rigid", -1)):
+        model = by_faces[faces]
+        found, told = compliance(model), model.face_errors
+        values = np.linalg.eigvals(np.linalg.solve(exact, found)).real - 1
+        assert min(sign * values) > -1e-6  # below that errors are round-off
+        assert 1e-3 < max(sign * values) < 0.03
+        np.testing.assert_allclose([told["least"], told["largest"]], [values.min(), values.max()], atol=2e-6)
+        singles = np.diag(found) / np.diag(exact) - 1
+        np.testing.assert_allclose([value for name, value in told.items() if " at tip" in name], singles, atol=2e-6)
+
+
+def test_pieces_weigh_what_the_body_weighs(by_faces):
+    """Mass, its moments, and the force of gravity on shapes that both have."""
+    uncut, cut = by_faces["uncut"].invariants, by_faces["rigid"].invariants
+    for name in ("mass", "first_moment", "second_moment"):
+        one, other = (getattr(each, name) for each in (uncut, cut))
+        one, other = (each[..., 0] if each.ndim == 2 else each[..., 0, 0] if each.ndim else each for each in (one, other))
+        np.testing.assert_allclose(other, one, atol=1e-12 * np.abs(one).max())  # round-off
+
+
+def test_a_cut_solid_vibrates_as_the_uncut_one_and_says_where_not(folder, tmp_path):
+    """Shapes at rest of four pieces stand for the lowest modes, as those of beam elements do: by less than a part in 1000 of the first
+    bending frequency, and by some percent of the fourth, from where on the run says so."""
+    write_bar(tmp_path, 0, cells=CELLS)
+    toml = tmp_path / "bar.toml"
+    toml.write_text(toml.read_text().replace('basis.kind = "static"', 'basis = { kind = "craig-bampton", count = 12 }'))
+    other = build(toml)
+    one, its = (frequencies(model) for model in (load(folder / "bar.h5"), other))
+    np.testing.assert_allclose(one[:2], its[:2], rtol=1e-3)
+    np.testing.assert_allclose(one[:4], its[:4], rtol=1e-2)
+
+
+SWING = """[joints]
+hub = { type = "spherical", bodies = ["bar", "ground"], point = "root" }
+[loads]
+weight = { type = "gravity", acceleration = [0.0, 2.0, -9.81] }
+pull = { type = "point-force", body = "bar", point = "tip", force = [0.0, 1.3, 0.5], frame = "body" }
+[design]
+ratio = "bodies.bar.poisson_ratio"
+E = "bodies.bar.youngs_modulus"
+taper = "bodies.bar.taper"
+omega = "bodies.bar.angular_velocity.z"
+[responses]
+y = { type = "acceleration", body = "bar", point = "tip", component = "y" }
+stress = { type = "ks-stress", body = "bar", aggregation = 10.0, reference_stress = 1e6 }
+strain = { type = "strain-energy", body = "bar" }
+[solver]
+end_time = 0.004
+step = 0.002
+rho_inf = 0.8
+"""
+
+
+def test_gradients_of_a_solid_that_swings_are_complex_steps(folder):
+    """By Poisson's ratio, the modulus, the shape, which turns the chords, and the start; direct, adjoint and complex step."""
+    scene = bar_scene(folder, "frames = 2, angular_velocity = [0.3, 0.5, 1.5]", SWING)
+    agree(ffrf.compile(scene, variables=["ratio", "E", "taper", "omega"]), "simulate")
+
+
+def test_gradients_are_those_of_models_that_are_built_anew(folder, tmp_path):
+    """What the file tells of Poisson's ratio and the shape, against central differences of models at other values."""
+    rest = (
+        pulled(0.5 * STIFFNESS, 0.4 * STIFFNESS)
+        + f"[responses]\n{WHERE}"
+        + 'stress = { type = "ks-stress", body = "bar", aggregation = 1e-5 }\n'
+    )
+    design = '[design]\npoisson_ratio = "bodies.bar.poisson_ratio"\ntaper = "bodies.bar.taper"\n'
+    held = 'frame = "grounded", frames = 4'
+    exact = ffrf.compile(bar_scene(folder, held, rest + design), variables=["poisson_ratio", "taper"]).statics(gradients=True)
+    for name, value in (("poisson_ratio", 0.3), ("taper", 0.0)):
+        ends = []
+        for sign in (1, -1):
+            save(build(folder / "bar.toml", values={name: value + sign * STEP}), tmp_path / "bar.h5")
+            ends.append(ffrf.compile(bar_scene(tmp_path, held, rest)).statics().values)
+        for response, slopes in exact.gradients.items():
+            difference = (ends[0][response] - ends[1][response]) / (2 * STEP)
+            size = abs(exact.values[response])  # statics end at 1e-10 of it, and the square of the step is 1e-6
+            assert slopes[name] == pytest.approx(difference, rel=1e-4, abs=1e-6 * size), (response, name)
+
+
+STEP = 1e-3
+FREE = """[loads]
+pull = { type = "point-force", body = "bar", point = "tip", force = [0.0, 30.0, 15.0], curve = PULSE }
+turn = { type = "torque", body = "bar", point = "root", torque = [1.0, 1.0, 1.0], curve = PULSE }
+[solver]
+end_time = 0.15
+step = 0.002
+rho_inf = 0.95
+formulation = "ggl"
+""".replace("PULSE", '{ type = "table", times = [0.0, 0.05, 0.1], values = [0.0, 1.0, 0.0] }')
+
+
+def test_a_bent_solid_that_flies_freely_keeps_energy_and_momenta(tmp_path):
+    """As a beam does: what they change by is the scheme's, of second order in the step."""
+    save_bar(tmp_path, 2, young=2e7)
+    changes = changes_in_flight(ffrf.compile(bar_scene(tmp_path, "frames = 2, angular_velocity = [0.3, 0.5, 1.5]", FREE)))
+    assert max(changes[1]) < 0.02
+    assert all(coarse > 3.3 * fine for coarse, fine in zip(*changes, strict=True))
+
+
+def test_a_blade_of_solid_elements_that_spins_stiffens(tmp_path):
+    """Four pieces give the published flap frequency of a beam to 1 %, as four frames of beams do."""
+    save_bar(tmp_path, 4, cells=(8, 1, 1), lengths=(1.0, 0.03, 0.01), ratio=0.0)
+    unit = np.sqrt(YOUNG * 0.01**2 / 12 / 1000)
+    turns = f'{{ type = "polynomial", coefficients = [0.0, {5 * unit}] }}'
+    text = SPUN.replace("TURNS", turns).replace("AXIS", ", axis = [0.0, 0.0, 1.0]").replace('"beam"', '"bar"')
+    run = ffrf.compile(bar_scene(tmp_path, "frames = 4", text)).statics()
+    assert run.values["first"] * 2 * np.pi / unit == pytest.approx(FLAP, rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def bar(folder):
+    """A clamped bar with two frames of two pieces each, under a force."""
+    return bar_scene(folder, 'frame = "grounded", frames = 2', pulled(0.5 * STIFFNESS) + f"[responses]\n{WHERE}")
+
+
+def test_to_the_scene_it_stays_one_body(bar):
+    cut = with_parts(bar)
+    assert list(cut.all_bodies()) == ["ground", "bar", "bar[1]", "bar[2]"]
+    assert list(cut.joints) == ["bar at node 2", "bar at node 0"]
+    assert written(cut) == bar
+
+
+def test_parts_of_several_pieces_are_reduced_without_loss_under_forces_at_points(folder, bar):
+    """The coordinates between are those at rest, whatever the number of modes."""
+    rest = pulled(0.5 * STIFFNESS) + f"[responses]\n{WHERE}"
+    few = ffrf.compile(bar_scene(folder, 'frame = "grounded", frames = 2, modes_per_frame = 0', rest)).statics()
+    for name, value in ffrf.compile(bar).statics().values.items():
+        assert few.values[name] == pytest.approx(value, rel=1e-8, abs=1e-9)  # statics end at 1e-10 of the size
+
+
+def test_pictures_show_one_surface_without_steps(folder, bar):
+    """Faces of elements at the cut keep their size where parts meet, one clamp is drawn, and stress is told everywhere."""
+    solution = solve_statics(compile_scene(bar))
+    moment = SpatialConfiguration(solution, 0)
+    shape, surface = body_shape(moment, "bar"), load(folder / "bar.h5").surface
+    assert surface is not None
+    corners = [points[surface.triangles] for points in (shape.points, surface.position[:, :, 0])]
+    areas = [np.linalg.norm(np.cross(each[:, 1] - each[:, 0], each[:, 2] - each[:, 0]), axis=1) for each in corners]
+    np.testing.assert_allclose(areas[0], areas[1], rtol=0.1)  # the strain of bending, and how far the face at the cut parts
+    assert np.all(np.isfinite(shape.stress))
+    assert [symbol.kind for symbol in spatial_symbols(moment)] == ["weld"]
+    at_tip = shape.points[surface.position[:, 0, 0] == 1.0].mean(axis=0)
+    np.testing.assert_allclose(moment.position("bar", "tip"), at_tip, atol=1e-3)  # a mean of nodes and one of the face
+
+
+def test_pieces_are_the_same_in_other_units(folder):
+    """The energy of a displacement, which mixes lengths and angles, of a piece and of the body, and a point of the surface."""
+    model = load(folder / "bar.h5")
+    other = converted_model(model, "mm-t-s")
+    u = np.tile([1.0, 2.0, 3.0, 0.1, 0.2, 0.3], 4) * np.repeat([1.0, -0.5, 0.3, 0.8], 6)
+    v = u * np.tile([1e3] * 3 + [1.0] * 3, 4)
+    assert v @ other.invariants.stiffness @ v == pytest.approx(1e3 * (u @ model.invariants.stiffness @ u), rel=1e-12)  # J in N mm
+    for one, its in zip(model.elements.stiffness, other.elements.stiffness, strict=True):
+        assert v[:12] @ its @ v[:12] == pytest.approx(1e3 * (u[:12] @ one @ u[:12]), rel=1e-12)
+    moved = [each.pieces.position @ np.append(1.0, state[:12]) for each, state in ((model, u), (other, v))]
+    np.testing.assert_allclose(moved[1], 1e3 * moved[0], rtol=1e-12, atol=1e-9)
+
+
+def test_what_makes_the_numbers_doubtful_is_said(folder, tmp_path):
+    """Short pieces with rigid faces, and pieces that bend far inside, which one frame to each does not show."""
+    save_bar(tmp_path, 4, faces="rigid", lengths=(0.1, 0.05, 0.04))
+    held, rest = 'frame = "grounded", frames = 4', f"[responses]\n{WHERE}"
+    short = ffrf.compile(bar_scene(tmp_path, held, pulled(1.0) + rest)).statics()
+    (said,) = [each.text for each in short.verdict.warnings if each.code == "faces-of-pieces"]
+    assert "change displacements by -16 to -3.5 %" in said  # rigid faces keep it from contracting across
+    torque = [0.0, -5.5 * STIFFNESS, 0.0]
+    load = f'[loads]\nroll = {{ type = "torque", body = "bar", point = "tip", torque = {torque} }}\n'
+    rolled = ffrf.compile(bar_scene(folder, held, load + rest)).statics()
+    (said,) = [each.text for each in rolled.verdict.warnings if each.code == "bent-pieces"]
+    turn = float(said.partition("by up to ")[2].partition(" rad")[0])
+    assert turn == pytest.approx(5.5 / 4 / 2, rel=0.1)  # of 5.5 rad in all
+    assert not short.verdict.trusted
+    assert not rolled.verdict.trusted
+
+
+def test_a_solid_that_is_not_in_pieces_says_how_it_would_be(tmp_path):
+    save_bar(tmp_path, 0)
+    with pytest.raises(
+        InputError, match=r"A solid in space is cut into groups of elements: name groups of its mesh in \[pieces\] of"
+    ):
+        compile_scene(bar_scene(tmp_path, "frames = 2", ""))
+
+
+def test_more_frames_than_pieces_are_refused(folder):
+    with pytest.raises(InputError, match=r"has 4 pieces, and a frame needs one at least. Write at most 4"):
+        compile_scene(bar_scene(folder, "frames = 5", ""))
+
+
+def test_a_file_whose_pieces_disagree_is_refused(folder, tmp_path):
+    model = load(folder / "bar.h5")
+    assert model.pieces is not None
+    assert model.elements is not None
+    pieces, elements = model.pieces, model.elements
+    fewer = replace(elements, stress_operator=elements.stress_operator[1:])
+    for changes, message in (
+        ({"pieces": replace(pieces, element=pieces.element + 4)}, "pieces/element holds numbers of elements that"),
+        ({"pieces": Pieces(pieces.element[1:], pieces.position[1:])}, "pieces/element tells .* points of"),
+        ({"elements": fewer, "element_derivatives": {}, "element_affine": {}}, "elements/stress_operator has .* rows instead of"),
+        ({"face_errors": {"least": 0.0}}, 'face_errors lacks "least", "largest" or'),
+    ):
+        with pytest.raises(ModelFileError, match=message):
+            save(replace(model, **changes), tmp_path / "bar.h5")

@@ -1,0 +1,107 @@
+"""What a basis of few shapes does to frequencies, against all nodal coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import toolkit as ffrf
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from tests.frames.test_cut_bodies import SECTION
+from toolkit.analyses.modes import solve_modes, undeformed
+from toolkit.reduced_model.file import load, save
+from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.reduced.few_shapes import left_out, raised_at_most
+
+NODES = np.column_stack([np.linspace(0, 1, 13), np.zeros(13)])
+SCENE = """units = "m-kg-s"
+points.hub = { body = "beam", interface = "hub" }
+points.tip = { body = "beam", interface = "tip" }
+bodies.beam = { type = "flexible", model = "beam.h5"BODY }
+responses.f1 = { type = "frequency" }
+responses.f2 = { type = "frequency", number = 2 }
+"""
+PIN = 'joints.pin = { type = "revolute", bodies = ["beam", "ground"], point = "POINT" }\n'
+FEW = [
+    BasisChoice("static", derivative="frozen"),
+    *(BasisChoice("craig-bampton", count=count, derivative="frozen") for count in (0, 2)),
+]
+
+
+def scene(folder: Path, basis: BasisChoice, body: str, more: str = ""):
+    folder = folder / f"{basis.kind}-{basis.count}"
+    folder.mkdir(exist_ok=True)
+    save(polygon_beam(NODES, SECTION, {"hub": 0.0, "tip": 1.0}, basis=basis), folder / "beam.h5")
+    (folder / "scene.toml").write_text(SCENE.replace("BODY", body) + more)
+    return ffrf.read_scene(folder / "scene.toml")
+
+
+def said(found) -> list:
+    return [each for each in found.warnings if each.code == "left-out-shapes"]
+
+
+@pytest.mark.parametrize(
+    ("body", "more"),
+    [
+        (', frame = "grounded"', ""),
+        (', frame = "grounded"', PIN.replace("POINT", "tip")),
+        ("", PIN.replace("POINT", "hub")),
+        ("", ""),
+        (', frame = "grounded", thickness = 0.05, density = 700.0', ""),
+    ],
+)
+def test_frequencies_are_too_high_by_no_more_than_is_told(tmp_path, body, more):
+    """Of bodies that are held in any way, or not at all, and at other numbers; half as much of what is told is true at least, where it
+    is much: the bound is no wild guess."""
+    exact = solve_modes(undeformed(compile_scene(scene(tmp_path, BasisChoice("full"), body, more)))).frequencies
+    worst = 0.0
+    for basis in FEW:
+        of_few = scene(tmp_path, basis, body, more)
+        found = solve_modes(undeformed(compile_scene(of_few)))
+        (known,) = left_out(of_few)
+        seen = found.frequencies > 1e-6 * found.frequencies.max()
+        true = found.frequencies[seen] / exact[: len(seen)][seen] - 1
+        told = np.array([raised_at_most(each, known.slowest) for each in found.frequencies[seen]])
+        assert np.all(true < told)
+        worst = max(worst, float((true[told < 3] / told[told < 3]).max()))
+        (caution,) = said(found.verdict)
+        assert f"from {known.slowest:.4g} 1/s on" in caution.text
+        assert not caution.doubt  # of a list of all modes
+    assert worst > 0.5
+
+
+def test_the_second_frequency_of_a_cantilever_without_modes_is_a_doubt(tmp_path):
+    run = ffrf.compile(scene(tmp_path, BasisChoice("craig-bampton", count=0), ', frame = "grounded"')).statics()
+    full = ffrf.compile(scene(tmp_path, BasisChoice("full"), ', frame = "grounded"')).statics()
+    assert run.values["f2"] / full.values["f2"] > 1.5
+    (caution,) = said(run.verdict)
+    assert caution.doubt
+    assert "f1 by up to 1.2%, f2 by up to" in caution.text
+    assert not said(full.verdict)
+
+
+def test_eigenmodes_are_exact_alone_and_not_known_where_joints_pull(tmp_path):
+    """Modes of the clamped body are its own; a joint at its tip bends it in all of them."""
+    basis, full = BasisChoice("eigenmodes", count=4), BasisChoice("full")
+    alone, exact = (ffrf.compile(scene(tmp_path, each, ', frame = "grounded"')).statics() for each in (basis, full))
+    assert not said(alone.verdict)
+    assert alone.values["f2"] == pytest.approx(exact.values["f2"], rel=1e-6)  # the round-off of so stiff a pencil
+    pin = PIN.replace("POINT", "tip")
+    held, exact = (ffrf.compile(scene(tmp_path, each, ', frame = "grounded"', pin)).statics() for each in (basis, full))
+    assert held.values["f2"] > 1.005 * exact.values["f2"]
+    (caution,) = said(held.verdict)
+    assert caution.doubt
+    assert "not known: its basis leaves out shapes that move where joints or springs hold it, at tip" in caution.text
+
+
+def test_a_file_that_does_not_know_what_it_leaves_out_says_so(tmp_path):
+    """One that an earlier version has written."""
+    scene(tmp_path, FEW[1], ', frame = "grounded"')
+    (path,) = tmp_path.glob("*/beam.h5")
+    save(replace(load(path), left_out={}), path)
+    (caution,) = said(ffrf.compile(ffrf.read_scene(path.parent / "scene.toml")).statics().verdict)
+    assert "is not known: 'beam.h5' does not say what its basis leaves out. Build it again" in caution.text

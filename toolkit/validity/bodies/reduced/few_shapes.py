@@ -1,0 +1,120 @@
+"""Frequencies that a reduced basis has too few shapes for.
+
+The shapes that a basis leaves out vibrate with omega_l or faster, and bend against none that it keeps: u^T K u_l = 0. So with the motion
+u of the kept ones Rayleigh's quotient is at least
+
+    (omega_k^2 m + omega_l^2 m_l) / (sqrt(m) + sqrt(m_l))^2 >= 1 / (1 / omega_k^2 + 1 / omega_l^2)
+
+and by the minimum over subspaces the true frequency of the same number is not below this (in the way of S. Dunkerley, Phil. Trans. R. Soc.
+185 (1894) 279), as long as joints and springs grip where the left out shapes stand still. Where numbers of the body are others than
+those of its file, omega_l is taken to change as the slowest vibration of the kept shapes does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigvalsh
+
+from toolkit.bodies.body import CENTRE
+from toolkit.foundation.units import unit
+from toolkit.foundation.verdict import Caution
+from toolkit.loads.load import Load
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import deforming, flexible_body
+from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD
+
+ENOUGH = float(np.sqrt((1 + TOLD) ** 2 - 1))
+"""Frequency in parts of the slowest one that is left out, which may be too high by `TOLD`."""
+
+
+class FewShapes(NamedTuple):
+    """Of one body: the slowest frequency that its basis leaves out, in cycles per time; nan if it is not known, and then why."""
+
+    body: str
+    slowest: float
+    why: str = ""
+
+
+def cautions_of_few_shapes(scene: Scene, frequencies: Mapping[str, float], doubt: bool) -> Iterator[Caution]:
+    """Frequencies, by what they are called, that a basis may make too large, and bodies of which it is not known by how much."""
+    vibrating = {name: abs(value) for name, value in frequencies.items() if value}
+    if not vibrating:
+        return
+    label, found = unit(scene.units, "rate"), [*left_out(scene)]
+    for each in found:
+        if np.isnan(each.slowest):
+            yield Caution(
+                "left-out-shapes", f"how much too high frequencies are where {each.body} vibrates is not known: {each.why}", doubt
+            )
+    known = [each for each in found if not np.isnan(each.slowest)]
+    least = min(known, key=lambda each: each.slowest, default=None)
+    if least is None:
+        return
+    parts = {name: raised_at_most(value, least.slowest) for name, value in vibrating.items()}
+    high = {name: part for name, part in parts.items() if part > TOLD}
+    if high:
+        first, most = min(high, key=lambda name: high[name]), max(high, key=lambda name: high[name])
+        words = f"{first} by up to {high[first]:.1%}" + (f", {most} by up to {high[most]:.0%}" if most != first else "")
+        yield Caution(
+            "left-out-shapes",
+            f"frequencies may be too high where {least.body} vibrates, {words}: its basis leaves out shapes that vibrate from "
+            f"{least.slowest:.4g} {label} on. Build it with more modes: those up to {1 / ENOUGH:.0f} times a frequency leave it "
+            f"{TOLD:.0%}.",
+            doubt and high[most] > DOUBTFUL,
+        )
+
+
+def raised_at_most(frequency: float, slowest: float) -> float:
+    """Part by which a frequency may be too high where the slowest one is left out."""
+    return float(np.sqrt(1 + (frequency / slowest) ** 2) - 1)
+
+
+def left_out(scene: Scene) -> Iterator[FewShapes]:
+    """Of all bodies of one frame whose basis does not keep all coordinates."""
+    for name in deforming(scene):
+        if name not in scene.bodies:
+            continue  # a part of a cut body
+        model = flexible_body(scene, name).design_point(scene).model
+        if model.keeps_all:
+            continue
+        if not model.left_out:
+            yield FewShapes(
+                name, np.nan, f"{model.label} does not say what its basis leaves out. Build it again with ffrf-preprocess."
+            )
+        elif pulled := _pulled(scene, name, "interface" in model.left_out):
+            yield FewShapes(
+                name, np.nan,
+                f"its basis leaves out shapes that move where joints or springs hold it, at {', '.join(pulled)}. Build it with kind = "
+                '"craig-bampton", whose shapes know its interface points.',
+            )  # fmt: skip
+        elif "interface" in model.left_out or flexible_body(scene, name).frame_size:  # else modes that no inertia couples
+            yield FewShapes(name, min(model.left_out.values()) * _speeded(scene, name))
+
+
+def _pulled(scene: Scene, body: str, held: bool) -> list[str]:
+    """Points at which joints or springs hold a body, and which shapes that are left out may move."""
+    springs = [load for load in scene.loads.values() if isinstance(load, Load) and not load.proportional]
+    grips = {grip for each in (*scene.joints.values(), *springs) for grip in each.grips}
+    gripped = {point for name, point in grips if name == body}
+    if held:
+        return sorted(gripped & {CENTRE})
+    written = flexible_body(scene, body)
+    moves = {point: written.point(scene, point, body) for point in gripped}
+    return sorted(point for point, (place, turn) in moves.items() if np.any(place[..., 1:]) or np.any(turn[..., 1:]))
+
+
+def _speeded(scene: Scene, body: str) -> float:
+    """Slowest vibration of the kept shapes at the scene's numbers, in parts of that at the nominal design, as of those left out."""
+    written = flexible_body(scene, body)
+    here, nominal = written.invariants(scene), written.design_point(scene).model.invariants
+    slowest = [_slowest(inv.stiffness, inv.inertia_about_origin[1:, 1:]) for inv in (here, nominal)]
+    return float(np.sqrt(slowest[0] / slowest[1]))
+
+
+def _slowest(stiffness: np.ndarray, mass: np.ndarray) -> float:
+    last = len(stiffness) - 1
+    found: np.ndarray = eigvalsh(np.real(mass), np.real(stiffness), subset_by_index=[last, last])
+    return float(1 / found[0])
