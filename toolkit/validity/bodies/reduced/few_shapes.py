@@ -23,7 +23,8 @@ from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.loads.load import Load
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import deforming, flexible_body
+from toolkit.system.flexible_bodies import flexible_body
+from toolkit.validity.bodies.deformation import whole_bodies
 from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD
 
 ENOUGH = float(np.sqrt((1 + TOLD) ** 2 - 1))
@@ -61,8 +62,8 @@ def cautions_of_few_shapes(scene: Scene, frequencies: Mapping[str, float], doubt
         yield Caution(
             "left-out-shapes",
             f"frequencies may be too high where {least.body} vibrates, {words}: its basis leaves out shapes that vibrate from "
-            f"{least.slowest:.4g} {label} on. Build it with more modes: those up to {1 / ENOUGH:.0f} times a frequency leave it "
-            f"{TOLD:.0%}.",
+            f"{least.slowest:.4g} {label} on. Build it with more modes, or in more pieces: what is left out from "
+            f"{1 / ENOUGH:.0f} times a frequency on makes it {TOLD:.0%}.",
             doubt and high[most] > DOUBTFUL,
         )
 
@@ -73,10 +74,8 @@ def raised_at_most(frequency: float, slowest: float) -> float:
 
 
 def left_out(scene: Scene) -> Iterator[FewShapes]:
-    """Of all bodies of one frame whose basis does not keep all coordinates."""
-    for name in deforming(scene):
-        if name not in scene.bodies:
-            continue  # a part of a cut body
+    """Of all bodies whose model does not keep all coordinates, cut or not."""
+    for name in whole_bodies(scene):
         model = flexible_body(scene, name).design_point(scene).model
         if model.keeps_all:
             continue
@@ -108,8 +107,9 @@ def _pulled(scene: Scene, body: str, held: bool) -> list[str]:
 
 def _speeded(scene: Scene, body: str) -> float:
     """Slowest vibration of the kept shapes at the scene's numbers, in parts of that at the nominal design, as of those left out."""
-    written = flexible_body(scene, body)
-    here, nominal = written.invariants(scene), written.design_point(scene).model.invariants
+    design = flexible_body(scene, body).design_point(scene)
+    nominal = design.model.invariants
+    here = type(nominal)(**{name: design.value(name) for name in vars(nominal)})
     slowest = [_slowest(inv.stiffness, inv.inertia_about_origin[1:, 1:]) for inv in (here, nominal)]
     return float(np.sqrt(slowest[0] / slowest[1]))
 
