@@ -80,3 +80,11 @@ def test_what_fails_is_not_remembered(numbas):
         with pytest.raises(TypingError):
             known.resolve_function_type(add, (types.float64, types.none), {})
     assert not KnownResults.results
+
+
+def test_no_answer_yet_is_asked_for_again(numbas, monkeypatch):
+    known, add = KnownResults(numbas), numbas.resolve_value_type(operator.add)
+    monkeypatch.setattr(KnownResults, "results", {})
+    monkeypatch.setattr(Context, "resolve_function_type", lambda *_: None)
+    assert known.resolve_function_type(add, FLOATS, {}) is None
+    assert not KnownResults.results
