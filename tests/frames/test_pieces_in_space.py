@@ -333,6 +333,13 @@ def test_more_frames_than_pieces_are_refused(folder):
         compile_scene(bar_scene(folder, "frames = 5", ""))
 
 
+def test_an_error_that_no_number_of_pieces_reaches_is_refused(folder):
+    force = pulled(2 * STIFFNESS)
+    scene = bar_scene(folder, 'frame = "grounded", frames = "auto", geometric_error = 1e-4', force)
+    with pytest.raises(InputError, match=r"One to every piece, 4 in all, .* because the pieces themselves .* some \d+ pieces,"):
+        ffrf.compile(scene).statics()
+
+
 def test_a_file_whose_pieces_disagree_is_refused(folder, tmp_path):
     model = load(folder / "bar.h5")
     assert model.pieces is not None
