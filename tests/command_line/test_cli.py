@@ -18,8 +18,10 @@ from preprocessing.recipes.build_model import read_recipe
 from toolkit.command_line import cli
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
+from toolkit.command_line.keeping import solved
 from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.report import record_of
+from toolkit.door.model import compile_model
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.own_files import OWN, list_own, listed, own_set
 from toolkit.scene_file.reader import read_scene
@@ -338,6 +340,15 @@ def test_render_refuses_a_file_as_its_folder_before_it_simulates(tmp_path):
     occupied = tmp_path / "output"
     occupied.write_text("")
     assert "cannot be made a folder" in refused("render", SCENE, "--output", str(occupied))
+
+
+def test_a_motion_that_is_drawn_is_judged_by_its_values_as_one_that_is_printed():
+    """By the local error alone its steps are coarse; by comparison with longer steps they are not for its responses."""
+    scene = read_scene(Path(SCENE), {"solver.scheme": "arnold-bruels"})
+    drawn = solved(scene, "transient", quiet=True).verdict
+    printed = compile_model(scene).simulate()
+    assert {each.code for each in printed.solution.verdict.warnings} - {each.code for each in drawn.warnings} == {"coarse-steps"}
+    assert drawn.record() == printed.verdict.record()
 
 
 def test_render_refuses_a_format_that_there_is_not_before_it_simulates(tmp_path):

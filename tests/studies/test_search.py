@@ -81,7 +81,15 @@ def test_only_planes_at_which_a_search_stands_are_forgotten():
     def flat(z: np.ndarray) -> Values:
         return Values(0.0, np.zeros(2), np.empty(0), np.empty((0, 2)))
 
+    def planes(cuts: Cuts) -> int:
+        return len(cuts.around(flat)(np.array([0.9, 0.3])).c)
+
     assert cuts.around(flat)(np.array([0.9, 0.3])).c == pytest.approx([0.2])
+    assert cuts.add(np.zeros(2), np.array([1.0, 0.0]))  # failed again: the next time it waits twice as long
+    cuts.release(np.array([0.49, 0.3]))
+    assert planes(cuts) == 2
+    cuts.release(np.array([0.49, 0.3]))
+    assert planes(cuts) == 1
 
 
 def quadratic(z: np.ndarray, curvature: np.ndarray, least: np.ndarray, c: np.ndarray, dc: np.ndarray) -> Values:

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 import toolkit as ffrf
+from preprocessing import build
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.frames.test_cut_bodies import SECTION
+from tests.models.solid_pieces import bar_scene, save_bar, write_bar
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.reduced_model.file import load, save
 from toolkit.system.system import compile_scene
@@ -105,3 +107,20 @@ def test_a_file_that_does_not_know_what_it_leaves_out_says_so(tmp_path):
     save(replace(load(path), left_out={}), path)
     (caution,) = said(ffrf.compile(ffrf.read_scene(path.parent / "scene.toml")).statics().verdict)
     assert "is not known: 'beam.h5' does not say what its basis leaves out. Build it again" in caution.text
+
+
+def test_a_solid_in_pieces_knows_what_each_of_them_leaves_out(tmp_path):
+    """Two pieces of a bar, cut in the scene or not, against the uncut bar with modes; the face between both makes some 1e-3 by itself."""
+    asked = "[responses]\n" + "".join(f'f{k} = {{ type = "frequency", number = {k} }}\n' for k in (1, 4, 6))
+    path = write_bar(tmp_path, 0)
+    path.write_text(path.read_text().replace('basis.kind = "static"', 'basis = { kind = "craig-bampton", count = 12 }'))
+    save(build(path), tmp_path / "bar.h5")
+    fine = ffrf.compile(bar_scene(tmp_path, 'frame = "grounded"', asked)).statics().values
+    slowest = save_bar(tmp_path, 2).left_out["interface"]
+    for body in ('frame = "grounded"', 'frame = "grounded", frames = 2'):
+        run = ffrf.compile(bar_scene(tmp_path, body, asked)).statics()
+        for name, value in run.values.items():
+            assert -2e-3 < value / fine[name] - 1 < raised_at_most(value, slowest) + 2e-3
+        assert run.values["f6"] > 1.01 * fine["f6"]
+        (caution,) = said(run.verdict)
+        assert f"from {slowest:.4g} 1/s on" in caution.text

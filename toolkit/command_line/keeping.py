@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -140,9 +141,9 @@ def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | 
 
 
 def solved(scene: Scene, kind: Kind, quiet: bool) -> Solution:
-    """The motion or the equilibrium of a scene, with a progress bar."""
-    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
-    from toolkit.sensitivity.preparation import prepare, solve
+    """The motion or the equilibrium of a scene, with a progress bar; judged as `ffrf simulate` and `ffrf statics` judge it."""
+    from toolkit.door.model import compile_model
 
     with at_work("load steps" if kind == "static" else "time steps", scene, kind, quiet=quiet) as progress:
-        return solve(prepare(with_chosen_frames(scene, kind)), kind, progress)
+        found = compile_model(scene).run(kind, progress=progress)
+    return replace(found.solution, judge=lambda _: found.verdict)

@@ -131,7 +131,7 @@ class Run(Result):
         directory
             Folder of the pictures, which is made if it does not exist.
         instants
-            Times; each is drawn at the nearest step. By default four, evenly spread up to the end.
+            Times; each is drawn at the nearest step. By default up to four at which something happens.
         width
             Of every picture, in pixels.
         format

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.linear.sparse_lu import solve
 
@@ -14,7 +16,7 @@ AT_ONCE = 8
 @kernel
 def solve_block(plan, lu, rhs, work):
     """Solution of A X = rhs, in place; rhs (n, n_x) and work (n, n_x or AT_ONCE), the design axis contiguous."""
-    n_x, first = rhs.shape[1], 0
+    n_x, first = rhs.shape[1], np.int64(0)  # as in `sparse_lu.factor`
     if n_x == 1:
         solve(plan, lu, rhs[:, 0], work[:, 0])
     elif n_x > WIDE:

@@ -22,6 +22,8 @@ later row. For that the caller refines a solution once and looks how much that c
 
 from __future__ import annotations
 
+import numpy as np
+
 from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.linear.sparse_analysis import TOGETHER
 
@@ -43,7 +45,7 @@ def factor(plan, values, lu, work, tolerance):
         Smallest pivot relative to the terms it is made of, see the head of this file.
     """
     _load(plan, values, lu, work)
-    update, run, k = 0, 0, 0
+    update = run = k = np.int64(0)  # a plain 0 would have what is called compiled for that number, and for others again
     while k < plan.order.size:
         if plan.together[k] > 0:
             refused = _factor_together(plan, lu, work, tolerance, k)

@@ -25,6 +25,17 @@ class InnerCode(JITCodeLibrary):
         library._shared_module, library._finalized = parse_bitcode(bitcode), True
         return library
 
+    def _optimize_functions(self, module: Any) -> None:
+        """Those that are in the module: from 0.62 on numba makes a list of passes for each that is only named there too."""
+        if not hasattr(self._codegen, "_pass_builder"):
+            super()._optimize_functions(module)
+            return
+        module.data_layout = self._codegen._data_layout
+        manager, builder = self._codegen._function_pass_manager()
+        for function in module.functions:
+            if not function.is_declaration:
+                manager.run(function, builder)
+
     def finalize(self) -> None:
         """Link what the formula calls, and leave it there."""
         self._raise_if_finalized()

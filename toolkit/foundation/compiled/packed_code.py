@@ -12,6 +12,7 @@ from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, inf
 from numba.experimental.function_type import FunctionModel
 from numba.extending import NativeValue, models, register_model, unbox
 from numba.np.arrayobj import make_array, populate_array
+from numba.np.numpy_support import as_dtype
 
 from toolkit.foundation.compiled.packed import FormulaType, PackedType, inside, words_of
 
@@ -140,7 +141,7 @@ def _word(builder: Any, words: Any, kind: Any = WORD) -> Any:
 
 
 def _array(context: Any, builder: Any, kind: Any, words: Any) -> Any:
-    found, size = make_array(kind)(context, builder), context.get_abi_sizeof(context.get_data_type(kind.dtype))
+    found, size = make_array(kind)(context, builder), as_dtype(kind.dtype).itemsize
     data = _word(builder, words, context.get_data_type(kind.dtype).as_pointer())
     shape = [_word(builder, _at(builder, words, 1 + k)) for k in range(kind.ndim)]
     strides = [_word(builder, _at(builder, words, 1 + kind.ndim + k)) for k in range(kind.ndim)]

@@ -44,7 +44,9 @@ def joined_model(found: PieceBodies) -> dict[str, Any]:
         **{name: pieces[0][name] for name in ("dimension", "units", "nominal", "nominal_units", "writers")},
         "reference_condition": clamped_in_tangent_frame(f"the nodes of {cut.named.file.clamp and cut.named.file.clamp.words}"),
         "basis": _words(cut),
-        "left_out": {"interface": min(piece["left_out"]["interface"] for piece in pieces)},
+        "left_out": {
+            "interface": min(piece["left_out"]["interface"] for piece in pieces)
+        },  # what each leaves out moves none of its ends
         "invariants": invariants,
         "derivatives": whole.derivatives | derivatives_of_points(cut, nodes, width),
         "affine": whole.affine,

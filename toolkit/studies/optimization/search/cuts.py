@@ -35,9 +35,13 @@ class Cuts:
 
     def __init__(self) -> None:
         self._planes: list[Plane] = []
+        self._patience, self._waited, self._released = 1, 0, False
 
     def add(self, good: np.ndarray, failed: np.ndarray) -> bool:
         """Cut off a failed design, which was sought from a good one; whether they are far enough from each other."""
+        if self._released:
+            self._patience *= 2
+        self._released, self._waited = False, 0
         way = failed - good
         length = float(np.sqrt(way @ way))
         if length < NEAREST:
@@ -46,8 +50,13 @@ class Cuts:
         return True
 
     def release(self, z: np.ndarray) -> None:
-        """Forget the planes at which a search stands: what failed once, far behind them, is no reason to stay there."""
-        self._planes = [each for each in self._planes if each.limit - each.normal @ z > STANDS * each.length]
+        """Forget the planes at which a search stands: what failed once, far behind them, is no reason to stay there. Where the next design
+        fails again, it waits twice as long the next time."""
+        self._waited += 1
+        if self._waited >= self._patience:
+            kept = [each for each in self._planes if each.limit - each.normal @ z > STANDS * each.length]
+            self._released = self._released or len(kept) < len(self._planes)
+            self._planes = kept
 
     def around(self, functions: Functions) -> Functions:
         """The functions with the planes as further constraints."""

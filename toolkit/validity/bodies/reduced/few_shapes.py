@@ -13,7 +13,7 @@ those of its file, omega_l is taken to change as the slowest vibration of the ke
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eigvalsh
@@ -23,7 +23,7 @@ from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.loads.load import Load
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import flexible_body, is_in_pieces
+from toolkit.system.flexible_bodies import flexible_body
 from toolkit.validity.bodies.deformation import whole_bodies
 from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD
 
@@ -58,23 +58,23 @@ def cautions_of_few_shapes(scene: Scene, frequencies: Mapping[str, float], doubt
     high = {name: part for name, part in parts.items() if part > TOLD}
     if high:
         first, most = min(high, key=lambda name: high[name]), max(high, key=lambda name: high[name])
-        more = "Cut it into more pieces" if is_in_pieces(scene, least.body) else "Build it with more modes"
         words = f"{first} by up to {high[first]:.1%}" + (f", {most} by up to {high[most]:.0%}" if most != first else "")
         yield Caution(
             "left-out-shapes",
             f"frequencies may be too high where {least.body} vibrates, {words}: its basis leaves out shapes that vibrate from "
-            f"{least.slowest:.4g} {label} on. {more}: those up to {1 / ENOUGH:.0f} times a frequency leave it {TOLD:.0%}.",
+            f"{least.slowest:.4g} {label} on. Build it with more modes, or in more pieces: what is left out from "
+            f"{1 / ENOUGH:.0f} times a frequency on makes it {TOLD:.0%}.",
             doubt and high[most] > DOUBTFUL,
         )
 
 
-def raised_at_most(frequency: Any, slowest: float) -> Any:
+def raised_at_most(frequency: float, slowest: float) -> float:
     """Part by which a frequency may be too high where the slowest one is left out."""
-    return np.sqrt(1 + (frequency / slowest) ** 2) - 1
+    return float(np.sqrt(1 + (frequency / slowest) ** 2) - 1)
 
 
 def left_out(scene: Scene) -> Iterator[FewShapes]:
-    """Of all bodies whose basis, or whose pieces, do not keep all coordinates."""
+    """Of all bodies whose model does not keep all coordinates, cut or not."""
     for name in whole_bodies(scene):
         model = flexible_body(scene, name).design_point(scene).model
         if model.keeps_all:
@@ -107,8 +107,9 @@ def _pulled(scene: Scene, body: str, held: bool) -> list[str]:
 
 def _speeded(scene: Scene, body: str) -> float:
     """Slowest vibration of the kept shapes at the scene's numbers, in parts of that at the nominal design, as of those left out."""
-    written = flexible_body(scene, body)
-    here, nominal = written.invariants(scene), written.design_point(scene).model.invariants
+    design = flexible_body(scene, body).design_point(scene)
+    nominal = design.model.invariants
+    here = type(nominal)(**{name: design.value(name) for name in vars(nominal)})
     slowest = [_slowest(inv.stiffness, inv.inertia_about_origin[1:, 1:]) for inv in (here, nominal)]
     return float(np.sqrt(slowest[0] / slowest[1]))
 
