@@ -29,6 +29,7 @@ from toolkit.scene.cut_scene import with_parts, written
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.bent_pieces import shortening
 from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.reduced.few_shapes import raised_at_most
 
 pytestmark = pytest.mark.usefixtures("all_read_here")
 
@@ -144,6 +145,22 @@ def test_a_cut_solid_vibrates_as_the_uncut_one(folder, tmp_path):
     one, its = (frequencies(model) for model in (load(folder / "bar.h5"), other))
     np.testing.assert_allclose(one[:2], its[:2], rtol=1e-3)
     np.testing.assert_allclose(one[:4], its[:4], rtol=1e-2)
+    true = one[:10] / its[:10] - 1
+    slowest = load(folder / "bar.h5").left_out["interface"]
+    told = np.array([raised_at_most(each, slowest) for each in one[:10]])
+    assert np.all(true < told)
+    assert np.any(true > 0.4 * told)
+
+
+def test_what_pieces_leave_out_of_frequencies_is_said(folder):
+    """Torsion and stretch too, whatever the number of frames, by the slowest vibration between their ends."""
+    asked = [f"[responses.f{k}]\ntype = 'frequency'\nnumber = {k}\n" for k in (1, 9)]
+    for frames in ("", ", frames = 4"):
+        run = ffrf.compile(bar_scene(folder, 'frame = "grounded"' + frames, "".join(asked))).statics()
+        (said,) = [each for each in run.verdict.warnings if each.code in ("left-out-shapes", "coarse-vibrations")]
+        assert "where bar vibrates, f9 by up to" in said.text
+        assert "in more pieces" in said.text
+        assert said.doubt
 
 
 SWING = """[joints]

@@ -286,6 +286,19 @@ def test_pairs_of_modes_of_equal_frequency_are_kept_whole(tmp_path):
     ]  # fmt: skip
 
 
+def test_shapes_that_modes_know_but_for_round_off_are_no_coordinates(tmp_path):
+    """With one node between its ends a part bends under its weight as its first modes do: what is left of it would be noise, which
+    other processors have otherwise; it stretches otherwise than they do."""
+    save_chain(
+        tmp_path, np.column_stack([np.linspace(0, 1, 5), np.zeros((5, 2))]), 'kind = "rectangle", thickness = 0.01, width = 0.01'
+    )
+    system = compile_scene(chain_scene(tmp_path, "frames = 2, modes_per_frame = 1", ""))
+    names = [name for name in system.numbering.names if "beam[2]" in name]
+    assert [name.split(" of ")[0] for name in names[-4:-1]] == [
+        "fixed-interface mode 1", "fixed-interface mode 2", "shape 1 under uniform acceleration"
+    ]  # fmt: skip
+
+
 def test_a_part_without_so_many_coordinates_keeps_all(tmp_path):
     """So that one frame to every element is the corotational beam, whatever number of modes is written."""
     scene = cantilever(tmp_path, ARC, 6, in_space((0.0, EI)))

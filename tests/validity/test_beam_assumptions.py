@@ -70,6 +70,22 @@ def test_stress_that_weight_adds_between_nodes_is_said_as_large_as_it_is(element
     assert run.values["down"] == pytest.approx(-RHO * G / (8 * E * 0.02**2 / 12), rel=2e-3)  # of the frames' turn; exact with one
 
 
+def test_stress_that_weight_adds_along_elements_is_said_as_large_as_it_is(tmp_path):
+    """A beam that hangs: each element knows the mean of the force in it."""
+    scene = cantilever(tmp_path, 2)
+    hanging = scene.model_copy(
+        update={
+            "loads": {"g": scene.loads["g"].model_copy(update={"acceleration": (G, 0.0)})},
+            "responses": {"stress": scene.responses["stress"]},
+        }
+    )
+    run = ffrf.compile(hanging).statics()
+    assert run.values["stress"] == pytest.approx(0.75 * RHO * G, rel=1e-9)
+    (text,) = said(run, "weight-between-nodes")
+    assert "some 25% of the largest" in text
+    assert "5.0 times as many elements" in text  # ten: what the last one lacks is a twentieth
+
+
 def test_weight_is_not_said_where_no_stress_is_asked_for(tmp_path):
     scene = cantilever(tmp_path, 1)
     without = scene.model_copy(update={"responses": {"down": scene.responses["down"]}})

@@ -77,18 +77,22 @@ def part_shapes(stiffness: np.ndarray, inertia: np.ndarray, weights: np.ndarray,
     if len(inner) <= count + weights.shape[1]:
         return PartShapes(np.arange(len(stiffness)), np.zeros((0, 0)))
     own = np.ix_(inner, inner)
-    return PartShapes(kept, _inner_shapes(stiffness[own], inertia[own], weights[inner], count), weights.shape[1])
+    return PartShapes(kept, *_inner_shapes(stiffness[own], inertia[own], weights[inner], count))
 
 
-def _inner_shapes(stiffness: np.ndarray, mass: np.ndarray, weights: np.ndarray, count: int) -> np.ndarray:
-    """Phi (n_i, n_p) at unit inertia."""
+def _inner_shapes(stiffness: np.ndarray, mass: np.ndarray, weights: np.ndarray, count: int) -> tuple[np.ndarray, int]:
+    """Phi (n_i, n_p) at unit inertia, and how many of its last columns are shapes under uniform acceleration: without those that the
+    modes know but for round-off."""
     shapes, sizes = _modes(stiffness, mass, count), np.sqrt(np.diag(mass))
+    n_modes = shapes.shape[1]
     for bent in _solved(stiffness, weights).T:
+        known = NONE**2 * (bent @ mass @ bent)
         for _ in range(2):  # once leaves round-off of the part that is taken out
             bent = bent - shapes @ (shapes.T @ (mass @ bent))
-        shapes = np.column_stack([shapes, bent / np.sqrt(bent @ mass @ bent)])
+        if (square := bent @ mass @ bent) > known:
+            shapes = np.column_stack([shapes, bent / np.sqrt(square)])
     moves = sizes[:, None] * np.abs(shapes)
-    return np.where(moves > NONE * moves.max(axis=0), shapes, 0.0)
+    return np.where(moves > NONE * moves.max(axis=0, initial=0.0), shapes, 0.0), shapes.shape[1] - n_modes
 
 
 def _modes(stiffness: np.ndarray, mass: np.ndarray, count: int) -> np.ndarray:

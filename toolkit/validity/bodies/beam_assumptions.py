@@ -1,4 +1,4 @@
-"""What beam elements leave out whatever their motion: shear of short beams, and bending by weight and inertia between their nodes.
+"""What beam elements leave out whatever their motion: shear of short beams, and bending and stretch by weight and inertia between nodes.
 
 Shear makes the deflection of a cantilever by a force at its end larger, in parts of that by bending, by
 
@@ -8,6 +8,8 @@ Weight less inertia, p per length, bends an element of length l by moments of up
 displacements of the nodes are those of the exact beam. In parts of the largest strain of a fibre at sqrt(3) r, as of a rectangle,
 
     (sqrt(3) p l^2 / (12 E A r)) / max (|N| / E A + sqrt(3) |M| / (E A r))
+
+Along an element p makes the force at one of its ends p l / 2 larger than the mean, which is all that the element says of it.
 
 A basis of few shapes lacks besides what p moves the nodes by and no shape knows.
 """
@@ -84,10 +86,12 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
         parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
         found = [_strains(solution, name) for name in parts] if body in bodies_of_stress(scene) else []
         known = [each for each in found if each is not None]
-        lacking, largest = (max((each[k] for each in known), default=0.0) for k in range(2))
+        across, along, largest = (max((each[k] for each in known), default=0.0) for k in range(3))
+        lacking = across + along
         part = lacking / (largest + lacking) if lacking else 0.0
         if part > LIMIT:
-            factor = float(np.sqrt(part / LIMIT))
+            allowed = LIMIT * (largest + lacking)  # across / factor^2 + along / factor
+            factor = (along + np.sqrt(along**2 + 4 * across * allowed)) / (2 * allowed)
             forces = "its weight and forces of inertia do" if moving else "its weight does"
             yield Caution(
                 "weight-between-nodes",
@@ -97,8 +101,9 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
             )
 
 
-def _strains(solution: Solution, name: str) -> tuple[float, float] | None:
-    """The largest strain that these add between nodes, and the largest that the elements tell; None where these are not known."""
+def _strains(solution: Solution, name: str) -> tuple[float, float, float] | None:
+    """The largest strains that these add between nodes, across the elements and along them, and the largest that the elements tell; None
+    where these are not known."""
     scene = solution.system.scene
     behind, body = chain(scene, name), scene.body(name)
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
@@ -108,13 +113,16 @@ def _strains(solution: Solution, name: str) -> tuple[float, float] | None:
     (mass,) = body.some_invariants(scene, "mass")
     density = float(np.real(mass)) * found.axial / (found.axial @ found.lengths)
     pull = density[:, None] * pull_on_elements(solution, name, behind, instants)
-    normal = pull - np.einsum("tei,ei,ej->tej", pull, found.along, found.along)
+    along = np.einsum("tei,ei->te", pull, found.along)
+    normal = pull - along[:, :, None] * found.along
     fibre = FIBRE / (found.axial * np.sqrt(found.gyration))
     between = np.linalg.norm(normal, axis=2) * found.lengths**2 / 12 * fibre
+    stretched = np.abs(along) * found.lengths / 2 / found.axial
     told_apart = behind.is_full or behind.per_node > PlanarChain.per_node  # parts in space are looked at by `left_out_shapes`
     unknown = np.zeros((1, behind.forms.count)) if told_apart else _outside_the_basis(scene, name, behind, found, pull)
     told = _fibre_strains(behind, found, behind.displacements(elastic[instants]))
-    return float((between + _fibre_strains(behind, found, unknown)).max()), float(told.max())
+    across = between + _fibre_strains(behind, found, unknown)
+    return float(across.max()), float(stretched.max()), float(told.max())
 
 
 def _fibre_strains(behind: Chain, found: Beams, u: np.ndarray) -> np.ndarray:
