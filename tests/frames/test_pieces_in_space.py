@@ -28,6 +28,7 @@ from toolkit.render.space.symbols import spatial_symbols
 from toolkit.scene.cut_scene import with_parts, written
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.bent_pieces import shortening
+from toolkit.validity.bodies.deformation import LIMIT
 
 pytestmark = pytest.mark.usefixtures("all_read_here")
 
@@ -173,24 +174,30 @@ def test_gradients_of_a_solid_that_swings_are_complex_steps(folder):
 
 
 def test_gradients_are_those_of_models_that_are_built_anew(folder, tmp_path):
-    """What the file tells of Poisson's ratio and the shape, against central differences of models at other values."""
+    """What the file tells of Poisson's ratio and the shape, against central differences of models at other values: of the pieces, and of
+    the body in one frame."""
     rest = (
         pulled(0.5 * STIFFNESS, 0.4 * STIFFNESS)
         + f"[responses]\n{WHERE}"
         + 'stress = { type = "ks-stress", body = "bar", aggregation = 1e-5 }\n'
+        + 'place = { type = "distance", bodies = ["bar", "bar"], points = ["tip", "root"], component = "y" }\n'
     )
     design = '[design]\npoisson_ratio = "bodies.bar.poisson_ratio"\ntaper = "bodies.bar.taper"\n'
-    held = 'frame = "grounded", frames = 4'
-    exact = ffrf.compile(bar_scene(folder, held, rest + design), variables=["poisson_ratio", "taper"]).statics(gradients=True)
+    held = [f'frame = "grounded", frames = {frames}' for frames in (1, 4)]
+    variables = ["poisson_ratio", "taper"]
+    exact = [ffrf.compile(bar_scene(folder, each, rest + design), variables=variables).statics(gradients=True) for each in held]
     for name, value in (("poisson_ratio", 0.3), ("taper", 0.0)):
         ends = []
         for sign in (1, -1):
             save(build(folder / "bar.toml", values={name: value + sign * STEP}), tmp_path / "bar.h5")
-            ends.append(ffrf.compile(bar_scene(tmp_path, held, rest)).statics().values)
-        for response, slopes in exact.gradients.items():
-            difference = (ends[0][response] - ends[1][response]) / (2 * STEP)
-            size = abs(exact.values[response])  # statics end at 1e-10 of it, and the square of the step is 1e-6
-            assert slopes[name] == pytest.approx(difference, rel=1e-4, abs=1e-6 * size), (response, name)
+            ends.append([ffrf.compile(bar_scene(tmp_path, each, rest)).statics().values for each in held])
+        for found, after, before in zip(exact, *ends, strict=True):
+            for response, slopes in found.gradients.items():
+                difference = (after[response] - before[response]) / (2 * STEP)
+                size = max(
+                    abs(found.values[response]), 1e-4
+                )  # x of one frame is 0; statics end at 1e-10, and the step squared is 1e-6
+                assert slopes[name] == pytest.approx(difference, rel=1e-4, abs=1e-6 * size), (response, name)
 
 
 STEP = 1e-3
@@ -285,8 +292,32 @@ def test_what_makes_the_numbers_doubtful_is_said(folder, tmp_path):
     (said,) = [each.text for each in rolled.verdict.warnings if each.code == "bent-pieces"]
     turn = float(said.partition("by up to ")[2].partition(" rad")[0])
     assert turn == pytest.approx(5.5 / 4 / 2, rel=0.1)  # of 5.5 rad in all
+    away = np.hypot(rolled.values["x"], rolled.values["z"])
+    needed = 5.5 / np.sqrt(24 * LIMIT * away)  # n pieces of an arc of 1 m shorten by 5.5^2 / (24 n^2)
+    assert f"Cut it into some {int(np.ceil(needed))} pieces" in said
     assert not short.verdict.trusted
     assert not rolled.verdict.trusted
+
+
+def test_pieces_that_are_twisted_and_pulled_do_not_bow(folder):
+    load = """[loads]
+twist = { type = "torque", body = "bar", point = "tip", torque = [100.0, 0.0, 0.0] }
+pull = { type = "point-force", body = "bar", point = "tip", force = [2e4, 0.0, 0.0] }
+"""
+    run = ffrf.compile(bar_scene(folder, 'frame = "grounded", frames = 4', load + TURN)).statics()
+    assert run.values["turn"] > 0.2
+    assert shortening(run.solution, "bar")[:2] == pytest.approx((0.0, 0.0), abs=1e-6)  # statics end at 1e-10
+
+
+TURN = '[responses]\nturn = { type = "rotation", body = "bar", point = "tip", axis = [1.0, 0.0, 0.0] }\n'
+
+
+def test_points_of_a_face_are_told_by_the_piece_nearer_to_the_clamp(folder):
+    model = load(folder / "bar.h5")
+    assert model.surface is not None
+    assert model.pieces is not None
+    behind = np.ceil(4 * model.surface.position[:, 0, 0] - 1e-9)  # round-off of a place
+    np.testing.assert_array_equal(model.pieces.element, np.maximum(behind, 1) - 1)
 
 
 def test_a_solid_that_is_not_in_pieces_says_how_it_would_be(tmp_path):
@@ -300,6 +331,13 @@ def test_a_solid_that_is_not_in_pieces_says_how_it_would_be(tmp_path):
 def test_more_frames_than_pieces_are_refused(folder):
     with pytest.raises(InputError, match=r"has 4 pieces, and a frame needs one at least. Write at most 4"):
         compile_scene(bar_scene(folder, "frames = 5", ""))
+
+
+def test_an_error_that_no_number_of_pieces_reaches_is_refused(folder):
+    force = pulled(2 * STIFFNESS)
+    scene = bar_scene(folder, 'frame = "grounded", frames = "auto", geometric_error = 1e-4', force)
+    with pytest.raises(InputError, match=r"One to every piece, 4 in all, .* because the pieces themselves .* some \d+ pieces,"):
+        ffrf.compile(scene).statics()
 
 
 def test_a_file_whose_pieces_disagree_is_refused(folder, tmp_path):

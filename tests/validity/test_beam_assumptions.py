@@ -38,7 +38,7 @@ def cantilever(folder, elements, thickness=0.02, frames=1, responses=("stress", 
     """A horizontal cantilever of 1 m under its weight, clamped at its start."""
     section = Section(youngs_modulus=E, density=RHO, thickness=thickness, width=WIDTH)
     nodes = np.column_stack([np.linspace(0, 1, elements + 1), np.zeros(elements + 1)])
-    save_beam(folder / "beam.h5", nodes, section, {"tip": 1.0}, **basis)
+    save_beam(folder / "beam.h5", nodes, section, {"root": 0.0, "tip": 1.0}, **basis)
     kept = [
         line
         for line in SCENE.replace("FRAMES", str(frames)).splitlines()

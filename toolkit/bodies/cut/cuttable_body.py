@@ -88,12 +88,13 @@ class CuttableBody(ModelBody):
         return self.frames != 1
 
     def poses(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Origins (n_t, d) and axes (n_t, d, d) of a frame that moves freely or not at all, from coordinates of the body (n_t, n)."""
+        """Origins (n_t, d) and axes (n_t, d, d) of the frame, from coordinates of the body (n_t, n)."""
         written: Any = self
-        if not self.has_frame:
-            return np.tile(np.array(written.position), (len(q), 1)), np.tile(written.placement, (len(q), 1, 1))
-        return q[:, : self.moves], np.stack([self.frame_axes(each) for each in q])
+        origins = q[:, : self.moves] if self.moves else np.tile(np.array(written.position), (len(q), 1))
+        if not self.turns:
+            return origins, np.tile(written.placement, (len(q), 1, 1))
+        return origins, np.stack([self.frame_axes(each) for each in q])
 
     @abstractmethod
     def frame_axes(self, q: np.ndarray) -> np.ndarray:
-        """Rotation matrix (d, d) of a frame that moves freely, from coordinates of the body (n,)."""
+        """Rotation matrix (d, d) of a frame that turns, from coordinates of the body (n,)."""

@@ -79,7 +79,9 @@ class SpatialFlexible(CuttableBody, SpatialBody):
         return inv
 
     def frame_axes(self, q: np.ndarray) -> np.ndarray:
-        """By its quaternion."""
+        """By its quaternion, or by the angle that it has turned by from where it is placed."""
+        if self.frame == "turning":
+            return matrix_of(quaternion_of(q[self.moves] * self.unit_axis)) @ self.placement
         return matrix_of(q[self.moves : self.moves + QUATERNION])
 
     @property

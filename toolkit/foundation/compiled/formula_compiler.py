@@ -57,7 +57,10 @@ class KnownResults(Context):  # type: ignore[misc]
             return super().resolve_function_type(func, args, kws)
         call = (func, args, tuple(kws.items()))
         if call not in self.results:
-            self.results[call] = super().resolve_function_type(func, args, kws)
+            found = super().resolve_function_type(func, args, kws)
+            if found is None:  # nothing fits yet, which is no answer for ever
+                return None
+            self.results[call] = found
         return self.results[call]
 
 

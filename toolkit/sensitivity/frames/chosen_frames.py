@@ -26,6 +26,7 @@ from toolkit.kept_run.end_state import end_state
 from toolkit.scene.cut_scene import branches, fewest_cut, most_frames
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import Kind, frozen, prepare, solve
+from toolkit.system.flexible_bodies import elements_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.cut.places import has_places, is_moving, largest_displacement, node_places, relative_distance
@@ -60,6 +61,7 @@ class _Range:
     least: int
     most: int
     branches: bool
+    elements: str  # what the body calls them
 
     def near(self, number: int) -> int:
         """The nearest one of several frames."""
@@ -110,7 +112,7 @@ def chosen_frames(scene: Scene, kind: Kind) -> Choices:
     for name in names:
         if len(runs[name]) == 1:  # one frame to every element already: nothing finer to compare with
             runs[name][0] = replace(runs[name][0], error=_metered(solution, name, unknown=0.0))
-            _refuse_too_coarse(name, runs[name][0], ranges[name].most, wanted[name])
+            _refuse_too_coarse(name, runs[name][0], ranges[name], wanted[name])
     return {**kept, **{name: _choice(runs[name], wanted[name], kind) for name in names}}
 
 
@@ -136,7 +138,9 @@ def _wanted(scene: Scene, name: str) -> float:
 def _range_of(scene: Scene, name: str) -> _Range:
     """One frame comes first, unless nobody knows where the nodes are with it."""
     least, most = fewest_cut(scene, name), most_frames(scene, name)
-    return _Range(1 if has_places(scene, name) else min(least, most), least, most, branches(scene, name))
+    return _Range(
+        1 if has_places(scene, name) else min(least, most), least, most, branches(scene, name), elements_of(scene, name)
+    )
 
 
 def _first_run(scene: Scene, kind: Kind, ranges: dict[str, _Range]) -> tuple[dict[str, int], Solution]:
@@ -185,7 +189,7 @@ def _next(name: str, runs: list[_Run], can_be: _Range, wanted: float) -> int:
     if last.error <= wanted:
         believed = last.metered <= wanted or last.number == can_be.most
         return last.number if believed else can_be.near(TWICE * last.number + 1)
-    _refuse_too_coarse(name, last, can_be.most, wanted)
+    _refuse_too_coarse(name, last, can_be, wanted)
     predicted = int(np.ceil(last.number * np.sqrt(last.error / wanted)))
     return can_be.near(max(predicted, TWICE * last.number if can_be.branches else last.number + 1))
 
@@ -202,14 +206,15 @@ def _of_before(before: _Run, last: _Run) -> float:
     return last.error * (last.number / before.number) ** 2
 
 
-def _refuse_too_coarse(name: str, last: _Run, most: int, wanted: float) -> None:
+def _refuse_too_coarse(name: str, last: _Run, can_be: _Range, wanted: float) -> None:
     """Refuse an error that even one frame to every element does not reach."""
+    most, elements = can_be.most, can_be.elements
     if last.number == most and last.error > wanted:
         factor = np.sqrt(last.error / wanted)
         raise InputError(
-            f"bodies.{name}: no number of frames reaches a geometric error of {wanted:g}. One to every element, {most} in all, leaves "
-            f"about {last.error:.2g} of the largest displacement, because the elements themselves turn too far. Build the model with "
-            f"some {int(np.ceil(most * factor))} elements, or write a larger geometric_error."
+            f"bodies.{name}: no number of frames reaches a geometric error of {wanted:g}. One to every {elements[:-1]}, {most} in all, "
+            f"leaves about {last.error:.2g} of the largest displacement, because the {elements} themselves turn too far. Build the model "
+            f"with some {int(np.ceil(most * factor))} {elements}, or write a larger geometric_error."
         )
 
 

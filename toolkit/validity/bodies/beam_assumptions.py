@@ -1,21 +1,21 @@
-"""What beam elements leave out whatever their motion: shear of short beams, and bending by weight between their nodes.
+"""What beam elements leave out whatever their motion: shear of short beams, and bending by weight and inertia between their nodes.
 
 Shear makes the deflection of a cantilever by a force at its end larger, in parts of that by bending, by
 
     3 E I / (kappa G A L^2) = SHEAR r^2 / L^2,    r^2 = I / A
 
-Weight p per length bends an element of length l by moments of up to p l^2 / 12 more than its shape functions say; displacements of the
-nodes are those of the exact beam. In parts of the largest strain of a fibre at sqrt(3) r, as of a rectangle,
+Weight less inertia, p per length, bends an element of length l by moments of up to p l^2 / 12 more than its shape functions say;
+displacements of the nodes are those of the exact beam. In parts of the largest strain of a fibre at sqrt(3) r, as of a rectangle,
 
     (sqrt(3) p l^2 / (12 E A r)) / max (|N| / E A + sqrt(3) |M| / (E A r))
 
-A basis of few shapes lacks besides what weight moves the nodes by and no shape knows. Forces of inertia do the same, which is not said.
+A basis of few shapes lacks besides what p moves the nodes by and no shape knows.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.chains.planar_chain import PlanarChain
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
+from toolkit.validity.bodies.element_accelerations import has_inertia, pull_on_elements, sides_of
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
@@ -39,8 +40,9 @@ FIBRE = np.sqrt(3.0)
 
 
 class Beams(NamedTuple):
-    """Elements of a chain: lengths, directions, stretching stiffness E A and squares of the radii of gyration."""
+    """Elements of a chain: nodes, lengths, directions, stretching stiffness E A and squares of the radii of gyration."""
 
+    ends: np.ndarray  # (n_e, 2)
     lengths: np.ndarray  # (n_e,)
     along: np.ndarray  # (n_e, d)
     axial: np.ndarray  # (n_e,)
@@ -49,16 +51,14 @@ class Beams(NamedTuple):
 
 def beams_of(behind: Chain) -> Beams:
     """What the elements are, from how they deform; the radius is that of bending about the stiffer axis."""
-    numbers, law = behind.forms.dofs // behind.per_node, behind.forms.law
-    sides = behind.nodes[numbers[:, -1]] - behind.nodes[numbers[:, 0]]
-    lengths = np.linalg.norm(sides, axis=1)
-    along, turns = sides / lengths[:, None], (law.shape[1] - 1) // 2
+    law, (ends, lengths, along) = behind.forms.law, sides_of(behind)
+    turns = (law.shape[1] - 1) // 2
     bending = law[:, 1 : 1 + turns, 1 : 1 + turns] - law[:, 1 : 1 + turns, 1 + turns :]  # 2 E I / L
     if turns > 1:
         aside = np.eye(turns) - along[:, :, None] * along[:, None, :]
         bending = aside @ bending @ aside
     stiffest = np.linalg.eigvalsh(bending)[:, -1] / 2
-    return Beams(lengths, along, law[:, 0, 0] * lengths, stiffest / law[:, 0, 0])
+    return Beams(ends, lengths, along, law[:, 0, 0] * lengths, stiffest / law[:, 0, 0])
 
 
 def sheared(scene: Scene) -> Iterator[Caution]:
@@ -78,44 +78,43 @@ def sheared(scene: Scene) -> Iterator[Caution]:
 
 
 def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
-    """Bodies of whose stress, where it is asked for, the weight between their nodes is a part that counts."""
-    scene, gravity = solution.system.scene, np.real(solution.system.scene.gravity)
-    for body in whole_bodies(scene) if gravity.any() else ():
+    """Bodies of whose stress, where it is asked for, weight and inertia between their nodes are a part that counts."""
+    scene, moving = solution.system.scene, has_inertia(solution)
+    for body in whole_bodies(scene) if moving or np.real(scene.gravity).any() else ():
         parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
-        found = [_strains(solution, name, gravity) for name in parts] if body in bodies_of_stress(scene) else []
+        found = [_strains(solution, name) for name in parts] if body in bodies_of_stress(scene) else []
         known = [each for each in found if each is not None]
         lacking, largest = (max((each[k] for each in known), default=0.0) for k in range(2))
         part = lacking / (largest + lacking) if lacking else 0.0
         if part > LIMIT:
             factor = float(np.sqrt(part / LIMIT))
+            forces = "its weight and forces of inertia do" if moving else "its weight does"
             yield Caution(
                 "weight-between-nodes",
-                f"the stress of {body} lacks what its weight does between nodes, or what no shape of its basis knows of that: some "
+                f"the stress of {body} lacks what {forces} between nodes, or what no shape of its basis knows of that: some "
                 f"{part:.0%} of the largest, while interface points are where they should be. Build the model with "
                 f"{factor:.1f} times as many {elements_of(scene, body)}, or with more modes.",
             )
 
 
-def _strains(solution: Solution, name: str, gravity: np.ndarray) -> tuple[float, float] | None:
-    """The largest strain that weight adds between nodes, and the largest that the elements tell; None where these are not known."""
+def _strains(solution: Solution, name: str) -> tuple[float, float] | None:
+    """The largest strain that these add between nodes, and the largest that the elements tell; None where these are not known."""
     scene = solution.system.scene
     behind, body = chain(scene, name), scene.body(name)
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
         return None
     found, elastic = beams_of(behind), np.real(solution.q[:, elastic_coordinates(solution, name)])
     instants = largest_instants(elastic)
-    posed: Any = body
-    axes = posed.poses(np.real(solution.q[instants][:, solution.coordinates(name)]))[1]
-    pulled = np.einsum("tij,i->tj", axes, gravity)
-    normal = np.sqrt(np.maximum(np.sum(pulled**2, axis=1)[:, None] - (pulled @ found.along.T) ** 2, 0.0))  # (n_t, n_e)
     (mass,) = body.some_invariants(scene, "mass")
     density = float(np.real(mass)) * found.axial / (found.axial @ found.lengths)
+    pull = density[:, None] * pull_on_elements(solution, name, behind, instants)
+    normal = pull - np.einsum("tei,ei,ej->tej", pull, found.along, found.along)
     fibre = FIBRE / (found.axial * np.sqrt(found.gyration))
-    between = normal * density * found.lengths**2 / 12 * fibre
+    between = np.linalg.norm(normal, axis=2) * found.lengths**2 / 12 * fibre
     told_apart = behind.is_full or behind.per_node > PlanarChain.per_node  # parts in space are looked at by `left_out_shapes`
-    unknown = 0.0 if told_apart else pulled @ _outside_the_basis(scene, name, behind, found, density)
+    unknown = np.zeros((1, behind.forms.count)) if told_apart else _outside_the_basis(scene, name, behind, found, pull)
     told = _fibre_strains(behind, found, behind.displacements(elastic[instants]))
-    return float((between + _fibre_strains(behind, found, unknown + np.zeros((1, behind.forms.count)))).max()), float(told.max())
+    return float((between + _fibre_strains(behind, found, unknown)).max()), float(told.max())
 
 
 def _fibre_strains(behind: Chain, found: Beams, u: np.ndarray) -> np.ndarray:
@@ -126,16 +125,14 @@ def _fibre_strains(behind: Chain, found: Beams, u: np.ndarray) -> np.ndarray:
     return strains
 
 
-def _outside_the_basis(scene: Scene, name: str, behind: Chain, found: Beams, density: np.ndarray) -> np.ndarray:
-    """What of the displacements of the plane's nodes under unit accelerations in x and y no shape of the basis knows, (2, n)."""
-    numbers, weight = behind.forms.dofs // behind.per_node, density * found.lengths
-    across = np.column_stack([-found.along[:, 1], found.along[:, 0]])
-    loads = np.zeros((2, len(behind.nodes), behind.per_node))
-    for node, sign in ((numbers[:, 0], 1), (numbers[:, -1], -1)):
-        for axis in range(2):
-            np.add.at(loads[axis, :, axis], node, weight / 2)
-            np.add.at(loads[axis, :, 2], node, sign * weight * found.lengths / 12 * across[:, axis])
-    flat = loads.reshape(2, -1)
+def _outside_the_basis(scene: Scene, name: str, behind: Chain, found: Beams, pull: np.ndarray) -> np.ndarray:
+    """What of the displacements of the plane's nodes under forces per length (n_t, n_e, 2) no shape of the basis knows, (n_t, n)."""
+    half = pull * found.lengths[:, None] / 2
+    turn = (found.along[:, 0] * half[:, :, 1] - found.along[:, 1] * half[:, :, 0]) * found.lengths / 6
+    loads = np.zeros((len(behind.nodes), len(pull), behind.per_node))
+    for node, sign in zip(found.ends.T, (1, -1), strict=True):
+        np.add.at(loads, node, np.swapaxes(np.concatenate([half, sign * turn[:, :, None]], axis=2), 0, 1))
+    flat = np.swapaxes(loads, 0, 1).reshape(len(pull), -1)
     stiffness = np.real(design_point(scene, name).value("stiffness"))
     known: np.ndarray = static_deflection(stiffness, behind.shapes.T @ flat.T).T @ behind.shapes.T
     return behind.under(flat) - known

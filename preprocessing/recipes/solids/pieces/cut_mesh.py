@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from preprocessing.mesh.faces import BoundaryFaces, faces_of
-from preprocessing.mesh.solid_mesh import SolidMesh, lumps
+from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.solids.body_tables import TiedRegion
 from preprocessing.recipes.solids.named_mesh import NamedMesh
+from preprocessing.recipes.solids.pieces.groups_of_elements import count_of_lumps, groups_of_elements
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import meant
 
 
 class End(NamedTuple):
@@ -48,19 +48,14 @@ def cut_mesh(named: NamedMesh) -> CutMesh:
     Raises
     ------
     InputError
-        Groups are unknown, few or without elements, elements are in none or in two, or the pieces are no chain from the clamp to an
-        interface point; says what is wrong where.
+        As of `groups_of_elements`, or the pieces are no chain from the clamp to an interface point; says what is wrong where.
     """
     mesh, table = named.mesh, named.file.pieces
     assert table is not None
     if mesh.dimension == 2:
         raise InputError("pieces are cut out of spatial meshes. Leave [pieces] out, or mesh a volume.")
-    _refuse_groups(mesh, table.groups)
-    blocks = {group: mesh.volumes[group] for group in table.groups}
-    _refuse_uncovered(mesh, blocks)
+    blocks = groups_of_elements(mesh, table.groups)
     nodes = {group: _nodes_of(each) for group, each in blocks.items()}
-    for group, each in blocks.items():
-        _refuse_apart(mesh, group, each)
     ends = _ends(named, blocks, nodes)
     reached = {group: [k for k, end in enumerate(ends) if np.isin(end.nodes, nodes[group]).all()] for group in table.groups}
     order, groups = _walk(ends, reached)
@@ -68,50 +63,8 @@ def cut_mesh(named: NamedMesh) -> CutMesh:
     return CutMesh(named, [ends[k] for k in order], pieces)
 
 
-def _refuse_groups(mesh: SolidMesh, groups: list[str]) -> None:
-    known = ", ".join(map(repr, mesh.volumes)) or "none"
-    for group in groups:
-        if group not in mesh.volumes:
-            what = "has no elements of the volume" if group in mesh.groups else "is not in the mesh"
-            raise InputError(
-                f"group {group!r} {what}{meant(group, mesh.volumes)}; groups with such elements: {known}. Name some of these (gmsh: "
-                "Physical Volume)."
-            )
-    if len(set(groups)) < len(groups) or len(groups) < 2:
-        raise InputError(
-            f"a body is cut into two different groups at least, and here are {', '.join(map(repr, groups))}; there are {known}. Leave "
-            "[pieces] out for a body of one frame."
-        )
-
-
-def _refuse_uncovered(mesh: SolidMesh, blocks: Mapping[str, Mapping[str, np.ndarray]]) -> None:
-    """Refuse elements that are in no group, or in two."""
-    for kind, every in mesh.blocks.items():
-        listed = [each[kind] for each in blocks.values() if kind in each]
-        found = np.concatenate([np.zeros((0, every.shape[1]), int), *listed])
-        _, first, count = np.unique(np.sort(np.vstack([every, found]), axis=1), axis=0, return_index=True, return_counts=True)
-        for wrong, what in ((count < 2, "no group"), (count > 2, "more than one group")):
-            if np.any(wrong):
-                place = ", ".join(f"{x:.4g}" for x in mesh.nodes[every[first[wrong].min()]].mean(axis=0))
-                raise InputError(
-                    f"{np.count_nonzero(wrong)} elements are in {what} of {', '.join(map(repr, blocks))}, the first round ({place}). Let "
-                    "every element be in one of them."
-                )
-
-
 def _nodes_of(blocks: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.unique(np.concatenate([each.ravel() for each in blocks.values()]))
-
-
-def _refuse_apart(mesh: SolidMesh, group: str, blocks: Mapping[str, np.ndarray]) -> None:
-    count = _count_of_lumps(mesh, [*blocks.values()])
-    if count > 1:
-        raise InputError(f"group {group!r} consists of {count} lumps that share no nodes. Make a group of each.")
-
-
-def _count_of_lumps(mesh: SolidMesh, members: list[np.ndarray]) -> int:
-    """Into how many some elements or faces fall."""
-    return len(np.unique(lumps(len(mesh.nodes), members)[np.concatenate([each.ravel() for each in members])]))
 
 
 def _ends(named: NamedMesh, blocks: Mapping[str, Mapping[str, np.ndarray]], nodes: Mapping[str, np.ndarray]) -> list[End]:
@@ -143,7 +96,7 @@ def _ends(named: NamedMesh, blocks: Mapping[str, Mapping[str, np.ndarray]], node
 def _refuse_no_face(mesh: SolidMesh, groups: tuple[str, str], faces: BoundaryFaces) -> None:
     """Refuse groups that meet in an edge or in several faces."""
     members = [each for each in faces.faces.values() if len(each)]
-    count = _count_of_lumps(mesh, members) if members else 0
+    count = count_of_lumps(mesh, members) if members else 0
     if count != 1:
         where = f"in {count} faces" if count else "in nodes, but in no whole face of an element,"
         raise InputError(
