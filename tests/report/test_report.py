@@ -29,6 +29,7 @@ from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.render.pictures import file_names
+from toolkit.report.figures.monitor_curves import monitor_curves
 from toolkit.report.figures.stress_sensitivity import color_range, stress_sensitivity
 from toolkit.report.material import JUDGES, PATIENCE, Material, judge
 from toolkit.report.motion.viewer import viewer_data
@@ -278,6 +279,18 @@ def test_a_short_peak_leaves_the_colours_to_what_is_usual():
     usual[3] *= 10
     assert color_range(usual, 1e-9) == (1.0, 45.0)
     assert color_range(usual, 100.0) == (0.0, 0.0)  # round-off
+
+
+def test_energies_and_what_their_balance_lacks_are_drawn_in_units_of_their_own():
+    times = np.linspace(0.0, 1.0, 3)
+    energy = SimpleNamespace(kinetic=70 * times, strain=0 * times, work=70 * times, defect=-2.5e-4 * times)
+    scene = SimpleNamespace(units="m-kg-s", solver=SimpleNamespace(drift_tolerance=1e-3))
+    monitors = SimpleNamespace(energy=energy, drift=1e-9 * times)
+    (drawn,) = monitor_curves(SimpleNamespace(moving=True, scene=scene, monitors=monitors, solution=SimpleNamespace(times=times)))
+    above, balance, _ = drawn.figure.axes
+    assert (above.get_ylabel(), balance.get_ylabel()) == ("energy in J", "defect in mJ")
+    assert above.lines[0].get_ydata()[-1] == 70
+    assert balance.lines[0].get_ydata()[-1] == pytest.approx(-0.25, rel=1e-12)  # round-off of one product
 
 
 def test_pictures_and_reports_know_each_others_files(tmp_path):

@@ -325,6 +325,19 @@ def test_every_symbol_has_its_word_in_the_legend():
     assert known - {"spring"} == set(_SURFACES) - {"pin"}  # a spring is a coil, and a pin the end of a link
 
 
+def test_pictures_leave_room_below_for_what_they_explain_alone(folder):
+    from toolkit.render.space.legend import foot
+
+    solution = rest(crank(folder), 1)
+    moment, look = SpatialConfiguration(solution, 1), choose_spatial_look(solution, [1], View())
+    coloured = replace(look, stress_limit=1.0)
+    bare, forces, both = (
+        replace(look, stress_limit=0.0, largest={"force": force, "torque": torque}) for force, torque in ((0, 0), (1, 0), (1, 1))
+    )
+    heights = [foot(moment, each) for each in (bare, forces, both, coloured)]
+    assert heights[0] <= heights[1] < heights[2] < heights[3]  # a line for each kind of arrows, fewer than a bar of colours needs
+
+
 def test_what_stands_faintly_behind_is_called_what_it_is(folder):
     from toolkit.render.space.legend import _faint
 

@@ -36,8 +36,23 @@ SYMBOLS = {
 """Kind of symbol -> what it is, and the kind that is drawn with it. A pin is the end of a link, and needs no word."""
 _COLUMNS, _WIDE, _HIGH, _ICON = 4, 12.0, 1.8, 1.7
 """Symbols beside each other; width and height of an entry, and size of a symbol, in letters."""
-_LOWEST = 5.6
-"""Height of the symbols above the lower edge, in letters."""
+_ROWS = 2
+"""Rows of symbols at most."""
+_BAR, _WORDS, _LEAST = 5.6, (0.7, 1.3), 8.0
+"""Height below the symbols of a colour bar, of words and of each line of them, and of all that the axes beside them need, in letters."""
+_ABOVE = 2.8
+"""Height above the symbols, for the scale, in letters."""
+
+
+def foot(moment: SpatialConfiguration, look: SpatialLook) -> float:
+    """Height of all that is explained below the panels, in letters; the same at all instants of a motion."""
+    rows = _ROWS if look.stress_limit else -(-len(_kinds(moment)) // _COLUMNS)
+    return max(_LEAST, _ABOVE + _HIGH * rows + _below(look))
+
+
+def _below(look: SpatialLook) -> float:
+    """Height of what stands below the symbols, in letters."""
+    return _BAR if look.stress_limit else _WORDS[0] + _WORDS[1] * (2 + sum(size > 0 for size in look.largest.values()))
 
 
 def draw_legend(
@@ -49,7 +64,7 @@ def draw_legend(
         color_bar(plotter, actor, f"{look.stress_name} in {look.shown_stress.label}", letters)
     found = [(f"faint: {_faint(moments[0], look)}", UNDEFORMED)] if any(has_moved(moment, look) for moment in moments) else []
     explain(plotter, [*found, *_loads(moments, look), ("motion and shape to scale", INK)], words, letters)
-    _draw_symbols(plotter, moments[0], left, letters)
+    _draw_symbols(plotter, moments[0], left, letters, foot(moments[0], look) - _ABOVE)
 
 
 def _faint(moment: SpatialConfiguration, look: SpatialLook) -> str:
@@ -77,21 +92,27 @@ def _loads(moments: Sequence[SpatialConfiguration], look: SpatialLook) -> list[t
     return found
 
 
-def _draw_symbols(plotter: Any, moment: SpatialConfiguration, left: int, letters: int) -> None:
-    """Each kind of symbol in the picture once, small and with its word."""
-    grounded = {symbol.kind: symbol.grounded for symbol in spatial_symbols(moment)}
-    entries = [kind for kind in SYMBOLS if kind in grounded]
-    entries += ["spring"] * any(isinstance(link, SpatialSpringDamper) for link in moment.links())
+def _kinds(moment: SpatialConfiguration) -> list[str]:
+    """Kinds of symbols in the picture, in the order of the legend."""
+    found = {symbol.kind for symbol in spatial_symbols(moment)}
+    springs = any(isinstance(link, SpatialSpringDamper) for link in moment.links())
+    return [kind for kind in SYMBOLS if kind in found] + ["spring"] * springs
+
+
+def _draw_symbols(plotter: Any, moment: SpatialConfiguration, left: int, letters: int, top: float) -> None:
+    """Each kind of symbol in the picture once, small and with its word; they end `top` letters above the edge."""
+    grounded, entries = {symbol.kind: symbol.grounded for symbol in spatial_symbols(moment)}, _kinds(moment)
     if not entries:
         return
-    place = (left, round(_LOWEST * letters), round(_COLUMNS * _WIDE * letters), round(2 * _HIGH * letters))
+    rows = -(-len(entries) // _COLUMNS)
+    place = (left, round((top - rows * _HIGH) * letters), round(_COLUMNS * _WIDE * letters), round(rows * _HIGH * letters))
     size = np.array(place[2:], float)
     camera = Camera(np.zeros(3), size, 5 * size[0], size[0], False)
     panel = SpatialPanel(plotter, len(plotter.renderers) - 1, place, letters, camera)
     panel.open(framed=False)
     for k, kind in enumerate(entries):
         row, column = divmod(k, _COLUMNS)
-        pixel = letters * np.array([1.0 + _WIDE * column, _HIGH * (1.5 - row)])
+        pixel = letters * np.array([1.0 + _WIDE * column, _HIGH * (rows - 0.5 - row)])
         middle = (pixel - size / 2) @ ISOMETRIC[:2]
         icon = _icon(kind, grounded)
         low, high = (extreme(np.vstack([mesh.points for mesh, _ in icon]), axis=0) for extreme in (np.min, np.max))

@@ -17,7 +17,7 @@ from toolkit.render.space.camera import Camera, natural_aspect
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.curves import stress_extremes
 from toolkit.render.space.drawing import draw_spatial_scene
-from toolkit.render.space.legend import draw_legend
+from toolkit.render.space.legend import draw_legend, foot
 from toolkit.render.space.look import SpatialLook
 from toolkit.render.space.plotter.canvas import canvas
 from toolkit.render.space.plotter.layout import head_line, overview_places
@@ -27,8 +27,6 @@ from toolkit.responses.stress.von_mises import point_stress
 
 _MARGIN = 0.08
 """Round what is drawn, relative to its extent; symbols stand a little beyond it."""
-_FOOT = 12
-"""Height of the space below the panels, in letters."""
 _ASPECTS = 1.15, 1.8
 """Least and largest width of a panel of an overview over its height."""
 
@@ -38,14 +36,17 @@ def draw_spatial_instant(
 ) -> None:
     """One instant, alone or of a motion."""
     letters, height = width // 70, round(0.65 * width)
-    place: Place = (letters, _FOOT * letters, width - 2 * letters, height - (_FOOT + 3) * letters)
+    below = round(foot(moment, look) * letters)
+    place: Place = (letters, below, width - 2 * letters, height - below - 3 * letters)
     _draw(path, (width, height), [place], [moment], look, letters, motion)
 
 
 def draw_spatial_overview(moments: Sequence[SpatialConfiguration], look: SpatialLook, path: Path, width: int) -> None:
     """Several instants, two beside each other."""
     letters = width // 60
-    places, height = overview_places(len(moments), width, _FOOT * letters, natural_aspect(look.points, *_ASPECTS))
+    places, height = overview_places(
+        len(moments), width, round(foot(moments[0], look) * letters), natural_aspect(look.points, *_ASPECTS)
+    )
     _draw(path, (width, height), places, moments, look, letters)
 
 

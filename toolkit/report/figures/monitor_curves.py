@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.foundation.units import unit
+from toolkit.render.readable_units import readable
 from toolkit.render.sheet import sheet, style
 from toolkit.report.drawing import Drawing
 from toolkit.report.material import Material
@@ -18,12 +19,14 @@ def monitor_curves(material: Material) -> list[Drawing]:
     curves = {"kinetic": found.energy.kinetic, "strain": found.energy.strain, "work": found.energy.work}
     with sheet(7.2, 3, sharex=True) as (figure, axes):
         above, balance, below = axes[:, 0]
+        factor, label = readable(max(float(np.abs(values).max()) for values in curves.values()), energy)
         for number, (name, values) in enumerate(curves.items()):
-            above.plot(times, values, label=name, **style(number))
-        above.set_ylabel(f"energy in {energy}")
+            above.plot(times, factor * values, label=name, **style(number))
+        above.set_ylabel(f"energy in {label}")
         above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
-        balance.plot(times, found.energy.defect, **style(4))
-        balance.set_ylabel(f"defect in {energy}")
+        factor, label = readable(float(np.abs(found.energy.defect).max()), energy)
+        balance.plot(times, factor * found.energy.defect, **style(4))
+        balance.set_ylabel(f"defect in {label}")
         balance.set_title("energy gained minus work of loads, drivers and dampers", loc="left")
         tolerance = material.scene.solver.drift_tolerance
         below.semilogy(times, np.where(found.drift > 0, found.drift, np.nan), **style(0))
