@@ -281,7 +281,7 @@ def test_a_response_that_is_zero_is_compared_with_what_its_variables_do(pendulum
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"axes": "steps"}, "no axis 'steps'; available: step, scheme"),
+        ({"axes": "steps"}, "no axis 'steps', did you mean 'step'; available: step, scheme"),
         ({"axes": "step,step=0.1"}, "'step' is named twice"),
         ({"axes": "step="}, "has no values"),
         ({"axes": " , "}, "names nothing"),

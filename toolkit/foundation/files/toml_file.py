@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from os.path import isdir
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +33,8 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     try:
         content = read_start(path, LARGEST_FILE + 1)
     except OSError as error:
-        inside = (
-            f"; in this folder there are: {names}" if (names := listed(sorted(map(str, path.glob("*.toml"))))) != "none" else ""
-        )
+        found = sorted(map(str, path.glob("*.toml"))) if isdir(path) else []  # no error of its own for any path
+        inside = f"; in this folder there are: {listed(found)}" if found else ""
         raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of {what}{inside}.") from error
     if len(content) > LARGEST_FILE:
         raise InputError(f"{str(path)!r} has more than {LARGEST_FILE} bytes. Give the path of {what}.")
