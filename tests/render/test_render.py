@@ -7,6 +7,7 @@ from dataclasses import replace
 from io import BytesIO
 from itertools import combinations, pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -31,7 +32,7 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.reduced_model.file import load, save
 from toolkit.render.colors import ROD, TARGET, UNDEFORMED
-from toolkit.render.curves import merged
+from toolkit.render.curves import merged, motion_panels
 from toolkit.render.label_places import Name, Panel, placed, sides
 from toolkit.render.moment import names_by_place
 from toolkit.render.motion.animation import gif
@@ -557,6 +558,17 @@ def test_where_nothing_turns_curves_show_how_far_points_have_moved():
     assert line.get_ydata()[-1] == pytest.approx(
         fall, rel=fall
     )  # an arc: it bends by as much of the fall as that is of the radius
+
+
+def test_a_point_that_moves_by_round_off_has_no_curve():
+    def at(way):
+        points = {"P": np.array([way, 0.0]), "Q": np.array([1.0 + 1e-16 * way, 0.0]), "R": np.array([2.0, 1e-10 * way])}
+        return SimpleNamespace(
+            named_points=lambda: points, solution=SimpleNamespace(system=SimpleNamespace(scene=SimpleNamespace(size=2.0)))
+        )
+
+    ((_, _, curves),) = motion_panels(at(0.0).named_points(), [at(0.0), at(1.0)])
+    assert list(curves) == ["P"]
 
 
 def test_curves_that_coincide_share_a_name():

@@ -54,7 +54,8 @@ def motion_panels(start: Mapping[str, np.ndarray], moments: Sequence[Moment]) ->
     """Distance of every named point that moves from where it is undeformed, `start`."""
     places = [moment.named_points() for moment in moments]
     curves = {point: np.array([np.linalg.norm(place[point] - start[point]) for place in places]) for point in sorted(start)}
-    moved = {point: values for point, values in curves.items() if values.any()}
+    seen = SEEN * moments[0].solution.system.scene.size
+    moved = {point: values for point, values in curves.items() if values.max() > seen}
     return [("motion of points", "length", merged(moved))] if moved else []
 
 
