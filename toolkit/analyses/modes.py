@@ -14,10 +14,8 @@ from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, 
 from toolkit.solvers.start.initial_conditions import closed, initial_accelerations
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
-from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.damped_modes import cautions_of_damping
-from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
-from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
+from toolkit.validity.bodies.frequencies import cautions_of_modes
 from toolkit.validity.bodies.spinning.spin import cautions_of_spin
 from toolkit.validity.judge import judge
 
@@ -66,10 +64,8 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
     damped = cautions_of_damping(dense["A_v"][:n_q, :n_q], mass, squares[:count], shapes[:, :count])
-    raised = cautions_of_raised(solution, frequencies[:count])
-    named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies[:count])}
-    coarse = [*too_fast_for_elements(system.scene, named, doubt=False), *cautions_of_few_shapes(system.scene, named, doubt=False)]
-    found = Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised, *coarse])
+    raised = cautions_of_modes(solution, frequencies[:count])
+    found = Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised])
     return Modes(frequencies[:count], shapes[:, :count], found)
 
 

@@ -12,7 +12,7 @@ from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.solvers.dense_memory import check_dense
 from toolkit.solvers.free_motions import free_motions
-from toolkit.solvers.roots import VIBRATES, all_roots, counts, frequency_of, is_zero, refined
+from toolkit.solvers.roots import VIBRATES, all_roots, count_of_zeros, counts, frequency_of, refined
 from toolkit.solvers.spin.axis import spin_of
 from toolkit.solvers.spin.constancy import refuse_what_changes
 from toolkit.solvers.spin.generator import angular_velocity, generator
@@ -21,9 +21,7 @@ from toolkit.solvers.spin.steady_state import steady_state
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
-from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
-from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
-from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
+from toolkit.validity.bodies.frequencies import cautions_of_modes
 from toolkit.validity.judge import judge
 
 DAMPED = 1e-6
@@ -93,14 +91,15 @@ def spinning_modes(solution: Solution, count: int | None = None) -> Modes:
         raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
     K, C, M = (free.T @ each[:n_q, :n_q] @ free for each in whole.spinning(motion))
     values, left, right = all_roots(K, C, M)
-    chosen = [k for k in range(len(values)) if counts(values[k], np.abs(values).max())]
+    largest = float(np.abs(values).max())
+    chosen = [k for k in range(len(values)) if counts(values[k], largest)]
     roots, shapes = [], []
     for k in chosen:
         s, u, _ = refined(K, C, M, values[k], right[:, k], left[:, k])
         near = abs(s - values[k]) < 0.1 * abs(values[k])
         roots.append(s if near else values[k])
         shapes.append(free @ (u if near else right[:, k]))
-    zeros = sum(is_zero(each, np.abs(values).max()) for each in values) // 2
+    zeros = count_of_zeros(values, largest)
     order = np.argsort([frequency_of(s) for s in roots], kind="stable")
     frequencies = np.array([frequency_of(roots[k]) for k in order])
     ratios = np.array([-roots[k].real / abs(roots[k]) for k in order])
@@ -109,9 +108,7 @@ def spinning_modes(solution: Solution, count: int | None = None) -> Modes:
     frequencies, ratios = np.insert(frequencies, place, [0.0] * zeros), np.insert(ratios, place, [0.0] * zeros)
     columns = [_scaled(shapes[k], system.weights[:n_q]) for k in order]
     columns[place:place] = [np.zeros(n_q)] * zeros
-    named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies[:count])}
-    coarse = [*too_fast_for_elements(system.scene, named, doubt=False), *cautions_of_few_shapes(system.scene, named, doubt=False)]
-    cautions = [*_cautions(np.array(roots)), *cautions_of_raised(solution, frequencies[:count]), *coarse]
+    cautions = [*_cautions(np.array(roots)), *cautions_of_modes(solution, frequencies[:count])]
     return Modes(frequencies[:count], np.column_stack(columns)[:, :count], Verdict.of(cautions), ratios[:count])
 
 

@@ -241,6 +241,16 @@ class ReducedModel:
         return any(words in self.basis for words in ("identity on", "all coordinates"))
 
     @property
+    def in_pieces(self) -> bool:
+        """Whether it is a solid in pieces, which are its elements: their faces have been judged."""
+        return bool(self.face_errors)
+
+    @property
+    def elements_called(self) -> str:
+        """What messages call its elements."""
+        return "pieces" if self.in_pieces else "elements"
+
+    @property
     def label(self) -> str:
         """The file's name, for messages."""
         return repr(self.path.name) if self.path else "(not from a file)"

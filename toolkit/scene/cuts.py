@@ -16,8 +16,7 @@ from toolkit.reduced_model.model import ReducedModel
 def cuts_of(name: str, body: Any, model: ReducedModel) -> list[int]:
     """Elements that the parts begin with, and the number of all elements; where chains of elements meet there is always a cut."""
     assert model.elements is not None
-    count, forced = len(model.elements.connectivity), breaks(model.elements.connectivity)
-    what = "pieces" if model.face_errors else "elements"
+    count, forced, what = len(model.elements.connectivity), breaks(model.elements.connectivity), model.elements_called
     if isinstance(body.frames, int):
         if body.frames > count:
             raise InputError(

@@ -21,9 +21,8 @@ from toolkit.sensitivity.frames.gradient_errors import FrameErrors, Reframed, do
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
+from toolkit.validity.bodies.frequencies import cautions_of_frequencies
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
-from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
 from toolkit.validity.motion.noisy_forces import NOISY, noise_at, noise_of_joints, noisy_forces
@@ -154,8 +153,7 @@ class Result:
         scene = self.solution.system.scene
         responses = {f: each for f, each in scene.responses.items() if f in self.values}
         asked = {f: self.values[f] for f, each in responses.items() if isinstance(each, Frequency)}
-        yield from too_fast_for_elements(scene, asked, doubt=True)
-        yield from cautions_of_few_shapes(scene, asked, doubt=True)
+        yield from cautions_of_frequencies(scene, asked, doubt=True)
         yield from cautions_of_changed(self.solution)
 
     def _undefined(self) -> Iterator[Caution]:

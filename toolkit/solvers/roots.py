@@ -56,8 +56,13 @@ def frequency_of(s: complex) -> float:
     return float((s.imag if s.imag > VIBRATES * abs(s) else -s.real) / (2 * np.pi))
 
 
+def count_of_zeros(values: np.ndarray, largest: float) -> int:
+    """How many motions nothing holds, by all roots: each has two."""
+    return sum(is_zero(each, largest) for each in values) // 2
+
+
 def all_frequencies(values: np.ndarray) -> np.ndarray:
     """Of all roots, ascending, with zero for each motion that nothing holds."""
-    largest = np.abs(values).max(initial=0)
-    zeros = sum(is_zero(each, largest) for each in values) // 2
-    return np.sort([*(frequency_of(each) for each in values if counts(each, largest)), *[0.0] * zeros])
+    largest = float(np.abs(values).max(initial=0))
+    zeros = [0.0] * count_of_zeros(values, largest)
+    return np.sort([*(frequency_of(each) for each in values if counts(each, largest)), *zeros])

@@ -53,13 +53,13 @@ def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
 
 
 def is_in_pieces(scene: Scene, body: str) -> bool:
-    """Whether a flexible body is a solid in pieces, which are its elements: their faces have been judged."""
-    return bool(scene.model(flexible_body(scene, body).model).face_errors)
+    """Whether a flexible body, or that which it is part of, is a solid in pieces."""
+    return scene.model(flexible_body(scene, body).model).in_pieces
 
 
 def elements_of(scene: Scene, body: str) -> str:
     """What a flexible body, or part of one, calls its elements."""
-    return "pieces" if is_in_pieces(scene, body) else "elements"
+    return scene.model(flexible_body(scene, body).model).elements_called
 
 
 def used_interfaces(scene: Scene, body: str) -> list[str]:

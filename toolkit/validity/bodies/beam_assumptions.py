@@ -30,8 +30,9 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.chains.planar_chain import PlanarChain
+from toolkit.validity.bodies.chains.sides import sides_of
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
-from toolkit.validity.bodies.element_accelerations import has_inertia, pull_on_elements, sides_of
+from toolkit.validity.bodies.element_accelerations import has_inertia, pull_on_elements
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 

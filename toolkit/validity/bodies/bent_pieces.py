@@ -18,6 +18,7 @@ from toolkit.foundation.verdict import Caution
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.chains.sides import sides_of
 from toolkit.validity.bodies.cut.places import displacements
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
 
@@ -48,13 +49,9 @@ def shortening(solution: Solution, body: str) -> tuple[float, float, int]:
         behind = chain(scene, name) if body in (name, getattr(part, "whole", None)) else None
         if behind is not None:
             u = behind.displacements(np.real(solution.q[instants][:, elastic_coordinates(solution, name)]))
-            numbers = behind.forms.dofs // behind.per_node
-            sides = behind.nodes[numbers[:, -1]] - behind.nodes[numbers[:, 0]]
-            lengths = np.linalg.norm(sides, axis=1)
-            found = _across(
-                np.einsum("ekp,tep->tek", behind.forms.rows, u[:, behind.forms.dofs])[:, :, 1:], sides / lengths[:, None]
-            )
-            bows.append(_bow(found[0], found[1], lengths))
+            sides, turned = sides_of(behind), np.einsum("ekp,tep->tek", behind.forms.rows, u[:, behind.forms.dofs])[:, :, 1:]
+            found = _across(turned, sides.along)
+            bows.append(_bow(found[0], found[1], sides.lengths))
             turns.append(np.linalg.norm(found, axis=3).max(axis=0))
     lost, moved = np.concatenate(bows, axis=1), displacements(solution, body, instants).max(axis=1)
     parts = np.divide(lost.sum(axis=1), moved, out=np.zeros(len(moved)), where=moved > 0)

@@ -7,33 +7,17 @@ with displacements u and rotations phi of an element's ends, as its shape functi
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.chain import Chain
+from toolkit.validity.bodies.chains.sides import Sides, sides_of
 from toolkit.validity.bodies.cut.joined_errors import in_space
 
 CANCELLED = 1e-6
 """Weight and inertia that differ by less in their own parts are those of free fall, to what solvers leave."""
-
-
-class Sides(NamedTuple):
-    """Elements of a chain as lines between two nodes."""
-
-    ends: np.ndarray  # (n_e, 2)
-    lengths: np.ndarray  # (n_e,)
-    along: np.ndarray  # (n_e, d)
-
-
-def sides_of(behind: Chain) -> Sides:
-    """Where the elements are, undeformed."""
-    numbers = behind.forms.dofs // behind.per_node
-    ends = numbers[:, [0, -1]]
-    sides = behind.nodes[ends[:, 1]] - behind.nodes[ends[:, 0]]
-    lengths = np.linalg.norm(sides, axis=1)
-    return Sides(ends, lengths, sides / lengths[:, None])
 
 
 def has_inertia(solution: Solution) -> bool:

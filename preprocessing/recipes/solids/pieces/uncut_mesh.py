@@ -18,6 +18,7 @@ from preprocessing.basis.solids.ties import freedom
 from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.recipes.solids.discrete_body import DiscreteBody
 from preprocessing.recipes.solids.mesh_error import mesh_error
+from toolkit.reduced_model.cut.part import symmetric
 from toolkit.reduced_model.questions.face_questions import EXTREMES
 
 ROUND_OFF = 1e-6
@@ -41,8 +42,8 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
     shapes = solid_shapes(BasisChoice("static"), mass, whole, motions, places, free, body.ties)
     m = body.mesh.motions
     here = np.concatenate([m * (ends[name] - 1) + np.arange(m) for name in shapes.points])
-    in_pieces = _symmetric(np.linalg.inv(stiffness)[np.ix_(here, here)])
-    uncut = _symmetric(np.linalg.inv(shapes.columns.T @ (whole @ shapes.columns)))
+    in_pieces = symmetric(np.linalg.inv(stiffness)[np.ix_(here, here)])
+    uncut = symmetric(np.linalg.inv(shapes.columns.T @ (whole @ shapes.columns)))
     extremes = eigh(in_pieces, uncut, eigvals_only=True)[[0, -1]] - 1
     loads = [f"{what} {axis} at {name}" for name in shapes.points for what in ("force", "moment") for axis in "xyz"]
     found = {
@@ -51,8 +52,3 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
     }
     errors = {name: float(error) if abs(error) > ROUND_OFF else 0.0 for name, error in found.items()}
     return {"face_errors": errors, **mesh_error(body.elastic, mass, whole, free, shapes)}
-
-
-def _symmetric(matrix: np.ndarray) -> np.ndarray:
-    found: np.ndarray = (matrix + matrix.T) / 2
-    return found

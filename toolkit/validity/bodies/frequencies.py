@@ -1,0 +1,35 @@
+"""Frequencies that what describes the bodies makes too high: elements that are too long, or shapes that are left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from toolkit.foundation.verdict import Caution
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
+from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
+from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
+
+
+def cautions_of_frequencies(scene: Scene, frequencies: Mapping[str, float], doubt: bool) -> Iterator[Caution]:
+    """By the models of the bodies alone.
+
+    Parameters
+    ----------
+    frequencies
+        By what they are called, in cycles per time.
+    doubt
+        Whether what is said can be a reason for a doubt.
+    """
+    yield from too_fast_for_elements(scene, frequencies, doubt)
+    yield from cautions_of_few_shapes(scene, frequencies, doubt)
+
+
+def cautions_of_modes(solution: Solution, frequencies: np.ndarray) -> Iterator[Caution]:
+    """Of a list of the lowest modes about the last state, in cycles per time; parts that keep few modes are compared with all of theirs."""
+    yield from cautions_of_raised(solution, frequencies)
+    named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
+    yield from cautions_of_frequencies(solution.system.scene, named, doubt=False)
