@@ -1,10 +1,12 @@
 """Sparse LU of saddle-point matrices without pivoting, and its dense fallback."""
 
 import tracemalloc
+from functools import partial
 
 import numpy as np
 import pytest
 
+from toolkit.foundation.compiled.calls import call
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
 from toolkit.linear import dense_lu, sparse_lu
@@ -13,6 +15,8 @@ from toolkit.linear.linear_solver import linear_solver, solve_once, updates_of
 from toolkit.linear.sparse_analysis import analyse
 from toolkit.linear.sparse_block import AT_ONCE, solve_block
 
+COMPILED = partial(partial, call)
+"""A kernel as the program calls it, which compiles it once for both."""
 EPS = np.finfo(float).eps
 TOLERANCE = 1e-12  # as recommended in sparse_lu
 
@@ -46,10 +50,10 @@ def csr(matrix):
     pattern = (matrix != 0) | (matrix.T != 0) | np.eye(len(matrix), dtype=bool)
     row, column = np.nonzero(pattern)
     indptr = np.searchsorted(row, np.arange(len(matrix) + 1))
-    return indptr.astype(np.int32), column.astype(np.int32), matrix[row, column]
+    return indptr, column, matrix[row, column]
 
 
-def factorized(matrix, n_q, run=lambda function: function):
+def factorized(matrix, n_q, run=COMPILED):
     """status, plan, lu by the compiled kernel, or by `run(kernel)`."""
     indptr, indices, values = csr(matrix)
     plan = analyse(indptr, indices, n_q)
@@ -57,7 +61,7 @@ def factorized(matrix, n_q, run=lambda function: function):
     return run(sparse_lu.factor)(plan, values, lu, work, TOLERANCE), plan, lu
 
 
-def solved(matrix, n_q, rhs, run=lambda function: function):
+def solved(matrix, n_q, rhs, run=COMPILED):
     status, plan, lu = factorized(matrix, n_q, run)
     assert status == -1
     x = rhs.astype(lu.dtype)
@@ -68,7 +72,7 @@ def solved(matrix, n_q, rhs, run=lambda function: function):
     return x
 
 
-def dense_solved(matrix, rhs, run=lambda function: function):
+def dense_solved(matrix, rhs, run=COMPILED):
     n = len(matrix)
     a, pivots, x = matrix.copy(), np.zeros(n, dtype=np.int64), rhs.astype(matrix.dtype)
     assert run(dense_lu.dense_factor)(a, pivots, np.empty((3, n)), 1e-14) == -1
@@ -355,7 +359,7 @@ def test_redundant_constraint_is_named_by_one_of_its_multipliers(seed):
 def test_dense_factor_names_the_unknown_that_no_equation_determines():
     matrix = np.random.default_rng(0).normal(size=(6, 6))
     matrix[:, 4] = 0.0
-    assert dense_lu.dense_factor(matrix, np.zeros(6, dtype=np.int64), np.empty((3, 6)), 1e-14) == 4
+    assert call(dense_lu.dense_factor, matrix, np.zeros(6, dtype=np.int64), np.empty((3, 6)), 1e-14) == 4
 
 
 def test_value_that_is_not_a_number_is_refused():
@@ -363,7 +367,7 @@ def test_value_that_is_not_a_number_is_refused():
     matrix[4, 4] = np.nan
     assert factorized(matrix, n_q)[0] >= 0
     n = len(matrix)
-    assert dense_lu.dense_factor(matrix, np.zeros(n, dtype=np.int64), np.empty((3, n)), 1e-14) >= 0
+    assert call(dense_lu.dense_factor, matrix, np.zeros(n, dtype=np.int64), np.empty((3, n)), 1e-14) >= 0
 
 
 def test_multiply_and_to_dense_agree_with_the_matrix():
@@ -371,8 +375,8 @@ def test_multiply_and_to_dense_agree_with_the_matrix():
     matrix, _ = mechanism(rng)
     x, y, a = rng.normal(size=len(matrix)), np.full(len(matrix), np.nan), np.full(matrix.shape, np.nan)
     indptr, indices, values = csr(matrix)
-    sparse_lu.multiply(indptr, indices, values, x, y)
-    dense_lu.to_dense(indptr, indices, values, a)
+    call(sparse_lu.multiply, indptr, indices, values, x, y)
+    call(dense_lu.to_dense, indptr, indices, values, a)
     assert np.array_equal(a, matrix)
     assert np.allclose(y, matrix @ x, rtol=0, atol=len(x) * EPS * (abs(matrix) @ abs(x)).max())  # another order of summation
 
@@ -382,7 +386,7 @@ def test_growth_that_the_pivot_test_cannot_see_is_found_by_refinement_and_mended
     indptr, indices, values = csr(matrix)
     solver, solution = linear_solver(analyse(indptr, indices, 2), np.ones(2), 0, float), np.zeros(2)
     assert abs(solved(matrix, 2, rhs) - [2, 1]).max() > 0.1  # without pivoting
-    failed = solve_once(solver, indptr, indices, values, rhs, solution, np.zeros((2, 0)), np.zeros((2, 0)))
+    failed = call(solve_once, solver, indptr, indices, values, rhs, solution, np.zeros((2, 0)), np.zeros((2, 0)))
     assert failed < 0
     assert solver.mode[0] == 1
     np.testing.assert_allclose(solution, [2, 1], rtol=4 * EPS)

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from tests.models.kept_files import write_once
 from toolkit.reduced_model.file import save
 
 
-def save_beam(path: Path, *args, **kwargs) -> Path:
+def save_beam(path: Path, nodes: np.ndarray, *args, **kwargs) -> Path:
     """Build a beam and write it to a file; arguments as `polygon_beam`."""
-    save(polygon_beam(*args, **kwargs), path)
+    key = path.name, repr((nodes.tolist(), args, kwargs))
+    write_once(path.parent, key, lambda own: save(polygon_beam(nodes, *args, **kwargs), own / path.name))
     return path

@@ -8,6 +8,7 @@ from typing import Any
 
 from preprocessing import build
 from tests.models.cases import GAINS, LIFT, LINEAR, PROFILE, SINE, SUM, TABLE
+from tests.models.kept_files import write_once
 from tests.models.solid_bodies import box, write_body
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
@@ -203,6 +204,10 @@ stuff = { youngs_modulus = 120.0, poisson_ratio = 0.3, density = 0.9 }
 
 def write_models(directory: Path) -> None:
     """The flexible bodies of all cases, with numbers of order one: a bent frame of two beams, and a brick of one element."""
+    write_once(directory, write_models, _build_models)
+
+
+def _build_models(directory: Path) -> None:
     (directory / "frame.toml").write_text(FRAME)
     save(build(directory / "frame.toml"), directory / "frame.h5")
     top = "[pressure_surfaces.top]\nbox = [0.0, -0.25, 0.2, 2.0, 0.25, 0.2]"

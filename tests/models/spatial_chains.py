@@ -8,6 +8,7 @@ import numpy as np
 
 import toolkit as ffrf
 from preprocessing import build, save
+from tests.models.kept_files import write_once
 from toolkit.scene.scene import Scene
 
 FRAME = """units = "m-kg-s"
@@ -60,6 +61,10 @@ def save_chain(
         .replace("RATIO", f"poisson_ratio = {ratio}," if space else "")
         .replace("DAMPING", repr(damping))
     )
+    write_once(folder, text, lambda own: _build(own, text))
+
+
+def _build(folder: Path, text: str) -> None:
     (folder / "frame.toml").write_text(text)
     save(build(folder / "frame.toml"), folder / "beam.h5")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from preprocessing import build
+from tests.models.kept_files import write_once
 from toolkit.description.point import Point
 from toolkit.reduced_model.file import save
 
@@ -16,7 +17,10 @@ def at(**places: tuple[float, float, float]) -> dict[str, Point]:
 
 def save_frame(directory: Path, name: str, text: str) -> Path:
     """Write `name`.toml with the text, and build `name`.h5 beside it; the path of the text."""
-    path = directory / f"{name}.toml"
+    write_once(directory, (name, text), lambda own: _build(own / f"{name}.toml", text))
+    return directory / f"{name}.toml"
+
+
+def _build(path: Path, text: str) -> None:
     path.write_text(text)
-    save(build(path), directory / f"{name}.h5")
-    return path
+    save(build(path), path.with_suffix(".h5"))
