@@ -22,7 +22,7 @@ EVEN = 1e-6
 """A change that no curve shows, in parts of the values."""
 HIDDEN = 1e-3
 """Of the largest value of a panel: what a line hides."""
-_ROWS, _LETTERS = 9, 24
+_ROWS, _LETTERS = 9, 28
 """Names below each other beside a panel, and letters of one in a line."""
 
 
