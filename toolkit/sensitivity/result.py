@@ -22,6 +22,7 @@ from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.frequencies import cautions_of_frequencies
+from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
 from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.judge import cautions, measures
@@ -157,6 +158,8 @@ class Result:
         asked = {f: self.values[f] for f, each in responses.items() if isinstance(each, Frequency)}
         yield from cautions_of_frequencies(scene, asked, doubt=True)
         yield from cautions_of_changed(self.solution)
+        if self.gradients and not self.solution.system.n_x:
+            yield from critical_loads(self.solution, lateral=True)  # what its derivatives feel is not known
 
     def _undefined(self) -> Iterator[Caution]:
         """Values and derivatives that do not exist at this design."""
