@@ -23,6 +23,7 @@ from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.frequencies import cautions_of_frequencies
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
+from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
 from toolkit.validity.motion.noisy_forces import NOISY, noise_at, noise_of_joints, noisy_forces
@@ -137,6 +138,7 @@ class Result:
         about_responses = (
             *about_forces,
             *about_steps,
+            *unseen_moves(self.solution, next(iter(self.gradients.values()), {})),
             *folded_rotations(self.solution),
             *self._undefined(),
             *self._of_vibrations(),
