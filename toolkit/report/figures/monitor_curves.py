@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.foundation.units import unit
+from toolkit.render.curves import told
 from toolkit.render.readable_units import readable
 from toolkit.render.sheet import sheet, style
 from toolkit.report.drawing import Drawing
@@ -16,7 +17,7 @@ def monitor_curves(material: Material) -> list[Drawing]:
     if not material.moving:
         return []
     found, times, energy = material.monitors, material.solution.times, unit(material.scene.units, "energy")
-    curves = {"kinetic": found.energy.kinetic, "strain": found.energy.strain, "work": found.energy.work}
+    curves = told({"kinetic": found.energy.kinetic, "strain": found.energy.strain, "work": found.energy.work})
     with sheet(7.2, 3, sharex=True) as (figure, axes):
         above, balance, below = axes[:, 0]
         factor, label = readable(max(float(np.abs(values).max()) for values in curves.values()), energy)
