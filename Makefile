@@ -1,5 +1,5 @@
 # make demo: everything from a fresh clone to pictures in output/. make test, make robustness (killed and random runs), make lint (style, types, texts),
-# make lowest: what CI runs. make docs: web pages in site/.
+# make lowest: what CI runs. make torch: the bridge to PyTorch. make docs: web pages in site/.
 PYTHON ?= python3
 VENV := .venv
 INSTALLED := $(VENV)/.installed
@@ -16,7 +16,7 @@ LIBRARIES := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1
 # Tests start hundreds of commands; where no bytecode is kept each of them compiles the project's text anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test robustness lint lowest docs libraries
+.PHONY: demo test robustness torch lint lowest docs libraries
 .DEFAULT_GOAL := demo
 
 demo: $(INSTALLED) libraries
@@ -33,6 +33,12 @@ test: $(INSTALLED)
 
 robustness: $(INSTALLED)
 	$(ALONE) $(BIN)/python -m pytest -n 2 --max-worker-restart 0 --ignore=tests/repository -m robustness
+
+# PyTorch's wheel for Linux brings gigabytes of CUDA's libraries unless PyTorch is there already, or pip is told of one without (TORCH).
+TORCH ?= -e '.[torch]'
+torch: $(INSTALLED)
+	$(BIN)/python -m pip install --quiet $(TORCH)
+	$(ALONE) $(BIN)/python -m pytest -q tests/bridges/test_bridges.py -k torch
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check

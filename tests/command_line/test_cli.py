@@ -422,6 +422,8 @@ def test_certify_shows_that_exact_methods_agree_and_where_differences_stop():
         assert found["taylor_rates"][response] == pytest.approx(2.0, abs=0.2)
     best = min(found["central_differences"], key=lambda point: point["largest_relative_difference"])
     assert 1e-7 < best["relative_step"] < 1e-2  # truncation on one side, round-off on the other
+    done = CliRunner().invoke(app, ["certify", str(SCENE), "--static", "--variables", "x_A", "--json", "--tolerance", "1e-30"])
+    assert (done.exit_code, json.loads(done.stdout)["verified"]) == (1, False)  # one object, though there is an error too
 
 
 def test_certify_ends_with_an_error_where_exact_methods_disagree(monkeypatch):

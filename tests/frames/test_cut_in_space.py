@@ -239,7 +239,7 @@ def test_pictures_show_one_body_without_steps(beam):
     ends, starts = shape.points[shape.lines[4:8, 1]], shape.points[shape.lines[8:12, 0]]
     np.testing.assert_allclose(ends.mean(axis=0), starts.mean(axis=0), atol=1e-9)  # the tie, to 1e-10 of the size
     assert np.all(np.isfinite(shape.stress))
-    assert [symbol.kind for symbol in spatial_symbols(moment)] == ["weld"]
+    assert [symbol.kind for symbol in spatial_symbols(moment)] == ["weld", "pin"]  # the clamp, and the tip
     np.testing.assert_allclose(moment.position("beam", "tip"), shape.points[shape.lines[-4:, 1]].mean(axis=0), atol=1e-12)
 
 

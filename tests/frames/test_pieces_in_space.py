@@ -278,7 +278,7 @@ def test_pictures_show_one_surface_without_steps(folder, bar):
     areas = [np.linalg.norm(np.cross(each[:, 1] - each[:, 0], each[:, 2] - each[:, 0]), axis=1) for each in corners]
     np.testing.assert_allclose(areas[0], areas[1], rtol=0.1)  # the strain of bending, and how far the face at the cut parts
     assert np.all(np.isfinite(shape.stress))
-    assert [symbol.kind for symbol in spatial_symbols(moment)] == ["weld"]
+    assert [symbol.kind for symbol in spatial_symbols(moment)] == ["weld", "pin"]  # the clamp, and the tip
     at_tip = shape.points[surface.position[:, 0, 0] == 1.0].mean(axis=0)
     np.testing.assert_allclose(moment.position("bar", "tip"), at_tip, atol=1e-3)  # a mean of nodes and one of the face
 

@@ -32,7 +32,7 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.reduced_model.file import load, save
 from toolkit.render.colors import ROD, TARGET, UNDEFORMED
-from toolkit.render.curves import merged, motion_panels
+from toolkit.render.curves import merged, motion_panels, told
 from toolkit.render.label_places import Name, Panel, placed, sides
 from toolkit.render.moment import names_by_place
 from toolkit.render.motion.animation import gif
@@ -43,10 +43,11 @@ from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.curves import curves_figure, shape_errors
 from toolkit.render.plane.look import choose_look
 from toolkit.render.plane.names import drawn_lines
+from toolkit.render.plane.parts import outlines
 from toolkit.render.plane.scene_picture import instant_figure, instant_windows, meanings, overview_figure
 from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.render.plane.solid_shape import solid_shape
-from toolkit.render.plane.symbols import symbols
+from toolkit.render.plane.symbols import clamps, symbols
 from toolkit.render.plane.window import window
 from toolkit.render.readable_units import readable
 from toolkit.render.round_numbers import even, round_up, tick_step
@@ -502,6 +503,35 @@ def test_the_grounded_frame_is_clamped_where_nothing_moves(wing):
     np.testing.assert_array_equal(clamp.point, wing.system.scene.model("skin.h5", "mesh").mesh.nodes[0])  # F
 
 
+def test_a_cut_skin_is_clamped_where_the_whole_one_is(wing):
+    cut = rest(read_scene(SCENE, {"bodies.skin.frames": "2"}), 0)
+    ((body, points),) = clamps(Configuration(cut, 0)).items()
+    assert body == "skin"
+    np.testing.assert_allclose(points, clamps(Configuration(wing, 0))["skin"], rtol=1e-12)  # round-off
+    assert len(of_kind(Configuration(cut, 0), "clamp")) == 1
+
+
+def test_a_named_point_without_a_joint_is_a_dot_and_a_body_is_named_between_its_points():
+    moment = Configuration(rest(read_scene(SCENE.parents[1] / "slider_crank" / "scene.toml"), 0), 0)
+    (end,) = of_kind(moment, "point")
+    np.testing.assert_allclose(end.point, moment.named_points()["W"], rtol=1e-12)  # round-off
+    places = moment.named_points()
+    np.testing.assert_allclose(moment.middle("crank"), (places["O"] + places["H"]) / 2, atol=1e-15)  # H is half-way to T
+    np.testing.assert_allclose(Configuration(pendulum(), 0).middle("rod"), [0.5, 0.0], atol=1e-15)
+
+
+def test_an_undeformed_line_is_drawn_where_a_body_leaves_it(wing):
+    assert choose_look(wing, [0, 4]).left == ("skin",)
+    look = choose_look(wing, [0])
+    assert look.left == ()
+    assert [label for label, *_ in outlines(Configuration(wing, 0), "skin", look)] == ["target"]
+
+
+def test_the_thickness_of_a_frame_is_that_of_its_sections():
+    scene = read_scene(SCENE.parents[1] / "flexible_crank" / "scene.toml")
+    assert choose_look(rest(scene, 0), [0]).thickness == {"crank": scene.number("bodies.crank.thickness_bar")}
+
+
 def test_a_slider_on_a_moving_body_turns_with_it():
     solution = rest(hanging_skin(), 0)
     solution.q[0, solution.coordinates("arm").start + 2] = np.pi / 2
@@ -575,6 +605,12 @@ def test_curves_that_coincide_share_a_name():
     curves = {"a": np.array([0.0, 1.0]), "b": np.array([0.0, 0.5]), "c": np.array([1e-12, 1.0])}
     assert list(merged(curves)) == ["a, c", "b"]
     assert list(merged({"still": np.zeros(2), "too": np.zeros(2)})) == ["still, too"]
+
+
+def test_a_curve_that_the_line_of_zero_hides_is_none():
+    curves = {"a": np.array([0.0, 1.0]), "b": np.array([0.0, 9e-4]), "c": np.array([0.0, -2e-3])}
+    assert list(told(curves)) == ["a", "c"]
+    assert list(told({"still": np.zeros(2), "too": np.zeros(2)})) == ["still", "too"]
 
 
 def test_the_main_window_holds_the_detail_and_all_points(wing):

@@ -29,6 +29,7 @@ from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.render.pictures import file_names
+from toolkit.report.figures.load_curves import _scale
 from toolkit.report.figures.monitor_curves import monitor_curves
 from toolkit.report.figures.stress_sensitivity import color_range, stress_sensitivity
 from toolkit.report.material import JUDGES, PATIENCE, Material, judge
@@ -338,6 +339,14 @@ def test_units_of_variables_follow_from_their_paths():
     assert variable_unit(scene, "bodies.body2.area") == "mm^2"
     assert variable_unit(hanging_skin(), "joints.guide.axis.x") == ""
     assert [per("MPa", "mm"), per("MPa", "N mm"), per("rad", ""), per("", "mm")] == ["MPa / mm", "MPa / (N mm)", "rad", "1 / mm"]
+
+
+def test_curves_of_drivers_have_the_unit_of_what_they_drive_and_those_of_loads_are_factors():
+    scene = read_scene(ROOT / "models" / "spatial_bracket" / "scene.toml")
+    assert _scale(scene.joints["drive"], scene.units) == (1.0, "rotation in rad")
+    scene = read_scene(ROOT / "models" / "slider_crank" / "scene.toml")
+    assert _scale(scene.loads["pull"], scene.units) == (1.0, "factor")
+    assert _scale(read_scene(WING).loads["drive"], "mm-t-s") == (4200.0, "torque in N mm")
 
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)

@@ -261,6 +261,10 @@ def test_a_file_that_does_not_make_sense_is_refused_with_what_to_do(copy, wing, 
 def test_missing_foreign_and_truncated_files_are_refused(copy):
     with pytest.raises(ResultsFileError, match="there is no results file"):
         load_results(copy.parent / "none.h5")
+    with pytest.raises(ResultsFileError, match=r"no file '.*copy\.hh', did you mean '.*copy\.h5'. A scene is a \.toml file"):
+        load_results(copy.parent / "copy.hh")
+    with pytest.raises(ResultsFileError, match=r"there is no file 'nowhere/scene'\. A scene"):
+        load_results("nowhere/scene")
     with pytest.raises(ResultsFileError, match="holds no results"):
         load_results(copy.parent / "skin.h5")
     whole = copy.read_bytes()

@@ -1,6 +1,7 @@
 """Pictures of space: bodies, axes and loads are where the solution has them, the camera sees them, and a time series can be read."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -53,6 +54,7 @@ from toolkit.report.write import write_report
 from toolkit.responses.stress.stress import MaxStress, stress_field
 from toolkit.results.collect import collect
 from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 
 WIDTH, LENGTHS = 600, (1.0, 0.2, 0.15)
@@ -315,6 +317,24 @@ def test_arrows_are_the_loads_of_the_moment(folder):
     np.testing.assert_array_equal(force.point, moment.position("rod", "E"))
     np.testing.assert_array_equal([torque.vector, reaction.vector], [[0, 5, 0], [0, -5, 0]])
     assert np.all([a.vector == 0 for a in arrows(SpatialConfiguration(solution, 0)) if a.kind == "force"])
+
+
+def test_a_turning_frame_stands_on_the_ground_and_a_welded_point_is_a_pin():
+    from toolkit.render.space.symbols import spatial_symbols
+
+    def at(name):
+        scene = read_scene(Path(__file__).parents[2] / "models" / name / "scene.toml")
+        moment = SpatialConfiguration(rest(scene, 0), 0)
+        return moment.named_points(), spatial_symbols(moment)
+
+    points, found = at("governor")
+    (ground,) = (symbol for symbol in found if symbol.kind == "ground")
+    (hinge,) = (symbol for symbol in found if symbol.kind == "hinge" and np.array_equal(symbol.point, ground.point))
+    np.testing.assert_array_equal(ground.point, points["O"])
+    np.testing.assert_array_equal(hinge.axes[:, 2], [0.0, 0.0, 1.0])
+    points, found = at("spinning_beam")
+    pins = [symbol.point for symbol in found if symbol.kind == "pin"]
+    assert all(any(np.allclose(points[f"T{k}"], pin, rtol=0, atol=1e-9) for pin in pins) for k in range(1, 8))
 
 
 def test_every_symbol_has_its_word_in_the_legend():

@@ -622,3 +622,9 @@ def test_the_command_exits_with_an_error_where_there_is_no_optimum(tmp_path):
     assert run.exit_code == 1
     assert "no optimum was found" in run.stderr
     assert "NOT TO BE TRUSTED" in run.stdout
+    told = CliRunner().invoke(app, ["optimize", str(path), "--quiet", "--json", "--no-pictures", "-o", str(tmp_path / "out")])
+    assert (told.exit_code, json.loads(told.stdout)["verdict"]["trusted"]) == (
+        1,
+        False,
+    )  # one object, though there is an error too
+    assert "no optimum was found" in told.stderr

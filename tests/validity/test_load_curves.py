@@ -74,8 +74,12 @@ def ran(file: Path, **changes: object) -> Result:
 
 def said(found: Result, code: str = "load-curve") -> str:
     """What is said under a code, once."""
-    (text,) = [each.text for each in found.warnings if each.code == code]
+    (text,) = said_by(found, code)
     return text
+
+
+def said_by(found: Result, code: str) -> list[str]:
+    return [each.text for each in found.warnings if each.code == code]
 
 
 def advised_step(found: Result) -> float:
@@ -181,6 +185,25 @@ def test_drivers_are_looked_at_too(tmp_path):
     found = ran(file, solver__formulation="index-3", solver__rho_inf=0.5, joints__d__curve__frequency=1.25)
     assert "load-curve" not in found.verdict.codes
     assert found.values["x"] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("steps", ["", ', smoothness = "linear"'])
+@pytest.mark.parametrize("local_error", [None, 1e-5])
+def test_derivatives_by_the_time_of_a_jump_within_a_step_are_doubted(steps, local_error, tmp_path):
+    """1 kg under 0.01 N, and 1 N from t_0 on: x(1) = 0.005 + (1 - t_0)^2 / 2, so that dx / dt_0 = t_0 - 1; of a rise in 0.04 s likewise."""
+    ends = [f"loads.p.curve.{name}" for name in ("start", "end")]
+    chosen = {"solver.local_error": str(local_error)} if local_error else {}
+
+    def found(start: float, end: float) -> Result:
+        file = sled(tmp_path, f'{{ type = "ramp", start = {start}, end = {end}{steps} }}')
+        return direct(read_scene(file, chosen), ends, "transient")
+
+    jump, rise = found(0.5011, 0.501101), found(0.4811, 0.5211)
+    assert jump.values["x"] == pytest.approx(0.005 + 0.4989**2 / 2, rel=0.01)  # half a step of the second that is left
+    assert abs(sum(jump.gradients["x"].values()) / -0.4989 - 1) > 0.5
+    assert said_by(jump, "gradient-curve")[0].startswith("derivatives by loads.p.curve.start miss 100%")
+    assert "gradient-curve" not in rise.verdict.codes
+    assert sum(rise.gradients["x"].values()) == pytest.approx(-0.4989, rel=0.01)
 
 
 def part(curve: Curve, times: np.ndarray = STEPS, has_zero: bool = True) -> float:

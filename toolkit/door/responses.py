@@ -18,6 +18,7 @@ from toolkit.responses.over_time.means import TimeIntegral, TimeMean, TimeMeanSq
 from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS
 from toolkit.responses.stress.local_stress import StressAlongLine, StressAtPoint
 from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.responses.vibrations.least_frequency import LeastFrequency
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "JointForce",
     "KSStress",
     "KineticEnergy",
+    "LeastFrequency",
     "LoadMargin",
     "Mass",
     "MaxStress",

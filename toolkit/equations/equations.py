@@ -93,7 +93,8 @@ def allocate_terms(plan: Plan, dtype: type) -> Terms:
     """Memory for the result."""
     vectors: list[Any] = [np.zeros(plan.n, dtype) for _ in range(2)]
     entries: Any = np.zeros((4, len(plan.indices)), dtype)  # in one piece, of which a processor keeps track in larger pages
-    return Terms(*vectors, *entries, *(np.zeros((plan.n, plan.n_x), dtype) for _ in range(2)))
+    by_design: Any = [np.zeros((plan.n, plan.n_x), dtype, order="F") for _ in range(2)]  # a variable touches neighbouring rows
+    return Terms(*vectors, *entries, *by_design)
 
 
 def allocate_work(plan: Plan, dtype: type) -> Work:

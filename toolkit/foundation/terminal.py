@@ -68,6 +68,15 @@ def errors_in_words(as_json: bool) -> Iterator[None]:
         raise _failed("interrupted: files that were finished are kept, none is half written.", as_json, INTERRUPTED) from None
 
 
+@contextmanager
+def answered() -> Iterator[None]:
+    """What an answer lacks that has been printed is told on standard error alone, with exit code 1: one JSON object is enough."""
+    try:
+        yield
+    except ToolkitError as error:
+        raise _failed(str(error), as_json=False) from None
+
+
 def _failed(message: str, as_json: bool, code: int = 1) -> typer.Exit:
     """Say what went wrong."""
     typer.echo(message, err=True)

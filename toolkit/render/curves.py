@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -19,8 +20,10 @@ SEEN = 1e-9
 """A rotation in rad, or a way in parts of the scene's size, below which curves are zero: round-off."""
 EVEN = 1e-6
 """A change that no curve shows, in parts of the values."""
-_ROWS = 9
-"""Names below each other beside a panel."""
+HIDDEN = 1e-3
+"""Of the largest value of a panel: what a line hides."""
+_ROWS, _LETTERS = 9, 28
+"""Names below each other beside a panel, and letters of one in a line."""
 
 
 def draw_panels(solution: Solution, panels: Panels) -> Figure:
@@ -30,6 +33,7 @@ def draw_panels(solution: Solution, panels: Panels) -> Figure:
     with sheet(0.8 + 2.6 * len(panels), len(panels), width=WIDE, sharex=True) as (figure, axes):
         for panel, (what, quantity, curves) in zip(axes[:, 0], panels, strict=True):
             factor, label = readable(max(float(np.abs(values).max()) for values in curves.values()), unit(units, quantity))
+            curves = told(curves)
             for number, (name, exact) in enumerate(curves.items()):
                 values = np.where(np.abs(exact) > seen.get(quantity, 0.0), exact, 0.0)
                 panel.plot(
@@ -42,7 +46,8 @@ def draw_panels(solution: Solution, panels: Panels) -> Figure:
             if size and high - low <= EVEN * size:  # digits that nobody asked for would be the scale
                 panel.set_ylim(low - 0.1 * abs(low), high + 0.1 * abs(high))
             columns = -(-len(curves) // _ROWS)
-            words = panel.legend(curves, loc="upper left", bbox_to_anchor=(1.0, 1.0), ncols=columns).get_texts()
+            labels = [fill(name, _LETTERS, break_long_words=False, break_on_hyphens=False) for name in curves]
+            words = panel.legend(labels, loc="upper left", bbox_to_anchor=(1.0, 1.0), ncols=columns).get_texts()
             for word in words:
                 word.set_parse_math(False)  # a dollar in a name starts no formula
         axes[-1, 0].set_xlabel(f"time in {unit(units, 'time')}")
@@ -59,9 +64,15 @@ def motion_panels(start: Mapping[str, np.ndarray], moments: Sequence[Moment]) ->
     return [("motion of points", "length", merged(moved))] if moved else []
 
 
+def told(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Without those that are zero throughout, to a thousandth of the largest value, which a line hides; all where nothing else is left."""
+    size = {name: float(np.abs(values).max(initial=0)) for name, values in curves.items()}
+    return {name: values for name, values in curves.items() if size[name] > HIDDEN * max(size.values())} or curves
+
+
 def merged(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The same curves, each drawn once: those that coincide, to a thousandth of the largest value, which a line hides, share a name."""
-    near = 1e-3 * max(np.abs(values).max() for values in curves.values())
+    near = HIDDEN * max(np.abs(values).max() for values in curves.values())
     groups: list[list[str]] = []
     for name, values in curves.items():
         same = [group for group in groups if np.allclose(curves[group[0]], values, rtol=0, atol=near)]

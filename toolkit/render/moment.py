@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
 from toolkit.joints.both.tie import Tie
 from toolkit.joints.joint import Joint
@@ -22,6 +23,8 @@ from toolkit.system.solution import Solution
 T = TypeVar("T")
 AT_ONE_PLACE = (AtPoint, SpatialTorque)
 """Components whose points on both bodies are at one place, or that nothing stretches between."""
+POINT = 1e-6
+"""Parts of the scene's size below which a body is a point, and two points are one."""
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,26 @@ class Moment(ABC):
         built_on = [(name, point) for name, body in self.scene.bodies.items() for point in body.named_points()]
         moving_first = sorted([*self.grips(), *built_on], key=lambda grip: grip[0] == "ground")
         return {point: self.position(body, point) for body, point in reversed(moving_first)}
+
+    def bare_points(self, marked: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Named points that stand at none of the places (d,) that are marked already."""
+        near = POINT * self.scene.size
+        return [
+            place for place in self.named_points().values() if not any(np.linalg.norm(place - each) < near for each in marked)
+        ]
+
+    def middle(self, body: str) -> np.ndarray | None:
+        """Middle of the longest line that stands for a body, or of its longest piece between two named points; None without lines."""
+        if not (lines := self.segments(body)):
+            return None
+        line = lines[first_largest(np.array([np.ptp(each, axis=0).max() for each in lines]))]
+        start, along = line[0], line[-1] - line[0]
+        points = np.array([*self.named_points().values()]).reshape(-1, len(start)) - start
+        places = points @ along / max(float(along @ along), np.finfo(float).tiny)
+        beside = np.linalg.norm(points - places[:, None] * along, axis=1) < POINT * self.scene.size
+        places = np.sort(np.concatenate([[0.0, 1.0], places[beside & (places > 0) & (places < 1)]]))
+        piece = first_largest(np.diff(places))
+        return np.asarray(start + places[piece : piece + 2].mean() * along)
 
     def components(self) -> list[Component]:
         """All joints and loads that grip bodies, but for those that tie the parts of a cut body."""

@@ -21,9 +21,11 @@ def campbell_drawing(found: Campbell, name: str) -> Drawing:
         for order in ORDERS:
             end = min(far, 2 * np.pi * top / order)
             panel.plot([0, end], [0, order * end / (2 * np.pi)], color="0.6", linewidth=0.8, linestyle="--")
+            above = end < far  # outside of the axes, where no dot is
             panel.annotate(
-                f"{order}x", (0.9 * end, 0.9 * order * end / (2 * np.pi)), color="0.4", fontsize=8, ha="right", va="bottom"
-            )
+                f"{order}x", (end, order * end / (2 * np.pi)), (0, 3) if above else (3, 0), textcoords="offset points",
+                color="0.4", fontsize=8, ha="center" if above else "left", va="bottom" if above else "center",
+            )  # fmt: skip
         for number, (values, damping) in enumerate(zip(found.frequencies.T, found.damping.T, strict=True)):
             color = COLORS[number % len(COLORS)]
             for grows in (False, True):

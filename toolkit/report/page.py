@@ -74,11 +74,12 @@ def listing(text: str) -> str:
 
 
 def picture(path: Path, caption: str) -> str:
-    """A picture's file inside the page, with its caption."""
+    """A picture's file inside the page, with its caption; one of pixels scrolls on its own where its letters could not be read."""
     kind = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}[path.suffix]
     data = base64.b64encode(path.read_bytes()).decode()
     words = escape(typeset(caption))
-    return f'<figure><img src="data:{kind};base64,{data}" alt="{words}"><figcaption>{words}</figcaption></figure>'
+    scrolls = "" if path.suffix == ".svg" else ' class="wide"'
+    return f'<figure{scrolls}><img src="data:{kind};base64,{data}" alt="{words}"><figcaption>{words}</figcaption></figure>'
 
 
 def pictures(parts: Sequence[str]) -> str:

@@ -29,20 +29,24 @@ TILDE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 class Rows(NamedTuple):
-    """One node: number of the first coordinate of its part among those of the body, and Z_P, T_P."""
+    """All nodes, in the order of their numbers, each by the coordinates of its part among those of the body.
 
-    frame: int
-    position: np.ndarray  # (2, 1 + n_f)
-    angle: np.ndarray  # (1 + n_f,)
+    Parts with fewer coordinates are filled up with one behind the last, which is zero.
+    """
+
+    frame: np.ndarray  # (n_nodes,) number of r_x
+    elastic: np.ndarray  # (n_nodes, n_f)
+    position: np.ndarray  # (n_nodes, 2, 1 + n_f) Z_P
+    angle: np.ndarray  # (n_nodes, 1 + n_f) T_P
 
 
 class Seen(NamedTuple):
-    """A node or the axes of the whole in one state: place and angle, and their derivatives by the coordinates of the body."""
+    """Nodes (k) or the axes of the whole in one state: places and angles, and their derivatives by the coordinates of the body."""
 
-    place: np.ndarray  # (2,)
-    angle: Any
-    place_q: np.ndarray  # (2, n)
-    angle_q: np.ndarray  # (n,)
+    place: np.ndarray  # (k, 2)
+    angle: np.ndarray  # (k,)
+    place_q: np.ndarray  # (k, 2, n)
+    angle_q: np.ndarray  # (k, n)
 
 
 def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -56,18 +60,11 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
     body = scene.bodies[name]
     assert isinstance(body, PlanarCutBody)
     rows = _rows(scene, name)
-    order = chain_nodes(elements_at(whole_design(scene, name)).connectivity)
-    assert order is not None
-    found = [_seen(each, q) for each in rows]
+    seen = _seen(rows, q)
     axes, origin = _axes(scene, name, body, rows, q)
-    back = rotation(-axes.angle)
-    places: np.ndarray = np.zeros((len(rows), 2), np.result_type(q, *(each.position for each in rows), axes.place, origin, back))
-    slopes = np.zeros((len(rows), 2, len(q)), places.dtype)
-    for node, seen in zip(order, found, strict=True):
-        away = back @ (seen.place - axes.place)
-        places[node] = away + origin
-        slopes[node] = back @ (seen.place_q - axes.place_q) - np.outer(TILDE @ away, axes.angle_q)
-    return places, slopes
+    back = rotation(-axes.angle[0])
+    away = (seen.place - axes.place) @ back.T
+    return away + origin, back @ (seen.place_q - axes.place_q) - (away @ TILDE.T)[:, :, None] * axes.angle_q[:, None, :]
 
 
 def moves_shapes(scene: Scene, name: str) -> bool:
@@ -86,51 +83,66 @@ def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, floa
     if body.frame == "moving" and len(held) != 1:
         return q[:2], float(q[2]), np.zeros(2)
     axes, origin = _axes(scene, name, body, _rows(scene, name), q)
-    return axes.place, float(axes.angle), origin
+    return axes.place[0], float(axes.angle[0]), origin
 
 
-def _rows(scene: Scene, name: str) -> list[Rows]:
-    """All nodes in the order of the chain, one between two parts as the first of the second."""
+def _rows(scene: Scene, name: str) -> Rows:
     return _rows_of(Itself(scene), name)
 
 
 @lru_cache(maxsize=8)
-def _rows_of(same: Itself[Scene], name: str) -> list[Rows]:
+def _rows_of(same: Itself[Scene], name: str) -> Rows:
+    """A node between two parts is looked at in the second."""
     scene, found = same.item, []
     body = scene.bodies[name]
     assert isinstance(body, PlanarCutBody)
-    for k, part in enumerate(body.parts(name).values()):
-        assembled, count = part.part(scene), part.last - part.first  # type: ignore[attr-defined]
-        last = k == len(body.cuts) - 2
-        for node in range(count + last):
-            place = Place(part.first + min(node, count - 1), float(node == count))  # type: ignore[attr-defined]
-            found.append(Rows(body.starts[k], *assembled.at(place)))
-    return found
+    parts: dict[str, Any] = body.parts(name)
+    for start, part in zip(body.starts, parts.values(), strict=False):
+        assembled = part.part(scene)
+        for element in range(part.first, part.last):
+            found.append((start, *assembled.at(Place(element, 0.0))))
+    found.append((start, *assembled.at(Place(element, 1.0))))
+    order = chain_nodes(elements_at(whole_design(scene, name)).connectivity)
+    assert order is not None
+    return _side_by_side([found[k] for k in np.argsort(order)], body.starts[-1])
+
+
+def _side_by_side(found: list[tuple[int, np.ndarray, np.ndarray]], behind: int) -> Rows:
+    """First coordinate, Z_P and T_P of each node; `behind` is the number of the coordinate that does not exist."""
+    counts = [len(angle) - 1 for _, _, angle in found]
+    dtype = np.result_type(*(array for _, *arrays in found for array in arrays))
+    elastic = np.full((len(found), max(counts)), behind)
+    position, angle = np.zeros((len(found), 2, 1 + max(counts)), dtype), np.zeros((len(found), 1 + max(counts)), dtype)
+    for k, (count, (start, place, turn)) in enumerate(zip(counts, found, strict=True)):
+        elastic[k, :count] = start + 3 + np.arange(count)
+        position[k, :, : 1 + count], angle[k, : 1 + count] = place, turn
+    return Rows(np.array([start for start, _, _ in found]), elastic, position, angle)
 
 
 def _seen(rows: Rows, q: np.ndarray) -> Seen:
-    elastic = slice(rows.frame + 3, rows.frame + 2 + len(rows.angle))
-    r, theta, state = q[rows.frame : rows.frame + 2], q[rows.frame + 2], np.concatenate([[1.0], q[elastic]])
-    turned = rotation(theta)
-    inside = turned @ (rows.position @ state)
-    place_q = np.zeros((2, len(q)), np.result_type(inside, rows.position))
-    place_q[:, rows.frame : rows.frame + 2] = np.eye(2)
-    place_q[:, rows.frame + 2] = TILDE @ inside
-    place_q[:, elastic] = turned @ rows.position[:, 1:]
-    angle_q = np.zeros(len(q), rows.angle.dtype)
-    angle_q[rows.frame + 2] = 1
-    angle_q[elastic] = rows.angle[1:]
-    return Seen(r + inside, theta + rows.angle @ state, place_q, angle_q)
+    state = np.append(q, 0)[rows.elastic]
+    node, r, theta = np.arange(len(rows.frame)), q[rows.frame[:, None] + [0, 1]], q[rows.frame + 2]
+    turned = np.moveaxis(rotation(theta), -1, 0)
+    inside = np.einsum("kij,kj->ki", turned, rows.position[:, :, 0] + np.einsum("kif,kf->ki", rows.position[:, :, 1:], state))
+    place_q = np.zeros((len(node), 2, len(q) + 1), np.result_type(inside, rows.position))
+    angle_q = np.zeros((len(node), len(q) + 1), rows.angle.dtype)
+    place_q[node, 0, rows.frame] = place_q[node, 1, rows.frame + 1] = angle_q[node, rows.frame + 2] = 1
+    place_q[node, :, rows.frame + 2] = inside @ TILDE.T
+    place_q[node[:, None], :, rows.elastic] = np.swapaxes(turned @ rows.position[:, :, 1:], 1, 2)
+    angle_q[node[:, None], rows.elastic] = rows.angle[:, 1:]
+    angle = theta + rows.angle[:, 0] + np.einsum("kf,kf->k", rows.angle[:, 1:], state)
+    return Seen(r + inside, angle, place_q[:, :, :-1], angle_q[:, :-1])
 
 
-def _axes(scene: Scene, name: str, body: PlanarCutBody, rows: list[Rows], q: np.ndarray) -> tuple[Seen, np.ndarray]:
+def _axes(scene: Scene, name: str, body: PlanarCutBody, rows: Rows, q: np.ndarray) -> tuple[Seen, np.ndarray]:
     """X_0, psi and x_0."""
     if body.frame == "grounded":
-        return Seen(np.array(body.position), body.angle, np.zeros((2, len(q))), np.zeros(len(q))), np.zeros(2)
+        still = np.zeros((1, 2, len(q)))
+        return Seen(np.array([body.position]), np.array([body.angle]), still, still[:, 0]), np.zeros(2)
     held = clamped_nodes(scene.model(body.model, "elements", "mesh"))
     if len(held) != 1:
         raise InputError(
             f"the shape of body {name!r} is looked at from the node that its model clamps, but that is not one node "
             f"({scene.model(body.model).reference_condition}). Clamp the model at a node, or leave `frames` out."
         )
-    return _seen(rows[held[0]], q), rows[held[0]].position[:, 0]
+    return _seen(Rows(*(array[held] for array in rows)), q), rows.position[held[0], :, 0]

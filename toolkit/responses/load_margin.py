@@ -60,14 +60,14 @@ class LoadMargin(Response):
             at = known.limit_points[0].place
             z = np.concatenate([known.q[at], known.multipliers[at], known.load_factors[at : at + 1]])
         else:
-            real = system if system.compiled else compile_scene(_real(system.scene))
+            real = system if system.compiled else compile_scene(real_scene(system.scene))
             begin = np.concatenate([solution.q[-1], solution.multipliers[-1], [1.0]])
             z = next_limit_point(real, options, np.real(begin), self.up_to)
         value, design = factor_of_limit_point(system, options, np.real(z))
         return Partials(value, design=design)
 
 
-def _real(scene: Scene) -> Scene:
+def real_scene(scene: Scene) -> Scene:
     """The scene with the real parts of its numbers."""
     for path, value in list(scene.numbers()):
         if isinstance(value, complex):

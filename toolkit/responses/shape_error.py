@@ -161,15 +161,16 @@ class ShapeResponse(Instant):
         super().check(scene)
         target_shape(scene, self.body)
 
-    def gap(self, solution: Solution, step: int) -> np.ndarray:
-        """Gap vectors at a step, shape (n_k, 2)."""
-        return gaps(solution, self.body, slice(step, step + 1))[0][0]
+    def weighted(self, gap: np.ndarray) -> tuple[complex, np.ndarray]:
+        """The response of gap vectors (n_k, 2), and its derivatives by them."""
+        raise NotImplementedError
 
-    def chain(self, solution: Solution, step: int, value: complex, weights: np.ndarray) -> Partials:
-        """Partials of a response from its derivatives by the gap vectors, shape (n_k, 2)."""
+    def at(self, solution: Solution, step: int) -> Partials:
+        """Of the gap vectors at a step."""
+        gap, gap_q = gaps(solution, self.body, slice(step, step + 1))
+        value, weights = self.weighted(gap[0])
         value_q, design, weights = np.zeros(solution.system.n_q), np.zeros(solution.system.n_x), np.real(weights)
         where = moving(solution, self.body)
-        gap_q = gaps(solution, self.body, slice(step, step + 1))[1]
         value_q[where] = np.einsum("ki,kif->f", weights, np.real(gap_q if gap_q.ndim == 3 else gap_q[0]))
         for x, rate in gap_rates(solution, self.body, solution.q[step : step + 1, where]):
             design[x] += np.sum(weights * rate[0])
@@ -182,10 +183,9 @@ class ShapeMSE(ShapeResponse, MeanSquare):
     kind = "shape-mse"
     quantity = "area"
 
-    def at(self, solution: Solution, step: int) -> Partials:
+    def weighted(self, gap: np.ndarray) -> tuple[complex, np.ndarray]:
         """mse = sum_k d_k . d_k / n."""
-        gap = self.gap(solution, step)
-        return self.chain(solution, step, np.sum(gap * gap) / len(gap), 2 * gap / len(gap))
+        return np.sum(gap * gap) / len(gap), 2 * gap / len(gap)
 
     def curvature(self, solution: Solution) -> np.ndarray:
         """2/n times the sum over k of dd_k dd_k^T, one for each component."""
@@ -201,12 +201,10 @@ class ShapeRMS(ShapeResponse):
     kind = "shape-rms"
     quantity = "length"
 
-    def at(self, solution: Solution, step: int) -> Partials:
+    def weighted(self, gap: np.ndarray) -> tuple[complex, np.ndarray]:
         """rms = sqrt(mse), drms = dmse / (2 rms); undefined only if every node meets its target exactly."""
-        gap = self.gap(solution, step)
         rms = np.sqrt(np.sum(gap * gap) / len(gap))
-        weights = gap / (len(gap) * rms) if rms.real != 0 else np.full(gap.shape, np.nan)
-        return self.chain(solution, step, rms, weights)
+        return rms, gap / (len(gap) * rms) if rms.real != 0 else np.full(gap.shape, np.nan)
 
 
 class ShapeMax(ShapeResponse):
@@ -215,11 +213,10 @@ class ShapeMax(ShapeResponse):
     kind = "shape-max"
     quantity = "length"
 
-    def at(self, solution: Solution, step: int) -> Partials:
+    def weighted(self, gap: np.ndarray) -> tuple[complex, np.ndarray]:
         """The node with the largest distance."""
-        gap = self.gap(solution, step)
         k = first_largest(np.sum(gap * gap, axis=1).real, SAME)
         distance = np.sqrt(gap[k] @ gap[k])
         weights = np.zeros(gap.shape, gap.dtype)
         weights[k] = gap[k] / distance if distance.real != 0 else np.nan
-        return self.chain(solution, step, distance, weights)
+        return distance, weights

@@ -14,6 +14,7 @@ import numpy as np
 
 from toolkit.description.option_checks import STARTS
 from toolkit.foundation.files.hdf5 import Content, reading, schema_of, write_array, writing
+from toolkit.foundation.listed_names import meant
 from toolkit.kept_run import layout
 from toolkit.kept_run.end_state import about_of, check_schema
 from toolkit.kept_run.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
@@ -118,6 +119,13 @@ def load_results(path: str | Path) -> Results:
         The file is missing, no HDF5 file, foreign, of another schema version, incomplete, or its arrays do not fit together.
     """
     path = Path(path)
+    if not path.exists() and path.suffix != ".h5":
+        found = sorted(path.parent.glob("*")) if os.path.isdir(path.parent) else []  # no error of its own for any path
+        beside = [str(each) for each in found if each.suffix in (".toml", ".h5")]
+        raise ResultsFileError(
+            f"there is no file {str(path)!r}{meant(str(path), beside)}. A scene is a .toml file; results, which "
+            f"ffrf simulate SCENE.toml --output {path.stem}.h5 keeps, are an .h5 file."
+        )
     if not path.exists():
         raise ResultsFileError(
             f"there is no results file {str(path)!r}. Write one with: ffrf simulate SCENE.toml --output {path.name}."

@@ -22,7 +22,10 @@ from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.frequencies import cautions_of_frequencies
+from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
+from toolkit.validity.curves.moved_curves import unseen_moves
+from toolkit.validity.dead_points.cautions import dead_points_passed
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
 from toolkit.validity.motion.noisy_forces import NOISY, noise_at, noise_of_joints, noisy_forces
@@ -134,9 +137,12 @@ class Result:
             }
             measured["estimated_error"] = {**measured["estimated_error"], **estimated}
         about_forces = force_cautions(self.solution, measured["force_noise"])
+        variables = next(iter(self.gradients.values()), {})
         about_responses = (
             *about_forces,
             *about_steps,
+            *unseen_moves(self.solution, variables),
+            *dead_points_passed(self.solution, variables),
             *folded_rotations(self.solution),
             *self._undefined(),
             *self._of_vibrations(),
@@ -155,6 +161,8 @@ class Result:
         asked = {f: self.values[f] for f, each in responses.items() if isinstance(each, Frequency)}
         yield from cautions_of_frequencies(scene, asked, doubt=True)
         yield from cautions_of_changed(self.solution)
+        if self.gradients and not self.solution.system.n_x:
+            yield from critical_loads(self.solution, lateral=True)  # what its derivatives feel is not known
 
     def _undefined(self) -> Iterator[Caution]:
         """Values and derivatives that do not exist at this design."""

@@ -24,6 +24,7 @@ class EvaluationMemory(threading.local):
     def __init__(self, plan: Plan) -> None:
         self._terms = allocate_terms(plan, float)
         self._state = np.zeros((3, plan.n))
+        self._touched = plan.touched_variable * plan.n + plan.touched_row
         self.terms: Any = in_memory(self._terms)
         self.work: Any = in_memory(allocate_work(plan, float))
         self.formula: Callable[..., Any] | None = None
@@ -36,9 +37,14 @@ class EvaluationMemory(threading.local):
 
     def found(self, linearized: bool, designed: bool) -> Terms:
         """What the last evaluation has found, for whoever asked; what it was not asked for is zero."""
-        wanted = {"inertial": True, "applied": True, "I_x": designed, "A_x": designed}
-        asked = [wanted.get(name, linearized) for name in Terms._fields]
-        found = zip(asked, self._terms, strict=True)
-        return Terms(
-            *[each.copy() if is_wanted else np.zeros(each.shape) for is_wanted, each in found]
-        )  # memory that nobody reads
+        copied = {"inertial", "applied", *(("I_acc", "I_q", "A_q", "A_v") if linearized else ())}
+        found = Terms(
+            *[
+                each.copy() if name in copied else np.zeros(each.shape, order="F")  # memory that nobody reads
+                for name, each in self._terms._asdict().items()
+            ]
+        )
+        if designed:  # few entries by each variable
+            for to, known in ((found.I_x, self._terms.I_x), (found.A_x, self._terms.A_x)):
+                np.put(to.T, self._touched, np.take(known.T, self._touched))
+        return found

@@ -14,7 +14,7 @@ from toolkit.command_line.arguments import Changes, SceneFile, Static, Variables
 from toolkit.command_line.printed.fresh_part import built_afresh, check_afresh, print_afresh, record_afresh
 from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_verdict, table, warn
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.terminal import AsJson, Quiet, print_json
+from toolkit.foundation.terminal import AsJson, Quiet, answered, print_json
 
 if TYPE_CHECKING:
     from toolkit.sensitivity.certificate.certificate import Certificate
@@ -56,10 +56,11 @@ def certify(
         print_certificate(found)
         if fresh:
             print_afresh(afresh, found.exact)
-    if output is not None:
-        draw(found, output)
-    found.check(tolerance)
-    check_afresh(afresh, found.exact)
+    with answered():
+        if output is not None:
+            draw(found, output)
+        found.check(tolerance)
+        check_afresh(afresh, found.exact)
     if not as_json:
         typer.echo(agreement(found, tolerance))
         print_verdict(found.verdict)

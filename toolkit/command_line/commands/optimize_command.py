@@ -14,7 +14,7 @@ from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.optimum_tables import print_optimum
 from toolkit.command_line.printed.printing import print_answer
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.terminal import AsJson, Quiet
+from toolkit.foundation.terminal import AsJson, Quiet, answered
 
 if TYPE_CHECKING:
     from toolkit.studies.optimization.optimum import Optimum
@@ -54,7 +54,8 @@ def optimize(
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
     print_answer(lambda: record, lambda: print_optimum(found), found.verdict, as_json, quiet)
-    found.check()
+    with answered():
+        found.check()
 
 
 def _checked(changed: dict[str, Any]) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from toolkit.command_line.pictures import save_drawing
 from toolkit.command_line.printed.printing import print_answer
 from toolkit.command_line.printed.tradeoff_tables import print_tradeoff, record_of
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.terminal import AsJson, Quiet
+from toolkit.foundation.terminal import AsJson, Quiet, answered
 
 if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict
@@ -85,7 +85,8 @@ def tradeoff(
     record = {**record_of(found), **verdict.record()}
     _keep(found, record, folder, quiet)
     print_answer(lambda: record, lambda: print_tradeoff(found), verdict, as_json, quiet)
-    found.check()
+    with answered():
+        found.check()
 
 
 def _model_verdict(scene: Scene) -> Verdict:

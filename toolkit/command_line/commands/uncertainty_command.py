@@ -98,7 +98,7 @@ def _print(found: UncertainResult) -> None:
 
 def _print_spreads(console: Console, found: UncertainResult) -> None:
     """Mean and sigma by polynomials, by first derivatives, and by random designs."""
-    rows = table("response", "mean", "sigma", "unit", "degree", "left out", "first order", "random designs")
+    rows = table("response", "mean", "sigma", "+- of both", "unit", "degree", "left out", "first order", "random designs")
     for name, each in found.responses.items():
         first = "" if each.first_order is None else "{:.6g}, {:.3g}".format(*each.first_order)
         random = (
@@ -106,7 +106,14 @@ def _print_spreads(console: Console, found: UncertainResult) -> None:
             if each.sampled is None
             else f"{each.sampled.mean[0]:.6g}, {each.sampled.sigma[0]:.3g} +- {each.sampled.sigma[1]:.1g}"
         )
-        numbers = (f"{each.mean:.6g}", f"{each.sigma:.4g}", each.unit, str(each.degree), f"{each.left_out:.1e}")
+        numbers = (
+            f"{each.mean:.6g}",
+            f"{each.sigma:.4g}",
+            f"{each.error:.1g}",
+            each.unit,
+            str(each.degree),
+            f"{each.left_out:.1e}",
+        )
         rows.add_row(name, *numbers, first, random)
     console.print(rows)
 

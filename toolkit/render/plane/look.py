@@ -12,6 +12,7 @@ from toolkit.foundation.spread import spread
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model, skin_shape
 from toolkit.render.plane.solid_shape import solid_shape
+from toolkit.render.plane.window import drawn_thickness, window
 from toolkit.render.round_numbers import round_up
 from toolkit.render.stress_told import round_off, told
 from toolkit.scene.scene import Scene
@@ -39,6 +40,8 @@ class Look:
         Corners of the detail, (2, 2), or None.
     solids
         Meshed bodies that can be drawn.
+    left
+        Flexible bodies that leave their undeformed line by so much that it is not in what is drawn of them.
     """
 
     thickness: dict[str, float]
@@ -46,6 +49,7 @@ class Look:
     points: np.ndarray
     detail: np.ndarray | None
     solids: tuple[str, ...] = ()
+    left: tuple[str, ...] = ()
 
     @property
     def extent(self) -> float:
@@ -71,12 +75,20 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
         if step in drawn:
             limit = max(limit, *(told(stress, round_off(scene, name)) for name, stress in shown_stress(moment)), 0.0)
     every = np.vstack(points)
+    every = every if len(every) else np.zeros((1, 2))
+    moments = [Configuration(solution, step) for step in sorted(drawn)]
+    thickness = {name: _thickness(scene, name) for name in skins}
     return Look(
-        {name: _thickness(scene, name) for name in skins},
+        thickness,
         round_up(limit),
-        every if len(every) else np.zeros((1, 2)),
-        _detail([Configuration(solution, step) for step in sorted(drawn)], skins),
+        every,
+        _detail(moments, skins),
         tuple(solids),
+        tuple(
+            name
+            for name in skins
+            if any(_leaves(each, name, drawn_thickness(thickness[name], window(every))) for each in moments)
+        ),
     )
 
 
@@ -97,8 +109,25 @@ def drawn_points(moment: Configuration) -> np.ndarray:
 
 
 def _thickness(scene: Scene, body: str) -> float:
+    """Of the skin, or of all sections of a frame; zero where they differ."""
     path = f"bodies.{body}.thickness"
-    return float(np.real(scene.number(path))) if path in scene.available_paths() else 0.0
+    found = {
+        float(np.real(scene.number(each))) for each in scene.available_paths() if each == path or each.startswith(f"{path}_")
+    }
+    return found.pop() if len(found) == 1 else 0.0
+
+
+def _leaves(moment: Configuration, body: str, thickness: float) -> bool:
+    """Whether the middle line of a body leaves the band of that thickness round the undeformed line in its place."""
+    mesh, shape = drawn_model(moment, body).mesh, skin_shape(moment, body)
+    if mesh is None or shape is None or len(mesh.outline) < 2:
+        return False
+    line = moment.place(body, mesh.outline)
+    start, along = line[:-1], np.diff(line, axis=0)
+    points = shape.line.reshape(-1, 1, 2)
+    ratio = np.sum((points - start) * along, axis=2) / np.maximum(np.sum(along**2, axis=1), np.finfo(float).tiny)
+    nearest = start + ratio.clip(0, 1)[:, :, None] * along
+    return bool(np.linalg.norm(points - nearest, axis=2).min(axis=1).max() > thickness / 2)
 
 
 def _detail(moments: list[Configuration], skins: list[str]) -> np.ndarray | None:

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, TriMesh
 
-from toolkit.foundation.near_ties import first_largest
 from toolkit.render.colors import BODY, INK, UNDEFORMED
 from toolkit.render.label_places import Name, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
@@ -90,7 +89,6 @@ def _middles(moment: Configuration) -> list[tuple[str, np.ndarray]]:
             found.append((body, points[len(points) // 2]))
         elif (solid := solid_shape(moment, body)) is not None:
             found.append((body, solid.deepest))
-        elif lines := moment.segments(body):
-            longest = lines[first_largest(np.array([np.ptp(line, axis=0).max() for line in lines]))]
-            found.append((body, longest[[0, -1]].mean(axis=0)))
+        elif (middle := moment.middle(body)) is not None:
+            found.append((body, middle))
     return found

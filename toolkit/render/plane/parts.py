@@ -16,6 +16,7 @@ from matplotlib.tri import Triangulation
 
 from toolkit.render.colors import INK, ROD, SUPPORT, TARGET, UNDEFORMED
 from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.look import Look
 from toolkit.render.plane.skin_shape import drawn_model, skin_shape
 from toolkit.render.plane.solid_shape import SolidShape, solid_shape
 from toolkit.render.plane.symbols import symbols
@@ -97,14 +98,14 @@ def _closed(edges: np.ndarray) -> list[np.ndarray]:
     return [np.vstack([piece[:, :-1].reshape(-1, 2), piece[-1:, -1]]) for piece in np.split(edges, starts[1:])]
 
 
-def draw_outlines(axes: Axes, moment: Configuration, body: str) -> None:
+def draw_outlines(axes: Axes, moment: Configuration, body: str, look: Look) -> None:
     """The undeformed and the target contour in the place of the body."""
-    for label, points, color, dashes, order in outlines(moment, body):
+    for label, points, color, dashes, order in outlines(moment, body, look):
         axes.plot(*points.T, dashes, color=color, linewidth=1.2, label=label, zorder=order)
 
 
-def outlines(moment: Configuration, body: str) -> list[tuple[str, np.ndarray, str, Dashes, float]]:
-    """Of the contours that a body has: what it is, points (n, 2), colour, dashes and height."""
+def outlines(moment: Configuration, body: str, look: Look) -> list[tuple[str, np.ndarray, str, Dashes, float]]:
+    """Of the contours of a body that are drawn: what it is, points (n, 2), colour, dashes and height."""
     mesh = drawn_model(moment, body).mesh
     if mesh is None:
         return []
@@ -113,7 +114,9 @@ def outlines(moment: Configuration, body: str) -> list[tuple[str, np.ndarray, st
         ("target", mesh.target_outline, TARGET, "--", _TARGET),
     )
     return [
-        (label, moment.place(body, line), color, dashes, order) for label, line, color, dashes, order in every if len(line) > 1
+        (label, moment.place(body, line), color, dashes, order)
+        for label, line, color, dashes, order in every
+        if len(line) > 1 and (label == "target" or body in look.left)
     ]
 
 
@@ -136,8 +139,8 @@ def draw_mechanism(
 
 
 def draw_symbols(axes: Axes, moment: Configuration) -> None:
-    """Pins as circles, masses as squares, everything else as lines, all of one size on paper."""
-    filled = {"pin": "white", "mass": ROD}
+    """Pins as circles, masses as squares, points as dots, everything else as lines, all of one size on paper."""
+    filled = {"pin": "white", "mass": ROD, "point": INK}
     for symbol in symbols(moment):
         fill = filled.get(symbol.kind)
         kind: Any = PolyCollection if fill else LineCollection

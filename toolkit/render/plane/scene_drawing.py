@@ -22,5 +22,5 @@ def draw_scene(axes: Axes, moment: Configuration, look: Look) -> None:
         shape = skin_shape(moment, body)
         assert shape is not None
         draw_band(axes, moment, body, shape.stress, look.colors, thickness)
-        draw_outlines(axes, moment, body)
+        draw_outlines(axes, moment, body, look)
     draw_symbols(axes, moment)

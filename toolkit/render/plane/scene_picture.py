@@ -162,7 +162,7 @@ def caption(moment: Configuration, look: Look) -> list[str]:
 
 def contour_keys(look: Look, moment: Configuration) -> list[Line2D]:
     """Entries of a legend for the contours that are drawn."""
-    meant = {label: (color, dashes) for body in look.thickness for label, _, color, dashes, _ in outlines(moment, body)}
+    meant = {label: (color, dashes) for body in look.thickness for label, _, color, dashes, _ in outlines(moment, body, look)}
     return [Line2D([], [], color=color, linestyle=dashes, label=label) for label, (color, dashes) in meant.items()]
 
 

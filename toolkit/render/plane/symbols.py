@@ -6,16 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.joints.both.rigid_joint import RigidJoint
+from toolkit.joints.both.tie import Tie
 from toolkit.joints.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.kinematics.planar import unit_vector
+from toolkit.render.moment import POINT
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model
 
-POINT = 1e-6
-"""Extent in parts of the scene's size below which a body is a point."""
 _ALONG_X = np.array([1.0, 0.0])
 
 
@@ -33,22 +34,30 @@ class Symbol(NamedTuple):
 
 
 def symbols(configuration: Configuration) -> list[Symbol]:
-    """Pins, sliders, supports, clamps and masses of a scene; what turns freely has a pin, what is fixed to the ground a hatched side."""
-    found = [symbol for joint in configuration.scene.joints.values() for symbol in _joint_symbols(configuration, joint)]
+    """Pins, sliders, supports, clamps and masses of a scene; what turns freely has a pin, what is fixed to the ground a hatched side.
+
+    A named point that none of these stands at is a dot.
+    """
+    found = [symbol for joint in configuration.joints() for symbol in _joint_symbols(configuration, joint)]
     for link in configuration.links():
         for (body, _), end in zip(link.grips, configuration.ends(link), strict=True):
             found += [Symbol("pin", end)] + [Symbol("support", end)] * (body == "ground")
-    return found + [Symbol("clamp", point) for points in clamps(configuration).values() for point in points]
+    found += [Symbol("clamp", point) for points in clamps(configuration).values() for point in points]
+    return found + [Symbol("point", point) for point in configuration.bare_points([each.point for each in found])]
 
 
 def clamps(configuration: Configuration) -> dict[str, np.ndarray]:
-    """Grounded flexible bodies -> their nodes that no elastic coordinate moves, (n, 2) with n > 0."""
+    """Grounded flexible bodies -> their nodes that no elastic coordinate moves, or that tie cut ones to the ground, (n, 2) with n > 0."""
+    ties = [each for each in configuration.scene.joints.values() if isinstance(each, Tie) and "ground" in each.bodies]
     found = {}
     for body in configuration.flexible():
         mesh = drawn_model(configuration, body).mesh
         if mesh is not None and not configuration.scene.body(body).has_frame:
             still = ~np.any(mesh.recovery[:, 1:].reshape(len(mesh.nodes), -1), axis=1)
             found[body] = configuration.place(body, mesh.nodes[still])
+        if isinstance(configuration.scene.body(body), CutBody):
+            held = [configuration.ends(tie)[0] for tie in ties if body in tie.bodies]
+            found[body] = np.reshape(held, (-1, 2))
     return {body: points for body, points in found.items() if len(points)}
 
 
@@ -85,6 +94,7 @@ _CIRCLE = np.linspace(0, 2 * np.pi, 17)
 _LINES = {
     "pin": [0.5 * np.column_stack([np.cos(_CIRCLE), np.sin(_CIRCLE)])],
     "mass": [_box(0.6, 0.6)],
+    "point": [0.22 * np.column_stack([np.cos(_CIRCLE), np.sin(_CIRCLE)])],
     "support": [np.array([[0.0, 0.0], [-0.6, -1.0], [0.6, -1.0], [0.0, 0.0]]), *_hatched(1.0, -1.0, -0.45)],
     "clamp": [_box(1.0, 1.0), *(np.array(ends) for ends in (((-1, 0), (0, 1)), ((-1, -1), (1, 1)), ((0, -1), (1, 0))))],
     "slider": [_box(0.9, 0.8), np.array([[-1.7, -1.1], [1.7, -1.1]]), np.array([[-1.7, 1.1], [1.7, 1.1]])],

@@ -93,6 +93,11 @@ class SpatialConfiguration(Moment):
             return middle
         return self._carried(body, middle - origin, 0 * origin if found.moves else origin)
 
+    def has_ball(self, body: str) -> bool:
+        """Whether a ball stands for the centre of mass of a body."""
+        found = self.spatial_body(body)
+        return isinstance(found, SpatialRigidBody) and not isinstance(found, SpatialRod) and bool(self.segments(body))
+
     def frame(self, body: str) -> tuple[np.ndarray, np.ndarray]:
         """Origin (3,) and axes (3, 3), as columns, of the body's frame."""
         found = self.spatial_body(body)

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
+from toolkit.foundation.near_ties import first_smallest
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.render.colors import ROD, SUPPORT, UNDEFORMED
+from toolkit.render.colors import BODY, INK, ROD, SUPPORT, UNDEFORMED
 from toolkit.render.label_places import Name, Panel, Side, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
 from toolkit.render.motion.names import NamesOfMotion
@@ -111,8 +111,7 @@ def _draw_rods(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialL
         radius = 0.5 * look.radius if boxed else rod_radius(moment, body, look.radius)
         for ends in segments:
             panel.draw(parts.rod(ends, radius), color=ROD, smooth_shading=True)
-        found = moment.scene.body(body)
-        if segments and isinstance(found, SpatialRigidBody) and not isinstance(found, SpatialRod):
+        if moment.has_ball(body):
             panel.draw(parts.ball(moment.centre(body), 2 * look.radius), color=ROD, smooth_shading=True)
 
 
@@ -153,18 +152,35 @@ def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
 
 
 def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook, motion: NamesOfMotion | None) -> None:
-    """Names of points, off everything that is drawn; a line leads to a name that is not beside its point."""
+    """Names of points, in the first panel of bodies too, off everything that is drawn; a line leads to a name that is not beside it."""
     named = names_by_place(moment, look.radius / 2, motion.moments if motion else ())
-    names = [Name(name, panel.pixel(point), panel.letter * np.array([0.3 * len(name) + 0.1, 0.5])) for point, name in named]
+    bodies = _middles(moment, look) if panel.number == 1 else []
+    names = [
+        Name(name, panel.pixel(point), panel.letter * np.array([0.3 * len(name) + 0.1, 0.5])) for point, name in [*named, *bodies]
+    ]
     seen = panel_of(names, [], panel.letter, np.array(panel.place[2:]), panel.covered())
 
     def choose(panels: Sequence[Panel]) -> list[Side]:
         return sides(panels, panel.letter, _REACHES)
 
-    for each in placed(seen, choose([seen]) if motion is None else motion.sides(panel.number, seen, choose)):
+    found = placed(seen, choose([seen]) if motion is None else motion.sides(panel.number, seen, choose))
+    for each, color in zip(found, [INK] * len(named) + [BODY] * len(bodies), strict=True):
         if each is None:
             continue
-        panel.write(each.name.text, each.place)
+        panel.write(each.name.text, each.place, color)
         if each.led:
             panel.plotter.subplot(0, panel.number)
             strokes(panel.plotter, [each.line], UNDEFORMED, 1.0)
+
+
+def _middles(moment: SpatialConfiguration, look: SpatialLook) -> list[tuple[np.ndarray, str]]:
+    """A place in the middle of every body with its name, unless a point has that name already."""
+    found = []
+    for body in (name for name in moment.scene.bodies if name not in moment.named_points()):
+        if body in look.bodies:
+            shape = body_shape(moment, body)
+            pieces = np.vstack([shape.points[each].mean(axis=1) for each in (shape.triangles, shape.lines)])
+            found.append((pieces[first_smallest(np.linalg.norm(pieces - shape.points.mean(axis=0), axis=1))], body))
+        elif (middle := moment.middle(body)) is not None:
+            found.append((middle, body))
+    return found

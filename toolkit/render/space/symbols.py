@@ -9,10 +9,12 @@ import pyvista
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from toolkit.bodies.spatial.rigid import SpatialRigidBody
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
 from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.kinematics.spatial import axes_along
 from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
 
@@ -34,12 +36,27 @@ class SpatialSymbol(NamedTuple):
 
 
 def spatial_symbols(moment: SpatialConfiguration) -> list[SpatialSymbol]:
-    """Joints, grounds and clamps of a scene."""
+    """Joints, grounds and clamps of a scene; a named point that none of these and no ball stands at is a pin."""
     found = [symbol for joint in moment.joints() for symbol in _joint_symbols(moment, joint)]
     for link in moment.links():
         for (body, _), end in zip(link.grips, moment.ends(link), strict=True):
             found += [*_ground(end, body == "ground"), SpatialSymbol("pin", end, np.eye(3), body == "ground")]
-    return found + [SpatialSymbol("weld", point, np.eye(3), True) for point in clamped_points(moment)]
+    found += [SpatialSymbol("weld", point, np.eye(3), True) for point in clamped_points(moment)]
+    found += [symbol for body in moment.scene.bodies for symbol in _bearing(moment, body)]
+    marked = [
+        *(symbol.point for symbol in found),
+        *(moment.centre(body) for body in moment.scene.bodies if moment.has_ball(body)),
+    ]
+    return found + [SpatialSymbol("pin", point, np.eye(3)) for point in moment.bare_points(marked)]
+
+
+def _bearing(moment: SpatialConfiguration, body: str) -> list[SpatialSymbol]:
+    """The hinge on the ground that a turning frame stands for."""
+    found = moment.spatial_body(body)
+    if found.frame != "turning":
+        return []
+    origin = np.real(found.frame_origin(moment.scene)) if isinstance(found, SpatialRigidBody) else moment.frame(body)[0]
+    return [*_ground(origin, True), SpatialSymbol("hinge", origin, axes_along(found.unit_axis))]
 
 
 def clamped_points(moment: SpatialConfiguration) -> list[np.ndarray]:

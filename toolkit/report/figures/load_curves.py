@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.units import unit
+from toolkit.joints.joint import Joint
 from toolkit.loads.planar.torque import Torque
 from toolkit.render.sheet import sheet, style
 from toolkit.report.drawing import Drawing
@@ -17,7 +18,7 @@ MOST_DOTS = 100
 
 
 def load_curves(material: Material) -> list[Drawing]:
-    """Every load and driver that follows a curve; torques as torques, all else as the factor that the curve is."""
+    """Every load and driver that follows a curve; planar torques as torques, other loads as the factor that the curve is."""
     scene = material.scene
     curved = {name: each for name, each in [*scene.loads.items(), *scene.joints.items()] if hasattr(each, "curve")}
     if not curved or not material.moving:
@@ -39,4 +40,7 @@ def load_curves(material: Material) -> list[Drawing]:
 def _scale(part: Any, units: str) -> tuple[float, str]:
     if isinstance(part, Torque):
         return float(part.torque), f"torque in {unit(units, 'torque')}"
-    return 1.0, "curve"
+    if isinstance(part, Joint):
+        row = part.constraint(None)[-1]  # which a curve is subtracted from
+        return 1.0, f"{row.name} in {unit(units, row.quantity)}"
+    return 1.0, "factor"

@@ -28,7 +28,7 @@ def mechanism(material: Material) -> list[Drawing]:
             figure.legend(handles=[*contour_keys(material.look, last), end], loc="outside upper center", ncols=3)
         open_windows(figure, last, {panel: corners})
         for body in material.skins:
-            draw_outlines(panel, last, body)
+            draw_outlines(panel, last, body, material.look)
         for moment, shade in zip(ghosts, shades, strict=False):
             draw_sections(panel, moment, material.look.solids, edge=shade)
             draw_mechanism(panel, moment, color=shade, edge=shade, width=2.5, but=material.look.solids)

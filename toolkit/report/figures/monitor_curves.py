@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.foundation.units import unit
+from toolkit.render.curves import merged, told
 from toolkit.render.readable_units import readable
 from toolkit.render.sheet import sheet, style
 from toolkit.report.drawing import Drawing
@@ -16,13 +17,15 @@ def monitor_curves(material: Material) -> list[Drawing]:
     if not material.moving:
         return []
     found, times, energy = material.monitors, material.solution.times, unit(material.scene.units, "energy")
-    curves = {"kinetic": found.energy.kinetic, "strain": found.energy.strain, "work": found.energy.work}
+    curves = merged(told({"kinetic": found.energy.kinetic, "strain": found.energy.strain, "work": found.energy.work}))
     with sheet(7.2, 3, sharex=True) as (figure, axes):
         above, balance, below = axes[:, 0]
         factor, label = readable(max(float(np.abs(values).max()) for values in curves.values()), energy)
         for number, (name, values) in enumerate(curves.items()):
             above.plot(times, factor * values, label=name, **style(number))
         above.set_ylabel(f"energy in {label}")
+        above.update_datalim([(times[0], 0.0)])  # beside zero a change is seen as large as it is
+        above.autoscale_view()
         above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
         factor, label = readable(float(np.abs(found.energy.defect).max()), energy)
         balance.plot(times, factor * found.energy.defect, **style(4))

@@ -46,7 +46,7 @@ def _one(material: Material, body: str) -> Drawing:
         mark_points(along, material, body)
         along.legend(loc="lower center")
         open_windows(figure, last, {shapes: corners})
-        draw_outlines(shapes, last, body)
+        draw_outlines(shapes, last, body, material.look)
         draw_line(shapes, last, body, color="black", linewidth=3.0, label="deformed")
         shapes.legend(loc="center right")
     caption = f"Distance of the nodes of {body} to the target, at the end of the motion."

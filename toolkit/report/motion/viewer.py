@@ -31,7 +31,7 @@ def viewer_data(material: Material) -> dict[str, Any]:
     limit = symmetric([body.stress for body in material.results.bodies.values()]).vmax if material.look.stress_limit else 1.0
     digits = max(0, 4 - int(np.floor(np.log10(material.scene.size))))
     palette = (255 * colormaps[SIGNED](np.linspace(0, 1, 33))[:, :3]).round().astype(int)
-    contours = [(label, line) for body in material.skins for label, line, *_ in outlines(moments[-1], body)]
+    contours = [(label, line) for body in material.skins for label, line, *_ in outlines(moments[-1], body, material.look)]
     return {
         "corners": corners.round(digits).tolist(),
         "unit": {quantity: unit(material.scene.units, quantity) for quantity in ("length", "time", "stress")},

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.equations.equations import Terms, allocate_terms, allocate_work, evaluate_all
+from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate_all
 from toolkit.foundation.kernel import plain
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
 from toolkit.system.solution import Solution
@@ -24,10 +24,10 @@ class Pencil(NamedTuple):
     mass: np.ndarray
 
 
-def pencil_of(solution: Solution) -> Pencil:
-    """Of the equilibrium that a solution ends in."""
+def pencil_of(solution: Solution, inputs: Inputs | None = None) -> Pencil:
+    """Of the equilibrium that a solution ends in, under what acts at its end or under other `inputs`."""
     system, n_q = solution.system, solution.system.n_q
-    terms = system.evaluate(system.inputs(solution.times[-1], LEVELS), *_state(solution))
+    terms = system.evaluate(inputs or system.inputs(solution.times[-1], LEVELS), *_state(solution))
     stiffness, damping, mass = (system.dense(each) for each in (static_matrix(system, terms), terms.A_v, terms.I_acc))
     for each in (damping, mass):
         each[n_q:], each[:, n_q:] = 0, 0
@@ -39,7 +39,9 @@ def real_pencil(pencil: Pencil) -> Pencil:
     return Pencil(*(np.real(each) for each in pencil))
 
 
-def pencil_change(solution: Solution, s: complex, u: np.ndarray, w: np.ndarray, damped: bool) -> tuple[np.ndarray, np.ndarray]:
+def pencil_change(
+    solution: Solution, s: complex, u: np.ndarray, w: np.ndarray, damped: bool, inputs: Inputs | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """w^T (s^2 dM + s dC + dK) u by q and multipliers (n,), and by the design (n_x,).
 
     Mixed derivatives commute: w^T dK/dz_j u is what K changes by along u, transposed, times w; one complex step along u gives it exactly,
@@ -51,14 +53,14 @@ def pencil_change(solution: Solution, s: complex, u: np.ndarray, w: np.ndarray, 
     of_q = np.arange(system.n) < n_q
     for part, factor in ((np.real(u), 1.0), (np.imag(u), 1j)):
         motion, force = np.where(of_q, part, 0), np.where(of_q, 0, part)
-        along = plain_terms(solution, q + 1j * STEP * motion, v, acc + 1j * STEP * force)
+        along = plain_terms(solution, q + 1j * STEP * motion, v, acc + 1j * STEP * force, inputs)
         by_z += factor * (w @ system.matrix(np.imag(static_matrix(system, along)) / STEP))
         by_x += factor * (w @ np.imag(along.I_x + along.A_x) / STEP)
-        moving = plain_terms(solution, q, v, motion)
+        moving = plain_terms(solution, q, v, motion, inputs)
         by_z[:n_q] += factor * s * s * (w @ system.matrix(np.real(moving.I_q)))[:n_q]
         by_x += factor * s * s * (w[:n_q] @ np.real(moving.I_x)[:n_q])
         if damped:
-            rate = plain_terms(solution, q, v + 1j * STEP * motion, acc)
+            rate = plain_terms(solution, q, v + 1j * STEP * motion, acc, inputs)
             by_z[:n_q] += factor * s * (w @ system.matrix(np.imag(rate.A_q) / STEP))[:n_q]
             by_x += factor * s * (w @ np.imag(rate.A_x) / STEP)
     return by_z, by_x
@@ -71,11 +73,11 @@ def _state(solution: Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return q, np.zeros_like(q), acc
 
 
-def plain_terms(solution: Solution, q: np.ndarray, v: np.ndarray, acc: np.ndarray) -> Terms:
+def plain_terms(solution: Solution, q: np.ndarray, v: np.ndarray, acc: np.ndarray, inputs: Inputs | None = None) -> Terms:
     """The equations with their derivatives as plain Python, in complex numbers."""
     system, functions = solution.system, plain_formulas_of(solution.system.scene)
     terms, work = allocate_terms(system.plan, complex), allocate_work(system.plan, complex)
-    inputs = system.inputs(solution.times[-1], LEVELS)
+    inputs = inputs or system.inputs(solution.times[-1], LEVELS)
     arrays = [np.asarray(each, complex) for each in (q, v, acc)]
     plain(evaluate_all)(system.plan, functions, inputs, *arrays, True, system.n_x > 0, terms, work)
     return terms

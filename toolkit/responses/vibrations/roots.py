@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import eig
 
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.responses.vibrations.pencil import Pencil
@@ -56,8 +57,24 @@ def find_vibration(weights: np.ndarray, pencil: Pencil, number: int, slowness: C
     others = [abs(values[other] - values[k]) for other in order if other != k]
     if values[k] == 0 or min(others, default=np.inf) <= SAME * abs(values[k]):
         return Vibration(values[k], Z @ right[:, k], Z @ left[:, k], 0.0, alone=False)
-    s, u, w = refined(*reduced, values[k], right[:, k], left[:, k])
-    u, w = Z @ u, Z @ w
+    return _whole(weights, pencil, Z, refined(*reduced, values[k], right[:, k], left[:, k]))
+
+
+def softest_vibration(weights: np.ndarray, pencil: Pencil) -> Vibration:
+    """The one whose frequency has the least square, of a pencil without damping: quicker by far than to look through all."""
+    Z, reduced = free_pencil(weights, pencil)
+    squares, left, right = eig(reduced.stiffness, reduced.mass, left=True, right=True)
+    order = np.argsort(squares.real)
+    k = order[0]
+    s = complex(np.sqrt(-squares[k] + 0j))
+    if s == 0 or (len(order) > 1 and abs(squares[order[1]] - squares[k]) <= SAME * abs(squares[k])):
+        return Vibration(s, Z @ right[:, k], Z @ left[:, k], 0.0, alone=False)
+    return _whole(weights, pencil, Z, refined(*reduced, s, right[:, k].astype(complex), left[:, k].conj().astype(complex)))
+
+
+def _whole(weights: np.ndarray, pencil: Pencil, Z: np.ndarray, found: tuple[complex, np.ndarray, np.ndarray]) -> Vibration:
+    """A vibration that stands alone, with multipliers, from its coordinates that joints leave free."""
+    s, u, w = found[0], Z @ found[1], Z @ found[2]
     whole = s * s * pencil.mass + s * pencil.damping + pencil.stiffness
     J = pencil.stiffness[len(weights) :, : len(weights)]
     u, w = (_with_multipliers(J, each, matrix) for each, matrix in ((u, whole), (w, whole.T)))

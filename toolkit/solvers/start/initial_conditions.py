@@ -161,8 +161,9 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
         )
     change = terms.A_x[n_q:]
     if np.any(dq):
-        change = change + (system.matrix(terms.A_q) @ dq)[n_q:]
-    violating = np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + np.abs(dq).max(initial=0)))
+        change = change + system.matrix(terms.A_q)[n_q:] @ dq
+    largest = max(dq.max(initial=0), -dq.min(initial=0))
+    violating = np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + largest))
     for i, x in violating:
         raise NoDerivativeError(
             f"design variable {system.design.names[x]!r} would violate {names[n_q + i]} at the start while the positions stay. "

@@ -21,7 +21,7 @@ from toolkit.studies.identity import hashed
 from toolkit.studies.places.place import HERE, Place, Progress
 from toolkit.studies.study.problem import by_case
 from toolkit.studies.uncertainty.doubts import doubts
-from toolkit.studies.uncertainty.expansion import Expansion, fitted
+from toolkit.studies.uncertainty.expansion import EXACT, Expansion, fitted
 from toolkit.studies.uncertainty.spread import Neighbour, Spread, beyond, quantiles_of, sampled, without_statistics
 from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
@@ -107,6 +107,7 @@ def _spreads(
         alone, together = each.shares()
         at_random = each.values(study.random_germs[good])
         tied = bool(np.any(joint.together))
+        straight = _straight_sigma(each, germs[:TAILS], study.germs[known])
         found[label] = Spread(
             problem.unit_of(name),
             each.mean,
@@ -119,7 +120,8 @@ def _spreads(
             each.degree,
             each.left_out,
             _neighbour(each, germs, options.quantiles),
-            _straight_sigma(each, germs[:TAILS], study.germs[known]),
+            straight,
+            each.error + (abs(straight - each.sigma) if each.left_out > EXACT else 0.0),
             sampled(np.array([random[k].values[place] for k in good]), at_random, options.quantiles, limit)
             if len(good) > 1
             else None,

@@ -91,6 +91,9 @@ class Spread:
         What polynomials of one degree less or more say; None if no others are possible.
     straight_sigma
         Sigma if the polynomials went on straight beyond the farthest designs that were solved.
+    error
+        By how much mean and sigma may be off: the root of the mean square error at designs that were left out, which bounds both, and what
+        straight tails change.
     sampled
         The same at random designs; None without them.
     """
@@ -107,6 +110,7 @@ class Spread:
     left_out: float
     neighbour: Neighbour | None
     straight_sigma: float
+    error: float
     sampled: Sampled | None = None
 
     def record(self) -> dict[str, Any]:
@@ -124,6 +128,7 @@ class Spread:
             "leave_one_out_error": self.left_out,
             "neighbour": None if self.neighbour is None else self.neighbour.record(),
             "sigma_straight_tails": self.straight_sigma,
+            "error": self.error,
             "monte_carlo": None if self.sampled is None else self.sampled.record(),
         }
 
@@ -136,7 +141,7 @@ def without_statistics(spread: Spread) -> Spread:
         seen = replace(seen, mean=(nan, nan), sigma=(nan, nan), quantiles=none, missed=nan)
     return replace(
         spread, mean=nan, sigma=nan, first_order=None, quantiles=none, beyond=dict.fromkeys(spread.beyond, nan), alone=None,
-        together=None, left_out=nan, neighbour=None, straight_sigma=nan, sampled=seen,
+        together=None, left_out=nan, neighbour=None, straight_sigma=nan, error=nan, sampled=seen,
     )  # fmt: skip
 
 

@@ -88,9 +88,18 @@ def _without_beams(scene: Scene, body: str) -> str:
     if not scene.space.turning_elements or scene.model(flexible_body(scene, body).model, "outline").outline is not None:
         return (
             f"body {body!r} does not consist of beams, the only elements that turn here. Compare it with several bodies in a "
-            "row instead of one, which turn themselves."
+            f"row instead of one, which turn themselves{_in_pieces(scene)}."
         )
     return (
         f"the reduced model of body {body!r} does not hold its mesh and stress points, so that its elements are unknown. Build it "
         "again with ffrf-preprocess."
+    )
+
+
+def _in_pieces(scene: Scene) -> str:
+    """How a solid becomes several bodies without being several ones."""
+    return (
+        ", or with itself cut into pieces ([pieces] in its file) and `frames` in the scene"
+        if not scene.space.turning_elements
+        else ""
     )

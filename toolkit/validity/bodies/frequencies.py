@@ -10,6 +10,7 @@ from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
+from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
 from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
 
@@ -31,5 +32,6 @@ def cautions_of_frequencies(scene: Scene, frequencies: Mapping[str, float], doub
 def cautions_of_modes(solution: Solution, frequencies: np.ndarray) -> Iterator[Caution]:
     """Of a list of the lowest modes about the last state, in cycles per time; parts that keep few modes are compared with all of theirs."""
     yield from cautions_of_raised(solution, frequencies)
+    yield from critical_loads(solution, lateral=True)
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
     yield from cautions_of_frequencies(solution.system.scene, named, doubt=False)

@@ -9,6 +9,8 @@ import numpy as np
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
+from toolkit.responses.load_margin import LoadMargin
+from toolkit.responses.vibrations.vibration import OfVibration
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain
@@ -43,11 +45,30 @@ def _cause(found: Deformation) -> str:
     return "" if found.rotation > SMALL else ", by what forces along it and torques do to its bending"
 
 
-def critical_loads(solution: Solution) -> Iterator[Caution]:
-    """Flexible bodies whose compression is near or beyond the critical load, which linear FFRF does not know in a body's frame."""
+def critical_loads(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
+    """Flexible bodies whose compression is near or beyond the critical load, which linear FFRF does not know in a body's frame.
+
+    Parameters
+    ----------
+    lateral
+        Whether anything is asked for that depends on the stiffness across the compression: frequencies, or derivatives that the
+        solution does not hold. Otherwise an equilibrium that nothing bends is right below the critical load, and this is no doubt.
+    """
+    scene = solution.system.scene
+    lateral = lateral or any(isinstance(each, OfVibration | LoadMargin) for each in scene.responses.values())
     for found in critical_compressions(solution):
+        if found.straight and found.missed >= found.feigned and found.load < 1 and not lateral:
+            yield Caution("critical-load", _straight(found), doubt=False)
+            continue
         text = _feigned(found) if found.feigned > found.missed else _buckling(found, solution)
-        yield Caution("critical-load", text + advice_of_frame(solution.system.scene, found.body))
+        yield Caution("critical-load", text + advice_of_frame(scene, found.body))
+
+
+def _straight(found: Compression) -> str:
+    return (
+        f"{found.body} carries {found.load:.2g} times the critical load, and nothing turns it aside: these numbers hold. "
+        f"Whatever would, does it by up to {found.missed:.0%} more than these equations say, and its frequencies are lower."
+    )
 
 
 def turning(solution: Solution) -> Iterator[Caution]:

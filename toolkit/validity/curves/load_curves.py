@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -29,6 +30,20 @@ BLOCK = 1 << 16
 """Samples that are evaluated at a time."""
 GOLDEN = (5**0.5 - 1) / 2
 """Multiples of it, without their whole parts, are spread evenly, and in step with no period."""
+
+
+class OverTime(Protocol):
+    """What is looked at: a curve, or its derivative by one of its numbers."""
+
+    @property
+    def is_constant(self) -> bool:
+        """As that of a `Curve`."""
+
+    def corners(self) -> tuple[Any, ...]:
+        """As those of a `Curve`."""
+
+    def evaluate(self, time: np.ndarray) -> np.ndarray:
+        """As that of a `Curve`; the first column counts."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +86,7 @@ def unseen_curves(solution: Solution) -> Iterator[Caution]:
             )
 
 
-def loss_of(curve: Curve, times: np.ndarray, has_zero: bool = True) -> Loss | None:
+def loss_of(curve: OverTime, times: np.ndarray, has_zero: bool = True) -> Loss | None:
     """What the straight lines between a curve's values at the times of a run lose of it; None if it does not vary.
 
     The area between curve and lines, as a part of the area between the curve and the level that it has at the start, at the end or in the
@@ -112,12 +127,12 @@ def _variation(f: np.ndarray, lengths: np.ndarray, ends: np.ndarray, has_zero: b
     return max(min(around), LEVEL * level, level - abs(float(ends[0]) - rest) * float(areas.sum()))
 
 
-def _values(curve: Curve, times: np.ndarray) -> np.ndarray:
+def _values(curve: OverTime, times: np.ndarray) -> np.ndarray:
     """Values at times of any shape."""
     return np.real(curve.evaluate(times.ravel())[:, 0]).reshape(times.shape)
 
 
-def _pieces(curve: Curve, start: float, end: float) -> np.ndarray:
+def _pieces(curve: OverTime, start: float, end: float) -> np.ndarray:
     """Beginning and end of the pieces of a run between which the curve has corners, (n, 2)."""
     corners = np.unique(np.real(np.array([start, *curve.corners(), end])))
     corners = corners[(corners >= start) & (corners <= end)]
@@ -143,7 +158,7 @@ def _picked(pieces: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _samples(
-    curve: Curve, times: np.ndarray, pieces: np.ndarray, step: np.ndarray, count: int, shift: np.ndarray
+    curve: OverTime, times: np.ndarray, pieces: np.ndarray, step: np.ndarray, count: int, shift: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Values (n, count) of the curve where steps and pieces meet, the areas (n,) between it and lines, signed and not, and lengths (n,)."""
     begin, end = times[step], times[step + 1]

@@ -18,6 +18,7 @@ from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening, stiffening
 from toolkit.validity.bodies.compressed.missed_deflections import missed
+from toolkit.validity.bodies.compressed.straight_states import stays_straight
 from toolkit.validity.bodies.deformation import flexible_bodies
 
 LIMIT = 0.05
@@ -42,15 +43,16 @@ class Compression(NamedTuple):
     load: float  # mu: the forces in parts of the critical ones; zero if none are critical
     missed: float  # part of deflections by small lateral loads that the equations miss, at most
     feigned: float  # of an equilibrium: part by which they are too large at least, where the equations are softer than the body
+    straight: bool  # whether it is an equilibrium that no lateral load bends, so that nothing of this is in it
 
 
 def compression(solution: Solution) -> Compression | None:
     """The state nearest to a critical load; None where nothing is missing, or nothing is known."""
     scene = solution.system.scene
     known = {body: found for body in flexible_bodies(scene) if (found := stiffening(scene, body))}
-    states = [
-        Compression(body, float(solution.times[n]), *missed(solution, known, n)) for n, body in _softest(solution, known).items()
-    ]
+    softest = _softest(solution, known)
+    straight = bool(softest) and stays_straight(solution, known)
+    states = [Compression(body, float(solution.times[n]), *missed(solution, known, n), straight) for n, body in softest.items()]
     if not states:
         return None
     return states[first_largest(np.array([min(max(each.missed, each.feigned), BOUNDLESS) + each.load for each in states]))]

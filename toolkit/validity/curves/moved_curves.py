@@ -1,0 +1,69 @@
+"""Whether the times of a run saw what a change of a curve's times does: a jump that is moved within a step changes nothing that they see.
+
+The derivative of a curve by its start is -f', which is a pulse where the curve is a jump. Values may be right to the step while no run sees
+this pulse, so that runs with other steps agree about a derivative of zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolkit.compilation.quantities import STEP, curves_of
+from toolkit.curves.curve import Curve
+from toolkit.foundation.dimensions import LABELLED
+from toolkit.foundation.verdict import Caution
+from toolkit.scene.measures import number_measure
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.validity.curves.load_curves import loss_of
+
+HIDDEN = 0.5
+"""Part of what a curve changes by that may lie between the times of a run: with less, runs with other steps see another part of it."""
+TIME = LABELLED["time"]
+
+
+@dataclass(frozen=True)
+class Slope:
+    """Derivative of a curve by a variable that is in its numbers as a complex step."""
+
+    curve: Curve
+    is_constant = False
+
+    def corners(self) -> tuple[float, ...]:
+        """Those of the curve: where its slope jumps, this one jumps."""
+        return tuple(np.real(self.curve.corners()))
+
+    def evaluate(self, time: np.ndarray) -> np.ndarray:
+        """Derivatives of f, f', f'' at the times, (n_t, 3)."""
+        return np.imag(self.curve.evaluate(time)) / STEP
+
+
+def unseen_moves(solution: Solution, variables: Collection[str]) -> Iterator[Caution]:
+    """Doubts about derivatives by the times of curves, of the variables that gradients of a motion are by."""
+    scene = solution.system.scene
+    for name in variables:
+        moved = _moved(scene, name)
+        for item, curve in curves_of(moved) if moved is not None else ():
+            if curve == dict(curves_of(scene))[item]:
+                continue
+            loss = loss_of(Slope(curve), solution.whole_run)
+            if loss is not None and loss.part > HIDDEN:
+                yield Caution(
+                    "gradient-curve",
+                    f"derivatives by {name} miss {min(loss.part, 1):.0%} (limit {HIDDEN:.0%}) of what it does to {'.'.join(item)}.curve, "
+                    f"most near t = {loss.time:.4g}: the curve changes faster there than steps are short, so that they do not see when. "
+                    "Runs with other steps may miss the same and agree. Let the curve change over several steps, or take steps of "
+                    f"{loss.shortest / 10:.2g} there and beside (solver.times).",
+                )
+
+
+def _moved(scene: Scene, variable: str) -> Scene | None:
+    """The scene with a complex step in the times that a variable drives; None if it drives none."""
+    moved = None
+    for path, factor in zip(scene.paths_of(variable), scene.factors_of(variable), strict=True):
+        if path.split(".")[0] in ("joints", "loads") and number_measure(scene, path).dimension == TIME:
+            moved = (moved or scene).with_number(path, scene.number(path) + 1j * STEP * factor)
+    return moved

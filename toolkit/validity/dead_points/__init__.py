@@ -1,0 +1,1 @@
+"""Whether a motion passes positions in which joints repeat each other."""

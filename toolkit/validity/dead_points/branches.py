@@ -1,0 +1,165 @@
+"""Dead points that a motion passes: positions in which joints repeat each other, so that bodies can go on from them in two ways.
+
+    sign det [J(q_n); N^T] != sign det [J(q_n+1); N^T],     J(q_n) N = 0
+
+The Jacobian J of the joints loses its rank between two states where this sign changes, the test of continuation methods for branches
+(Keller 1977). A parallelogram passes such a position. Of one whose lengths are a little off, both branches come close to each other
+without meeting, and a step may jump from one to the other. Two dead points at the same time change the sign twice, and are not seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from toolkit.equations.equations import Terms
+from toolkit.foundation.spread import spread
+from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
+
+MOST_COORDINATES, LOOKED_AT = 60, 200
+"""Larger scenes are not looked at, nor more states."""
+ALIKE = 0.5
+"""Determinant of the cosines between the free motions of two states from which on their signs can be compared."""
+HALVINGS, CORRECTIONS = 40, 6
+"""How closely a dead point is looked for between two states, and how often each place is put back on the joints."""
+SINGULAR = 1e-5
+"""Smallest singular value, in parts of the largest, up to which joints repeat each other: its square is what places are known to there."""
+MEETS = 1e-9
+"""Gap of joints, a part of the scene's size (or rad), that is none: where lengths are off by more, branches do not meet."""
+OPENS = 1e-3
+"""Part of what a variable changes at the joints that opens a dead point; less is round-off."""
+
+
+@dataclass(frozen=True)
+class DeadPoint:
+    """Where a motion passes one.
+
+    Attributes
+    ----------
+    time
+        When.
+    meets
+        Whether the branches meet there; otherwise a step has jumped.
+    opened_by
+        Design variables whose change parts the branches.
+    """
+
+    time: float
+    meets: bool
+    opened_by: tuple[str, ...]
+
+
+def dead_points(solution: Solution) -> list[DeadPoint]:
+    """Those between the states of a motion, in the order of time."""
+    system = solution.system
+    if not (system.compiled and solution.steps and system.n_q <= MOST_COORDINATES and _has_loops(system)):
+        return []
+    joints = JointsAlone(system)
+    coarse = _changes(solution, joints, spread(len(solution.times) - 1, LOOKED_AT))
+    steps = [each for low, high, _ in coarse for each in _changes(solution, joints, range(low, high + 1))]
+    found = (_between(solution, joints, *each) for each in steps)
+    return [each for each in found if each is not None]
+
+
+def _changes(solution: Solution, joints: JointsAlone, states: Sequence[int]) -> list[tuple[int, int, np.ndarray]]:
+    """Neighbours among some states between which the sign changes, and the free motions (f, n_q) of the first."""
+    arrays = np.array([joints.jacobian(q) for q in np.real(solution.q[list(states)])])
+    free = np.linalg.svd(arrays)[2][:, arrays.shape[1] :]
+    changed = _sides(arrays[1:], free[:-1]) * _sides(arrays[:-1], free[:-1]) < 0
+    found = changed & _alike(free[1:], free[:-1])
+    return [(*pair, free[n]) for n, pair in enumerate(pairwise(states)) if found[n]]
+
+
+def _alike(free: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Whether free motions (..., f, n_q) are so alike that a change of sign is none of theirs."""
+    return np.abs(np.linalg.det(free @ np.swapaxes(others, -1, -2))) > ALIKE
+
+
+def _has_loops(system: System) -> bool:
+    """Whether joints tie bodies to each other in more than one way."""
+    pairs = {frozenset(joint.bodies) for joint in system.scene.joints.values()}
+    bodies = {body for pair in pairs for body in pair}
+    return len(pairs) >= len(bodies) > 0
+
+
+def _sides(jacobians: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """Signs of the determinants; (..., n_lam, n_q), (..., f, n_q)."""
+    return np.linalg.slogdet(np.concatenate([jacobians, free], axis=-2))[0]
+
+
+def _between(solution: Solution, joints: JointsAlone, low: float, high: float, free: np.ndarray) -> DeadPoint | None:
+    """The dead point between two states, halved until it is found; None if it is the free motions that have turned."""
+
+    def closed(place: float) -> tuple[float, np.ndarray]:
+        return joints.closed(*_state(solution, place))
+
+    side = _sides(joints.jacobian(closed(low)[1]), free)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        beyond = _sides(joints.jacobian(closed(middle)[1]), free) * side < 0
+        low, high = (low, middle) if beyond else (middle, high)
+    ends = [closed(place) for place in (low, high)]
+    arrays = [joints.jacobian(q) for _, q in ends]
+    singular = [np.linalg.svd(each) for each in arrays]
+    if not all(_alike(turned[len(array) :], free) for array, (_, _, turned) in zip(arrays, singular, strict=True)):
+        return None
+    repeated = all(values[-1] <= SINGULAR * values[0] for _, values, _ in singular)
+    meets = repeated and all(np.abs(joints.gaps(*each)).max() <= MEETS for each in ends)
+    return DeadPoint(ends[0][0], meets, joints.doing_work(*ends[0], singular[0][0][:, -1]))
+
+
+def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
+    """Time and coordinates, between two states on a straight line."""
+    n = min(int(place), len(solution.times) - 2)
+    time, q = ((1 - (place - n)) * each[n] + (place - n) * each[n + 1] for each in (solution.times, np.real(solution.q)))
+    return float(time), q
+
+
+@dataclass(frozen=True)
+class JointsAlone:
+    """Joints of a system that no others repeat, with gaps and coordinates in parts of the scene's size (or rad)."""
+
+    system: System
+
+    @cached_property
+    def _kept(self) -> np.ndarray:
+        return np.setdiff1d(np.arange(self.system.n_q, self.system.n), self.system.plan.dropped)
+
+    @cached_property
+    def _rest(self) -> np.ndarray:
+        return np.zeros(self.system.n)
+
+    def _terms(self, time: float, q: np.ndarray, design: bool = False) -> Terms:
+        inputs = self.system.inputs(time, LEVELS)._replace(joints_only=True)
+        padded = np.append(q, np.zeros(self.system.n - self.system.n_q))
+        return self.system.evaluate(inputs, padded, self._rest, self._rest, design=design)
+
+    def jacobian(self, q: np.ndarray) -> np.ndarray:
+        """J (n_lam, n_q), which knows no time."""
+        weights = self.system.weights
+        array = np.real(self.system.dense(self._terms(0.0, q).I_acc))[: self.system.n_q, self._kept].T
+        return array * weights[self._kept, None] / weights[: self.system.n_q]
+
+    def closed(self, time: float, q: np.ndarray) -> tuple[float, np.ndarray]:
+        """Coordinates put back on the joints by the smallest moves."""
+        weights = self.system.weights
+        for _ in range(CORRECTIONS):
+            q = q - np.linalg.pinv(self.jacobian(q), rcond=SINGULAR) @ self.gaps(time, q) / weights[: self.system.n_q]
+        return time, q
+
+    def gaps(self, time: float, q: np.ndarray) -> np.ndarray:
+        """Those of the joints (n_lam,)."""
+        return np.real(self._terms(time, q).applied)[self._kept] * self.system.weights[self._kept]
+
+    def doing_work(self, time: float, q: np.ndarray, forces: np.ndarray) -> tuple[str, ...]:
+        """Design variables by which the gaps change so that these forces of joints do work."""
+        changes = np.real(self._terms(time, q, design=True).A_x)[self._kept] * self.system.weights[self._kept, None]
+        work, largest = np.abs(forces @ changes), np.linalg.norm(changes, axis=0)
+        names = self.system.design.names
+        return tuple(name for name, each, size in zip(names, work, largest, strict=True) if each > OPENS * size)
