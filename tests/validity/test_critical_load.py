@@ -259,6 +259,15 @@ def test_a_column_that_nothing_bends_is_right_below_its_critical_load(frames, ac
         assert end == pytest.approx((1 - stretch) * axis, abs=1e-9 * stretch)  # round-off of EA against EI
 
 
+@pytest.mark.parametrize(("moment", "straight"), [(0.0, True), (1e-9, False)])
+def test_a_hair_that_bends_a_fine_column_is_felt(moment, straight, tmp_path, monkeypatch):
+    """A moment of 1e-9 of Euler's load bends it by 2e-6 of its shortening, a tenth of what is true: with 300 elements too."""
+    monkeypatch.setattr(f"{__name__}.ELEMENTS", 300)
+    monkeypatch.setattr(f"{__name__}.MOMENT", moment * COLUMN)
+    path = with_moment(beams(tmp_path, PINNED, COLUMN * (-0.9 * AXIS)))
+    assert solve(prepare(read_scene(path), []), "static").verdict.trusted == straight
+
+
 def test_gradients_by_the_adjoint_are_not_known_to_be_straight(tmp_path):
     model = ffrf.compile(cantilever(tmp_path, STRAIGHT, 1, in_space((-0.9 * np.pi**2 / 4 * EI, 0.0))), variables=["F"])
     for method in ("direct", "adjoint"):

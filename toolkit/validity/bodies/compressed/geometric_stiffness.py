@@ -45,6 +45,12 @@ class Stiffening:
             found = float(eigh(-as_dense(G), self._scaled, eigvals_only=True, subset_by_index=[last, last])[0])
         return max(found, 0.0)
 
+    def deflections(self, elastic: np.ndarray, motions: np.ndarray) -> np.ndarray:
+        """K^-1 G of motions (n_f, k): what the forces at elastic coordinates (n_f,) would bend the body by, to first order."""
+        G = scaled_by(self.matrix(elastic), self._scale)
+        bent: np.ndarray = self._scale[:, None] * self._flexible(np.asarray(G @ (motions / self._scale[:, None])))
+        return bent
+
     @cached_property
     def forces(self) -> np.ndarray:
         """Axial forces of the elements, (n_e, n_f), positive in tension."""
