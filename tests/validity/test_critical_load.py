@@ -17,6 +17,7 @@ from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
+from toolkit.responses.vibrations.least_frequency import LeastFrequency
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.solvers.static.stability import static_array
@@ -257,6 +258,14 @@ def test_a_column_that_nothing_bends_is_right_below_its_critical_load(frames, ac
         axis, stretch = np.array(in_space((1.0, 0.0))), force / (FRAMED.youngs_modulus * FRAMED.thickness * FRAMED.width)
         end = node_places(solution, "beam")[-1, -1] - np.array([0.3, -0.2])
         assert end == pytest.approx((1 - stretch) * axis, abs=1e-9 * stretch)  # round-off of EA against EI
+
+
+def test_a_least_frequency_depends_on_what_a_straight_column_lacks(tmp_path):
+    """As any frequency does: that of the true column is far below."""
+    scene = cantilever(tmp_path, STRAIGHT, 1, in_space((-0.9 * np.pi**2 / 4 * EI, 0.0)))
+    softest = scene.model_copy(update={"responses": {"f": LeastFrequency()}})
+    assert not solve(prepare(softest, []), "static").verdict.trusted
+    assert solve(prepare(scene, []), "static").verdict.trusted
 
 
 @pytest.mark.parametrize(("moment", "straight"), [(0.0, True), (1e-9, False)])

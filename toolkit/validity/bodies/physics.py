@@ -10,6 +10,7 @@ from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.load_margin import LoadMargin
+from toolkit.responses.vibrations.least_frequency import LeastFrequency
 from toolkit.responses.vibrations.vibration import OfVibration
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
@@ -55,7 +56,7 @@ def critical_loads(solution: Solution, lateral: bool = False) -> Iterator[Cautio
         solution does not hold. Otherwise an equilibrium that nothing bends is right below the critical load, and this is no doubt.
     """
     scene = solution.system.scene
-    lateral = lateral or any(isinstance(each, OfVibration | LoadMargin) for each in scene.responses.values())
+    lateral = lateral or any(isinstance(each, OfVibration | LoadMargin | LeastFrequency) for each in scene.responses.values())
     for found in critical_compressions(solution):
         if found.straight and found.missed >= found.feigned and found.load < 1 and not lateral:
             yield Caution("critical-load", _straight(found), doubt=False)

@@ -1,0 +1,137 @@
+"""Where on the way of a static load the slowest vibration is slowest, and its derivatives by the design there.
+
+    f(x) = min over mu of f_1(z(mu, x), mu, x),    df = f_z dz + f_x
+
+with the derivatives at the load factor mu of the least one: how that changes counts for nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigvals
+
+from toolkit.description.run_options import RunOptions
+from toolkit.responses.response import Partials
+from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of, real_pencil
+from toolkit.responses.vibrations.roots import free_pencil, softest_vibration
+from toolkit.responses.vibrations.vibration import Frequency
+from toolkit.solvers.direct_solve import solve_linear
+from toolkit.solvers.static.equilibrium import PART, Equilibrium, find_equilibrium, inputs_at, static_matrix
+from toolkit.solvers.static.path.continuation import to_full_load
+from toolkit.solvers.static.static_start import start_of_path
+from toolkit.system.solution import Solution
+from toolkit.system.static_path import StaticPath
+from toolkit.system.system import System
+
+BETWEEN = 2
+"""Parts that every step of the path is cut into, where it is looked for."""
+NEAR, SHARP = 1e-3, 1e-8
+"""How well its load factor is found by values, in parts of these; and by slopes, in parts of what is left."""
+STRAYS = 0.1
+"""How far, in parts of the scene's size (or rad), an equilibrium between two points of the path may be from the straight line."""
+FREQUENCY = Frequency()
+
+
+class Way(NamedTuple):
+    """The path of a load, on which equilibria are found by their load factors."""
+
+    solution: Solution
+    options: RunOptions
+    path: StaticPath
+
+    def state(self, factor: float) -> Equilibrium:
+        """The equilibrium."""
+        system, known = self.solution.system, self.path
+        k = int(np.clip(np.searchsorted(known.load_factors, factor), 1, len(known.load_factors) - 1))
+        low, high = known.load_factors[k - 1 : k + 1]
+        part = (factor - low) / (high - low)
+        q, lam = (each[k - 1] + part * (each[k] - each[k - 1]) for each in (known.q, known.multipliers))
+        free = np.zeros(system.n - system.n_q)
+        found, _ = find_equilibrium(
+            system, self.options, factor, np.append(q, free), np.append(np.zeros(system.n_q), lam), STRAYS
+        )
+        return found
+
+    def stiffness(self, factor: float) -> float:
+        """The least square of a frequency, times what is the same for all: quick, and without vectors."""
+        pencil = _undamped(pencil_of(self._at(factor), inputs_at(self.solution.system, self.options, factor)))
+        matrices = free_pencil(self._weights, pencil)[1]
+        return float(np.min(eigvals(matrices.stiffness, matrices.mass).real))
+
+    def slope(self, factor: float) -> float:
+        """Derivative of the least frequency along the path."""
+        system, options = self.solution.system, self.options
+        found, there = self.state(factor), self._at(factor)
+        here, further = (inputs_at(system, options, each) for each in (factor, factor + PART))
+        pencil = _undamped(pencil_of(there, here))
+        s, u, w, scale, _ = softest_vibration(self._weights, pencil)
+        by_z = pencil_change(there, s, u, w, damped=False, inputs=here)[0]
+        own = w @ (_undamped(pencil_of(there, further)).stiffness - pencil.stiffness) @ u / PART  # of loads that follow the body
+        return float(FREQUENCY.slope(s, -(by_z @ found.tangent + own) / scale) if scale else 0.0)
+
+    def softest(self) -> float:
+        """Load factor of the least frequency: between the points of the path first, then where its slope along the path vanishes."""
+        from scipy.optimize import (
+            brentq,
+            minimize_scalar,
+        )  # for this response alone: they take longer to import than a wing to solve
+
+        steps = pairwise(self.path.load_factors)
+        factors = [low + (high - low) * k / BETWEEN for low, high in steps for k in range(BETWEEN)] + [1.0]
+        found = [self.stiffness(each) for each in factors]
+        k = int(np.argmin(found))
+        low, high = factors[max(k - 1, 0)], factors[min(k + 1, len(factors) - 1)]
+        best = float(
+            minimize_scalar(self.stiffness, bounds=(low, high), method="bounded", options={"xatol": NEAR * (high - low)}).x
+        )
+        low, high = max(low, best - 10 * NEAR * (high - low)), min(high, best + 10 * NEAR * (high - low))
+        if self.slope(low) >= 0 or self.slope(high) <= 0:
+            return min((low, best, high), key=self.stiffness)  # at an end of the path, or where two vibrations change places
+        return float(brentq(self.slope, low, high, xtol=SHARP * (high - low)))
+
+    @property
+    def _weights(self) -> np.ndarray:
+        system = self.solution.system
+        return system.weights[: system.n_q]
+
+    def _at(self, factor: float) -> Solution:
+        found = self.state(factor)
+        return _beside(self.solution, found.q, found.acc)
+
+
+def path_from_rest(system: System, options: RunOptions) -> StaticPath:
+    """From the unloaded state, of an equilibrium that was found beside another one."""
+    state, factor, _ = start_of_path(system, options)
+    return to_full_load(system, options, state, factor, False).path
+
+
+def _beside(solution: Solution, q: np.ndarray, acc: np.ndarray) -> Solution:
+    n_q = solution.system.n_q
+    return replace(solution, q=q[None, :n_q], multipliers=acc[None, n_q:])
+
+
+def _undamped(pencil: Pencil) -> Pencil:
+    return real_pencil(pencil._replace(damping=0 * pencil.damping))
+
+
+def frequency_at(solution: Solution, options: RunOptions, factor: float, known: Equilibrium) -> Partials:
+    """The frequency at a load factor, near a real equilibrium there, with its derivatives by the design."""
+    system, inputs = solution.system, inputs_at(solution.system, options, factor)
+    found, _ = find_equilibrium(system, options, factor, known.q.astype(system.dtype), known.acc.astype(system.dtype), STRAYS)
+    there = _beside(solution, found.q, found.acc)
+    pencil = pencil_of(there, inputs)
+    s, u, w, scale, alone = softest_vibration(system.weights[: system.n_q], _undamped(pencil))
+    if not alone:
+        return Partials(FREQUENCY.of(s), design=np.full(system.n_x, np.nan))
+    moved = s * s * np.imag(pencil.mass) + np.imag(pencil.stiffness)
+    value = FREQUENCY.of(s) + 1j * FREQUENCY.slope(s, -(w @ moved @ u) / scale)
+    by_z, by_x = (FREQUENCY.slope(s, -each / scale) for each in pencil_change(there, s, u, w, damped=False, inputs=inputs))
+    design = by_x
+    if system.n_x:
+        terms = system.evaluate(inputs, found.q, np.zeros_like(found.q), found.acc, design=True)
+        design = by_x - by_z @ solve_linear(system, static_matrix(system, terms), terms.I_x + terms.A_x, "a least frequency")
+    return Partials(value.real if system.compiled else value, design=design)
