@@ -13,6 +13,7 @@ TAIL = 0.98  # behind it crossing surfaces and caps are a matter of rounding
 LARGEST_GAP = 0.3  # chord
 SHARPEST_TURN = 30.0  # degrees, behind the nose
 SHARPEST_NOSE, HOLLOW_NOSE = 90.0, 10.0  # degrees to the left and right; noses of real files, some of few rows, reach 68 and 2
+TILT = 3.0  # degrees between the chord line and the x-axis; real sections have 0.06, one with a drooped nose 0.9
 FOLD = 120.0  # degrees; no rounded nose turns so far at one row
 _ROUNDING = 1e-5  # chord; the usual files hold five decimals
 
@@ -35,7 +36,7 @@ def check(loop: Loop) -> tuple[str, ...]:
     _refuse_reversals(loop)
     warnings = _crossings(loop)
     _refuse_negative_thickness(loop)
-    return warnings + _kinks(loop) + _coarse_nose(loop)
+    return warnings + _kinks(loop) + _coarse_nose(loop) + _tilt(loop)
 
 
 def _refuse_gaps(loop: Loop) -> None:
@@ -127,3 +128,14 @@ def _coarse_nose(loop: Loop) -> tuple[str, ...]:
     rows = int(np.sum(loop.points[:, 0] < NOSE))
     text = f"only {rows} rows ahead of {NOSE:g} chord; {MIN_NOSE_ROWS} or more give a trustworthy nose"
     return (text,) if rows < MIN_NOSE_ROWS else ()
+
+
+def _tilt(loop: Loop) -> tuple[str, ...]:
+    """A warning of a section that is turned in its file: nothing turns it back."""
+    tail = (loop.points[0] + loop.points[-1]) / 2
+    chord = tail - loop.points[np.argmax(np.linalg.norm(loop.points - tail, axis=1))]
+    tilt = np.degrees(np.arctan2(chord[1], chord[0]))
+    text = (
+        f"the chord line is turned by {tilt:.1f} degrees from the x-axis, and stays so: turn the coordinates if that is not meant"
+    )
+    return (text,) if abs(tilt) > TILT else ()

@@ -401,3 +401,11 @@ def test_cap_at_the_tail_is_tolerated(read):
     section[1], section[-2] = (1.0, 0.003), (1.0, -0.003)
     section[2], section[-3] = (0.9990, 0.004), (0.9990, -0.004)
     assert read(lines(section)).trailing_edge_gap == pytest.approx(0.004)
+
+
+@pytest.mark.parametrize(("degrees", "told"), [(-5.0, True), (-2.5, False), (2.5, False), (5.0, True)])
+def test_a_section_that_is_turned_in_its_file_is_told(degrees, told, read):
+    turn = np.exp(1j * np.radians(degrees))
+    turned = naca0012() @ np.array([[turn.real, turn.imag], [-turn.imag, turn.real]])
+    warnings = read(lines(turned)).warnings
+    assert [f"turned by {degrees:.1f} degrees" in warning for warning in warnings] == [True] * told

@@ -60,7 +60,8 @@ class BodyRecipe(Recipe[BodyFile]):
 
     def _designs(self, remark: Remark | None) -> Any:
         try:
-            from preprocessing.recipes.solids.discrete_body import discrete_body
+            from preprocessing.mesh.slits import slit_told
+            from preprocessing.recipes.solids.discrete_body import discretised
             from preprocessing.recipes.solids.named_mesh import named_mesh
             from preprocessing.recipes.solids.pieces.piece_bodies import piece_bodies
         except ImportError as error:
@@ -68,9 +69,11 @@ class BodyRecipe(Recipe[BodyFile]):
                 f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install "
                 "'ffrf-toolkit[preprocessing]'."
             ) from error
-        if self.file.pieces is None:
-            return discrete_body(self.path, self.file)
-        return piece_bodies(named_mesh(self.path, self.file))
+        named = named_mesh(self.path, self.file)
+        told = slit_told(named.mesh) if named.mesh.blocks else ""
+        if told and remark is not None:
+            remark(f"{self.path.name}: {told}")
+        return discretised(named) if self.file.pieces is None else piece_bodies(named)
 
     def _fields(self, designs: Any) -> dict[str, Any]:
         from preprocessing.recipes.solids.pieces.joined_model import joined_model
