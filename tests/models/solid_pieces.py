@@ -9,7 +9,9 @@ import numpy as np
 
 import toolkit as ffrf
 from preprocessing import build, save
+from tests.models.kept_files import write_once
 from tests.models.solid_bodies import box
+from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene
 
@@ -56,11 +58,17 @@ def write_bar(
     return path
 
 
-def save_bar(folder: Path, *args, **kwargs) -> ReducedModel:
-    """The reduced model of `write_bar`, beside its file."""
-    model = build(write_bar(folder, *args, **kwargs))
-    save(model, folder / "bar.h5")
-    return model
+def save_bar(folder: Path, *args, more: str = "", **kwargs) -> ReducedModel:
+    """The reduced model of `write_bar`, beside its file; `more` may name files of the folder."""
+
+    def write(place: Path) -> None:
+        save(build(write_bar(place, *args, more=more, **kwargs)), place / "bar.h5")
+
+    if more:
+        write(folder)
+    else:
+        write_once(folder, (args, tuple(sorted(kwargs.items()))), write)
+    return load(folder / "bar.h5")
 
 
 def bar_scene(folder: Path, body: str, rest: str) -> Scene:

@@ -58,14 +58,16 @@ class Way(NamedTuple):
 
     def stiffness(self, factor: float) -> float:
         """The least square of a frequency, times what is the same for all: quick, and without vectors."""
-        pencil = _undamped(pencil_of(self._at(factor), inputs_at(self.solution.system, self.options, factor)))
+        there = _beside(self.solution, self.state(factor))
+        pencil = _undamped(pencil_of(there, inputs_at(self.solution.system, self.options, factor)))
         matrices = free_pencil(self._weights, pencil)[1]
         return float(np.min(eigvals(matrices.stiffness, matrices.mass).real))
 
     def slope(self, factor: float) -> float:
         """Derivative of the least frequency along the path."""
         system, options = self.solution.system, self.options
-        found, there = self.state(factor), self._at(factor)
+        found = self.state(factor)
+        there = _beside(self.solution, found)
         here, further = (inputs_at(system, options, each) for each in (factor, factor + PART))
         pencil = _undamped(pencil_of(there, here))
         s, u, w, scale, _ = softest_vibration(self._weights, pencil)
@@ -98,10 +100,6 @@ class Way(NamedTuple):
         system = self.solution.system
         return system.weights[: system.n_q]
 
-    def _at(self, factor: float) -> Solution:
-        found = self.state(factor)
-        return _beside(self.solution, found.q, found.acc)
-
 
 def path_from_rest(system: System, options: RunOptions) -> StaticPath:
     """From the unloaded state, of an equilibrium that was found beside another one."""
@@ -109,9 +107,9 @@ def path_from_rest(system: System, options: RunOptions) -> StaticPath:
     return to_full_load(system, options, state, factor, False).path
 
 
-def _beside(solution: Solution, q: np.ndarray, acc: np.ndarray) -> Solution:
+def _beside(solution: Solution, found: Equilibrium) -> Solution:
     n_q = solution.system.n_q
-    return replace(solution, q=q[None, :n_q], multipliers=acc[None, n_q:])
+    return replace(solution, q=found.q[None, :n_q], multipliers=found.acc[None, n_q:])
 
 
 def _undamped(pencil: Pencil) -> Pencil:
@@ -122,7 +120,7 @@ def frequency_at(solution: Solution, options: RunOptions, factor: float, known: 
     """The frequency at a load factor, near a real equilibrium there, with its derivatives by the design."""
     system, inputs = solution.system, inputs_at(solution.system, options, factor)
     found, _ = find_equilibrium(system, options, factor, known.q.astype(system.dtype), known.acc.astype(system.dtype), STRAYS)
-    there = _beside(solution, found.q, found.acc)
+    there = _beside(solution, found)
     pencil = pencil_of(there, inputs)
     s, u, w, scale, alone = softest_vibration(system.weights[: system.n_q], _undamped(pencil))
     if not alone:

@@ -11,29 +11,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from toolkit.equations.equations import Terms
 from toolkit.foundation.spread import spread
-from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
+from toolkit.validity.dead_points.joints_alone import SINGULAR, JointsAlone
 
 MOST_COORDINATES, LOOKED_AT = 60, 200
 """Larger scenes are not looked at, nor more states."""
 ALIKE = 0.5
 """Determinant of the cosines between the free motions of two states from which on their signs can be compared."""
-HALVINGS, CORRECTIONS = 40, 6
-"""How closely a dead point is looked for between two states, and how often each place is put back on the joints."""
-SINGULAR = 1e-5
-"""Smallest singular value, in parts of the largest, up to which joints repeat each other: its square is what places are known to there."""
+HALVINGS = 40
+"""How closely a dead point is looked for between two states."""
 MEETS = 1e-9
 """Gap of joints, a part of the scene's size (or rad), that is none: where lengths are off by more, branches do not meet."""
-OPENS = 1e-3
-"""Part of what a variable changes at the joints that opens a dead point; less is round-off."""
 
 
 @dataclass(frozen=True)
@@ -119,47 +113,3 @@ def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
     n = min(int(place), len(solution.times) - 2)
     time, q = ((1 - (place - n)) * each[n] + (place - n) * each[n + 1] for each in (solution.times, np.real(solution.q)))
     return float(time), q
-
-
-@dataclass(frozen=True)
-class JointsAlone:
-    """Joints of a system that no others repeat, with gaps and coordinates in parts of the scene's size (or rad)."""
-
-    system: System
-
-    @cached_property
-    def _kept(self) -> np.ndarray:
-        return np.setdiff1d(np.arange(self.system.n_q, self.system.n), self.system.plan.dropped)
-
-    @cached_property
-    def _rest(self) -> np.ndarray:
-        return np.zeros(self.system.n)
-
-    def _terms(self, time: float, q: np.ndarray, design: bool = False) -> Terms:
-        inputs = self.system.inputs(time, LEVELS)._replace(joints_only=True)
-        padded = np.append(q, np.zeros(self.system.n - self.system.n_q))
-        return self.system.evaluate(inputs, padded, self._rest, self._rest, design=design)
-
-    def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """J (n_lam, n_q), which knows no time."""
-        weights = self.system.weights
-        array = np.real(self.system.dense(self._terms(0.0, q).I_acc))[: self.system.n_q, self._kept].T
-        return array * weights[self._kept, None] / weights[: self.system.n_q]
-
-    def closed(self, time: float, q: np.ndarray) -> tuple[float, np.ndarray]:
-        """Coordinates put back on the joints by the smallest moves."""
-        weights = self.system.weights
-        for _ in range(CORRECTIONS):
-            q = q - np.linalg.pinv(self.jacobian(q), rcond=SINGULAR) @ self.gaps(time, q) / weights[: self.system.n_q]
-        return time, q
-
-    def gaps(self, time: float, q: np.ndarray) -> np.ndarray:
-        """Those of the joints (n_lam,)."""
-        return np.real(self._terms(time, q).applied)[self._kept] * self.system.weights[self._kept]
-
-    def doing_work(self, time: float, q: np.ndarray, forces: np.ndarray) -> tuple[str, ...]:
-        """Design variables by which the gaps change so that these forces of joints do work."""
-        changes = np.real(self._terms(time, q, design=True).A_x)[self._kept] * self.system.weights[self._kept, None]
-        work, largest = np.abs(forces @ changes), np.linalg.norm(changes, axis=0)
-        names = self.system.design.names
-        return tuple(name for name, each, size in zip(names, work, largest, strict=True) if each > OPENS * size)
