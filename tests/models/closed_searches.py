@@ -51,11 +51,16 @@ def nowhere(_: np.ndarray) -> bool:
 
 def searched(residuals: Residuals, start: np.ndarray, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any) -> Found:
     """A search from a start, of variables between 0 and 1, in which designs fail where it is said."""
+    return search_of(residuals, len(start), fails, **options).run(start, None)
+
+
+def search_of(residuals: Residuals, count: int = 2, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any) -> Search:
+    """That search of so many variables, before it begins."""
 
     def solve(lane: int, design: np.ndarray, _: bool) -> Evaluation:
         r, r_z = residuals(design)
         return Evaluation(lane, design, "a wall" if fails(design) else "", r[None], r_z[None], (), 0.0)
 
-    program: Any = Squares(np.ones(len(start)), SearchOptions(**options))
+    program: Any = Squares(np.ones(count), SearchOptions(**options))
     evaluator: Any = solve
-    return Search(program, evaluator, 0, False, lambda _: None).run(start, None)
+    return Search(program, evaluator, 0, False, lambda _: None)

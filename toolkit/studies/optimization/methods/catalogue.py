@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from toolkit.studies.optimization.methods.functions import Method
 from toolkit.studies.optimization.methods.nlopt_methods import ccsa, mma
-from toolkit.studies.optimization.methods.scipy_methods import INSIDE, slsqp, trust_constr
+from toolkit.studies.optimization.methods.scipy_methods import INSIDE, NEAR, slsqp, trust_constr
 
 METHODS = {
     "slsqp": Method(slsqp, learned=10, told=5),
-    "trust-constr": Method(trust_constr, told=10, inside=INSIDE),
+    "trust-constr": Method(trust_constr, told=5, inside=INSIDE, near=NEAR),
     "mma": Method(mma, told=1),
     "ccsa": Method(ccsa, told=1),
 }

@@ -38,9 +38,12 @@ class Method(NamedTuple):
         stays as it is.
     inside
         How far within the bounds it begins, in parts of the variables' ranges.
+    near
+        Length of steps, in parts of the variables' ranges, whose promise says where it begins anew; zero for where the objective is least.
     """
 
     run: Run
     learned: int | None = None
     told: int | None = None
     inside: float = 0.0
+    near: float = 0.0

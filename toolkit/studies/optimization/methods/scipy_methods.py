@@ -13,6 +13,8 @@ from toolkit.studies.optimization.promise import promised
 
 INSIDE, KEPT = 1e-5, 1e-6
 """How far within its bounds the interior-point method begins, and above which a constraint counts as kept at its first design."""
+NEAR = 0.05
+"""Longest steps, in parts of the variables' ranges, by whose promise the interior-point method begins anew."""
 FINE = 1e-12
 """Derivatives and changes of variables below which the interior-point method gives up: others decide earlier whether it has arrived."""
 NOTHING = 1e-20

@@ -11,6 +11,7 @@ from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.optimization.methods.functions import DesignFailedError
 from toolkit.studies.optimization.optimality import Optimality, optimality_of
 from toolkit.studies.optimization.program import Program, Values
+from toolkit.studies.optimization.promise import promised
 from toolkit.studies.optimization.search.curvature import Known
 from toolkit.studies.optimization.search.found import Spent
 
@@ -106,8 +107,20 @@ class Explored:
         _, found, left = min(judged, key=lambda each: each[0])
         return found, left
 
-    def stand(self) -> np.ndarray:
-        """z of the best design so far, from which a method begins anew."""
-        best, _ = self.best()
+    def stand(self, near: float = 0.0) -> np.ndarray:
+        """z of the design from which a method begins anew: the best so far. With `near`, until one meets the conditions of an optimum, the
+        one from which curvature and slopes promise the lowest objective by steps of at most that part of the ranges: a design that was
+        refused because it lies beside the floor of a bent valley may be far ahead along it, and one short step leads back to the floor.
+        """
+        best, left = self.best()
         assert best is not None
-        return self.program.scaled(best.design)
+        assert left is not None
+        feasible = [each for each in self.known if np.min(each.values.c, initial=0.0) >= -self.options.feasibility]
+        if near == 0 or not feasible or left.met(self.options.optimality, self.options.feasibility):
+            return self.program.scaled(best.design)
+        return min(feasible, key=lambda each: self._promises(each, near * self.program.top)).z
+
+    def _promises(self, known: Known, steps: np.ndarray) -> float:
+        """The least objective that steps of at most so much in every variable, (n,), promise."""
+        z, values = known
+        return values.f - promised(np.minimum(z, steps), np.minimum(self.program.top - z, steps), values)

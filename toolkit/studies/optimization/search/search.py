@@ -117,7 +117,7 @@ class Search:
                 if until is not None and len(done) >= until:
                     raise
                 self.renewal.adapt(METHODS[method], len(done) - before)
-                self.last = self.explored.stand()
+                self.last = self.explored.stand(METHODS[method].near)
                 cuts.release(self.last)
                 curvature = self._turned(method)
                 continue
