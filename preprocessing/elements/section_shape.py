@@ -25,6 +25,8 @@ class Term(NamedTuple):
 
 Terms = tuple[Term, ...]
 ONE: Terms = (Term(1.0, {}),)
+SERIES = {0: 1 / 3, 1: -0.21008296, 5: 0.02589027, 7: -0.00856364}
+"""Power of the ratio of the sides -> its factor in the torsion constant of a rectangle."""
 
 
 class Fibre(NamedTuple):
@@ -65,7 +67,7 @@ def value_of(terms: Terms, dimensions: Mapping[str, Any]) -> Any:
 def strip(thickness: str = "thickness", width: str = "width") -> SectionShape:
     """The skin's rectangle, thickness along e_2 in the plane of the skin and width along e_3 across it.
 
-    A = t b, B_2 = b t^3 / 12, B_3 = t b^3 / 12, J = b t^3 / 3 - 0.21 t^4, and the mass on the middle line of the rectangle, S_2 = 0 and
+    A = t b, B_2 = b t^3 / 12, B_3 = t b^3 / 12, J as of a `rectangle`, and the mass on the middle line of the rectangle, S_2 = 0 and
     S_3 = t b^3 / 12: so bending in the plane has no rotary inertia, as planar beams have none, and torsion has rho t b^3 / 12.
     """
     whole = rectangle(thickness, width)
@@ -75,15 +77,21 @@ def strip(thickness: str = "thickness", width: str = "width") -> SectionShape:
 def rectangle(thickness: str = "thickness", width: str = "width", thin: bool = True) -> SectionShape:
     """Thickness along e_2, width along e_3; the smaller of them stands first in J: `thin` says whether it is the thickness.
 
-    A = t b, B_2 = S_2 = b t^3 / 12, B_3 = S_3 = t b^3 / 12, J = b t^3 / 3 - 0.21 t^4 (0.2 % below the exact
-    one at b = 2 t, 1.3 % at b = 1.5 t, and 12 % for a square, which a `general` section states better).
+    A = t b, B_2 = S_2 = b t^3 / 12, B_3 = S_3 = t b^3 / 12, and Saint-Venant's series for J as a polynomial of the ratio r = t / b,
+
+        J = b t^3 (1/3 - 0.210083 r + 0.025890 r^5 - 0.008564 r^7),
+
+    which has the limit and the slope of the thin strip, 192 zeta(5) / pi^5 = 0.630249 = 3 * 0.210083, and of the square both J and its
+    derivatives by t and b, which are equal. It is off by less than 0.23 % for r < 1, and by 0.4 % up to r = 1.2.
     """
     short, long = (thickness, width) if thin else (width, thickness)
     second, third = (Term(1 / 12, {width: 1, thickness: 3}),), (Term(1 / 12, {thickness: 1, width: 3}),)
     corners = tuple(
         Fibre((Term(-side / 2, {thickness: 1}),), (Term(across / 2, {width: 1}),), side) for side in (1, -1) for across in (-1, 1)
     )
-    torsion = (Term(1 / 3, {long: 1, short: 3}), Term(-0.21, {short: 4}))
+    torsion = tuple(
+        Term(number, {long: 1 - power, short: 3 + power} if power != 1 else {short: 4}) for power, number in SERIES.items()
+    )
     return SectionShape((Term(1.0, {thickness: 1, width: 1}),), second, third, second, third, torsion, corners)
 
 

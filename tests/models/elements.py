@@ -166,7 +166,7 @@ class Straight(Case):
             "stretch": modulus * t * b,
             "bend_2": modulus * b * t**3 / 12,
             "bend_3": modulus * t * b**3 / 12,
-            "twist": shear_modulus * (b * t**3 / 3 - 0.21 * t**4),
+            "twist": shear_modulus * rectangle_section().values({"thickness": t, "width": b})["torsion"],
             "shear": 5 / 6 * shear_modulus * t * b,
         }
         stress = [

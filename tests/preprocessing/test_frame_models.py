@@ -259,14 +259,6 @@ def test_wrong_input_is_refused_by_key(path, old, new, message):
     assert str(path) in str(caught.value)
 
 
-def test_stocky_rectangle_is_remarked(path):
-    remarks: list[str] = []
-    build(path, remarks.append, keys={"basis": {"kind": "static"}})
-    assert not remarks
-    build(path, remarks.append, values={"width_arm": 0.012}, keys={"basis": {"kind": "static"}})
-    assert "stocky rectangle arm" in remarks[0]
-
-
 def run(monkeypatch, *arguments: str) -> int:
     monkeypatch.setattr(sys, "argv", ["ffrf-preprocess", *arguments])
     with pytest.raises(SystemExit) as caught:

@@ -163,3 +163,10 @@ def test_a_skin_in_space_needs_poissons_ratio(tmp_path):
     (tmp_path / "skin.toml").write_text(text)
     with pytest.raises(InputError, match=r"material\.poisson_ratio: a skin in space .* add it"):
         build(tmp_path / "skin.toml")
+
+
+def test_a_skin_in_space_is_not_thicker_than_wide():
+    with pytest.raises(
+        InputError, match=r"section: a skin in space is at least as wide as it is thick, but thickness = 30 and width = 20"
+    ):
+        build(SKIN, keys={"dimension": 3}, values={"thickness": 30.0, "width": 20.0})

@@ -9,19 +9,15 @@ from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
 from toolkit.joints.places import BetweenPoints
 from toolkit.loads.springs import PointSpring
+from toolkit.reduced_model.parameter_checks import check_parameters
 from toolkit.scene.scene import Scene
 
-TINY = np.finfo(float).tiny
-LEAST = {
-    "youngs_modulus": TINY, "density": TINY, "thickness": TINY, "width": TINY, "chord": TINY, "y_scale": TINY, "damping": 0.0,
-}  # fmt: skip
-"""Least value of parameters of reduced models by the beginnings of their names; others, such as the height of a bump, have none."""
 SAME_PLACE = 1e-12
 """Distance of two points, relative to the scene's size, below which no direction leads from one to the other."""
 
 
 def check_numbers(scene: Scene, placed: Remembered | None = None) -> None:
-    """Refuse scenes without a moving body, parameters that are not positive, and pairs of points without a direction.
+    """Refuse scenes without a moving body, parameters that no body has, and pairs of points without a direction.
 
     Raises
     ------
@@ -32,11 +28,7 @@ def check_numbers(scene: Scene, placed: Remembered | None = None) -> None:
         raise InputError("the scene has no body, so nothing can move. Add one to its table [bodies].")
     for name, body in scene.bodies.items():
         if isinstance(body, ModelBody):
-            for parameter, value in body.model_values().items():
-                least = LEAST.get(next((known for known in LEAST if parameter.startswith(known)), ""), -np.inf)
-                if not np.real(value) > 0 and (least > 0 or np.real(value) < least):
-                    right = "a positive number" if least > 0 else "zero or positive"
-                    raise InputError(f"bodies.{name}.{parameter} = {np.real(value):g} must be {right}.")
+            check_parameters(body.model_values(), scene.model(body.model).nominal, f"bodies.{name}", scene.dimension)
     placed = placed or Remembered(scene)
     for user, pair in pairs(scene).items():
         first, second = (np.real(placed.position(point)) for point in pair)

@@ -218,7 +218,7 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
             _refuse(path, place, f"is the name of no invariant; there are {', '.join(names)}")
         _fit_all(path, place, polynomial, sizes)
         _numbers_below(path, f"{place}/factor", polynomial.factor + 1, len(p) + 1, "parameters")
-        _numbers_below(path, f"{place}/power", polynomial.power, HIGHEST_POWER + 1, "powers")
+        _numbers_below(path, f"{place}/power", np.abs(polynomial.power), HIGHEST_POWER + 1, "powers")
         _numbers_below(path, f"{place}/term", polynomial.term, len(polynomial.factor), "terms")
         _numbers_below(path, f"{place}/entry", polynomial.entry, _size(model, path, place, item), "entries")
         if (item.startswith("elements.") and model.elements is None) or (item == SPIN_STIFFENING and model.spin is None):

@@ -18,12 +18,9 @@ from preprocessing.recipes.recipe import Recipe, Remark, Seal
 from preprocessing.reduction.reduced import Reduced, element_parts, reduce
 from toolkit.reduced_model.model import Mesh
 
-STOCKY = 1.5
-"""Width of a rectangle in parts of its thickness below which the polynomial for its torsion is off by more than 1.3 %."""
-
 
 class FrameRecipe(Recipe[FrameFile]):
-    """A frame of beams; remarks name every section whose torsion is only roughly known."""
+    """A frame of beams."""
 
     name = "frame.toml"
     schema = FrameFile
@@ -46,12 +43,6 @@ class FrameRecipe(Recipe[FrameFile]):
         return places(self.file)
 
     def _designs(self, remark: Remark | None) -> DesignSpace:
-        for name in self._stocky():
-            if remark is not None:
-                remark(
-                    f"{self.path.name}: the torsion constant of the stocky rectangle {name} is up to 12 % too low. "
-                    "State it as a general section."
-                )
         return frame_space(self.file)
 
     def _fields(self, designs: DesignSpace) -> dict[str, Any]:
@@ -61,13 +52,6 @@ class FrameRecipe(Recipe[FrameFile]):
             designs, file.basis.choice(), clamped, ("the node " if len(clamp) == 1 else "the nodes ") + ", ".join(clamp)
         )
         return {**found.fields(file.units), **_picture(found, frame_beams(file, designs.values), outline(file))}
-
-    def _stocky(self) -> Iterator[str]:
-        """Names of rectangles that are hardly wider than thick."""
-        for name, section in self.file.sections.items():
-            sides = sorted([section.thickness or 0.0, section.width or 0.0])
-            if self.file.dimension == 3 and section.kind == "rectangle" and sides[1] < STOCKY * sides[0]:
-                yield name
 
 
 def _picture(found: Reduced, beams: SpatialBeam | PlanarBeam, line: np.ndarray) -> dict[str, Any]:

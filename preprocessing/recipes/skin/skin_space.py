@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from preprocessing.discretisation.discretisation import DesignSpace, Discretisat
 from preprocessing.elements.block_element import LineElement
 from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.patches import distribute
+from preprocessing.elements.section import Patch
 from preprocessing.input.at_key import at_key
 from preprocessing.recipes.skin.geometry import Geometry, Remark
 from preprocessing.recipes.skin.shape_parameters import shape_parameters
@@ -33,6 +34,9 @@ def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geomet
         parameters = distribute(body, file.groups, file.skin.separate, file.skin.elements)
     section = {name: values.get(name, value) for name, value in parameters.values.items()}
     shape = shape_parameters(file)
+    if file.dimension == 3:
+        with at_key(path, "section"):
+            _refuse_thick(parameters.patches, section)
     in_plane, wide = file.dimension == 2, file.material.state == "plane-strain"
     ratio = {"poisson_ratio": file.material.poisson_ratio or 0.0} if wide or not in_plane else {}
 
@@ -51,6 +55,17 @@ def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geomet
     lengths = {name: "none" if name == "y_scale" else "length" for name in shape}
     quantities = {**parameters.quantities, **dict.fromkeys(ratio, "none"), **lengths}
     return DesignSpace({**section, **ratio, **shape}, quantities, frozenset(section), discretise)
+
+
+def _refuse_thick(patches: Iterable[Patch], section: Mapping[str, float]) -> None:
+    """A skin in space twists as a strip whose thickness is its shorter side."""
+    for patch in patches:
+        thickness, width = (patch.parameters[name] for name in ("thickness", "width"))
+        if section[thickness] > section[width]:
+            raise InputError(
+                f"a skin in space is at least as wide as it is thick, but {thickness} = {section[thickness]:g} and {width} = "
+                f"{section[width]:g}. Write the width across the plane of the airfoil."
+            )
 
 
 def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:

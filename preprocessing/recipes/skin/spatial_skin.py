@@ -1,7 +1,7 @@
 """The skin in space: the beams of the plane with width across it, so that it can also bend out of its plane and twist.
 
 In its plane it is exactly the planar skin: the mass lies on the middle line of every rectangle, see `section_shape.strip`. Out of it the
-rectangle t x b bends with E t b^3 / 12 and twists with G (b t^3 / 3 - 0.21 t^4), G = E / (2 (1 + nu)).
+rectangle t x b bends with E t b^3 / 12 and twists with G J, see `section_shape.rectangle`, G = E / (2 (1 + nu)).
 """
 
 from __future__ import annotations
