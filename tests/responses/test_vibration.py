@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import toolkit as ffrf
 from tests.models.directions import along, derivative_along
 from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
@@ -12,9 +13,11 @@ from toolkit.bodies.planar.rigid import Rigid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
+from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
@@ -108,3 +111,41 @@ def test_a_vibration_that_is_not_there_and_a_number_that_is_none_are_refused():
         gradients_by("direct", scene.model_copy(update={"responses": {"f": Frequency(number=3)}}), [], "static")
     with pytest.raises(ValueError, match="greater than or equal to 1"):
         Frequency(number=0)
+
+
+def ziegler(force: float, damping: float) -> Scene:
+    """Two equal bars of 1 m and 1 kg, springs of 1 N m/rad in their hinges, and a force on the tip that follows the last bar."""
+    places = {"O": 0.0, "A": 1.0, "B": 2.0, "M": 0.5, "N": 1.5}
+    hinges = {"first": (("a", "ground"), "O"), "second": (("b", "a"), "A")}
+    return Scene(
+        units="m-kg-s",
+        points={name: Point(x=x, y=0.0) for name, x in places.items()},
+        bodies={name: Rigid(mass=1.0, inertia=1 / 12, center=center) for name, center in (("a", "M"), ("b", "N"))},
+        joints={name: Revolute(bodies=bodies, point=point) for name, (bodies, point) in hinges.items()},
+        loads={
+            **{
+                name: RotationalSpringDamper(bodies=bodies, point=point, stiffness=1.0, damping=damping)
+                for name, (bodies, point) in hinges.items()
+            },
+            "follower": PointForce(body="b", point="B", force=(-force, 0.0), frame="body"),
+        },
+        responses={"f": Frequency(), "zeta": DampingRatio()},
+    )
+
+
+@pytest.mark.parametrize(("force", "damping", "doubts"), [(2.5, 0.0, {}), (3.0, 0.0, {"f": True}), (2.0, 0.01, {"zeta": False})])
+def test_what_flutters_is_doubted(force, damping, doubts):
+    """Ziegler's column: M = [4/3, 1/2; 1/2, 1/3], K = [2 - P, P - 1; -1, 1], which flutters beyond P = 2.54, and with a little damping
+    before; statics are stable up to any load."""
+    mass, stiffness = np.array([[4 / 3, 1 / 2], [1 / 2, 1 / 3]]), np.array([[2 - force, force - 1], [-1.0, 1.0]])
+    dampers = damping * np.array([[2, -1], [-1, 1]])
+    rates = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(mass, each) for each in (stiffness, dampers)]])
+    s = max(np.linalg.eigvals(rates), key=lambda root: root.real / abs(root))
+    run = ffrf.compile(ziegler(force, damping)).statics()
+    assert abs(run.values["zeta"]) == pytest.approx(
+        s.real / abs(s) if doubts else 0.0, abs=1e-9
+    )  # of two that flutter either is the first
+    doubts = {**doubts, "zeta": run.values["zeta"] >= 0} if doubts else {}  # a negative one says it itself
+    found = [warning for warning in run.verdict.warnings if warning.code == "unstable-vibration"]
+    assert sorted(each.doubt for each in found) == sorted(doubts.values())
+    assert all(f"{np.exp(2 * np.pi * s.real / abs(s.imag)):.4g} times as large" in each.text for each in found)

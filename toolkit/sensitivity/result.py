@@ -13,6 +13,8 @@ from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.folded_rotations import folded_rotations
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
+from toolkit.responses.over_time.missed_peaks import missed_peaks
+from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_cautions import step_cautions
@@ -144,6 +146,7 @@ class Result:
             *unseen_moves(self.solution, variables),
             *dead_points_passed(self.solution, variables),
             *folded_rotations(self.solution),
+            *missed_peaks(self.solution),
             *self._undefined(),
             *self._of_vibrations(),
         )
@@ -161,6 +164,7 @@ class Result:
         asked = {f: self.values[f] for f, each in responses.items() if isinstance(each, Frequency)}
         yield from cautions_of_frequencies(scene, asked, doubt=True)
         yield from cautions_of_changed(self.solution)
+        yield from growing_vibrations(self.solution, self.values)
         if self.gradients and not self.solution.system.n_x:
             yield from critical_loads(self.solution, lateral=True)  # what its derivatives feel is not known
 

@@ -16,6 +16,7 @@ from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, la
 from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.spinning.partly_stiffened import partly_stiffened
+from toolkit.validity.bodies.spinning.turns_in_a_step import turns_in_a_step
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
 from toolkit.validity.curves.idle_curves import idle_curves
 from toolkit.validity.curves.load_curves import unseen_curves
@@ -74,6 +75,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from idle_curves(solution)
         yield from overshooting_tables(solution)
         yield from creeping_friction(solution)
+        yield from turns_in_a_step(solution)
         yield from left_out(solution)
     else:
         yield from limits_passed(solution)

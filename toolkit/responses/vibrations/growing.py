@@ -1,0 +1,60 @@
+"""Whether vibrations about an equilibrium or a spin grow: a frequency alone does not tell that nothing comes to rest there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from toolkit.foundation.verdict import Caution
+from toolkit.responses.vibrations.pencil import Pencil, real_pencil
+from toolkit.responses.vibrations.roots import SAME, find_vibration
+from toolkit.responses.vibrations.vibration import DampingRatio, Frequency, OfVibration, any_pencil_of
+from toolkit.system.solution import Solution
+
+SUSPECT = 1e-4
+"""Growth, a part of |s|, from which on a root is found again to all digits: what is below may be round-off of faster ones."""
+
+
+def growing_vibrations(solution: Solution, values: Mapping[str, Any]) -> Iterator[Caution]:
+    """A doubt for each kind of response of vibrations that has a value, or a remark where a damping ratio is negative and says so itself.
+
+    Following forces make two vibrations flutter, damping inside of what spins fast, or a controller, one.
+    """
+    wanted = {
+        type(each): each
+        for name, each in solution.system.scene.responses.items()
+        if name in values and isinstance(each, OfVibration)
+    }
+    if not wanted:
+        return
+    responses = solution.system.scene.responses
+    told = any(value < 0 for name, value in values.items() if isinstance(responses[name], DampingRatio))
+    pencil, weights = any_pencil_of(solution), solution.system.weights[: solution.system.n_q]
+    for kind, response in wanted.items():
+        grows = _fastest_growth(response, solution, pencil, weights)
+        if grows is not None:
+            how, larger = _without(kind, solution), np.exp(2 * np.pi * grows.real / grows.imag)
+            yield Caution(
+                "unstable-vibration",
+                f"a vibration with {grows.imag / (2 * np.pi):.4g} cycles per time about this state{how} grows: after each cycle it is "
+                f"{larger:.4g} times as large, so that nothing comes to rest here. The response damping-ratio tells how fast; add damping, "
+                "or take less of the load or the speed that drives it.",
+                doubt=issubclass(kind, Frequency) or not told,
+            )
+
+
+def _without(kind: type[OfVibration], solution: Solution) -> str:
+    """That frequencies at rest are undamped."""
+    return "" if solution.spins or solution.steps or not issubclass(kind, Frequency) else ", without dampers,"
+
+
+def _fastest_growth(response: OfVibration, solution: Solution, pencil: Pencil, weights: np.ndarray) -> complex | None:
+    """s of the vibration that counts and grows fastest for its frequency; None if none grows."""
+    counted = real_pencil(response.counting(solution, pencil))
+    roots = response.vibrations(solution, pencil, weights)
+    suspects = [k + 1 for k, s in enumerate(roots) if s.real > SUSPECT * abs(s) and s.imag > SAME * abs(s)]
+    found = [find_vibration(weights, counted, number, response.slowness).s for number in suspects]
+    growing = [s for s in found if s.real > SUSPECT * abs(s) and s.imag > SAME * abs(s)]
+    return max(growing, key=lambda s: s.real / abs(s), default=None)
