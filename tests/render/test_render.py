@@ -429,6 +429,15 @@ def test_a_meshed_body_is_drawn_with_the_stress_inside(bracket):
     ]
 
 
+def test_names_do_not_cover_the_edge_of_a_meshed_body(bracket):
+    moments = [Configuration(bracket, step) for step in (0, 2)]
+    for panel, moment in zip(overview_figure(moments, choose_look(bracket, [0, 2])).axes, moments, strict=False):
+        edge = np.vstack([dense(panel.transData.transform(line)) for line in solid_shape(moment, "rod").edges])
+        for text in panel.texts:
+            box = text.get_window_extent()
+            assert not np.any((edge > box.min).all(axis=1) & (edge < box.max).all(axis=1)), text.get_text()
+
+
 def test_stress_inside_follows_the_modulus_and_is_not_drawn_along_a_tangent(bracket):
     scene, known = bracket.system.scene, solid_shape(Configuration(bracket, 2), "rod").inside.components
     path = "bodies.rod.youngs_modulus"

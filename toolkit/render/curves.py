@@ -52,6 +52,7 @@ def draw_panels(solution: Solution, panels: Panels) -> Figure:
                 word.set_parse_math(False)  # a dollar in a name starts no formula
         axes[-1, 0].set_xlabel(f"time in {unit(units, 'time')}")
         axes[-1, 0].set_xlim(solution.times[0], solution.times[-1])
+        figure.align_ylabels()
     return figure
 
 
