@@ -18,7 +18,7 @@ from preprocessing.recipes.build_model import read_recipe
 from toolkit.command_line import cli
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
-from toolkit.command_line.keeping import solved
+from toolkit.command_line.keeping import free_motions_of, solved
 from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.report import record_of
 from toolkit.door.model import compile_model
@@ -525,6 +525,17 @@ def test_pictures_of_no_motion_and_options_of_a_motion_are_refused_together(opti
     assert done.exit_code == 1
     assert "out, or --static" in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_free_motions_are_drawn_of_bodies_whose_number_of_frames_runs_choose(tmp_path):
+    wing = MODELS / "morphing_wing_large"
+    text = (wing / "scene.toml").read_text()
+    held = 'A = { type = "revolute", bodies = ["body2", "ground"], point = "A" }'
+    assert held in text
+    text = text.replace(held, "").replace("../morphing_wing", str(MODELS / "morphing_wing"))
+    (tmp_path / "scene.toml").write_text(text)
+    found = free_motions_of(tmp_path / "scene.toml", ['bodies.skin.frames="auto"'], None, 1)()
+    assert found.names == ("as given", "free motion 1 of 1")
 
 
 def test_a_folder_keeps_files_that_no_command_has_written(tmp_path):

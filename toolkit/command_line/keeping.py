@@ -133,9 +133,12 @@ def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | 
 
     def found() -> Solution:
         from toolkit.analyses.free_motion import free_motion_states
+        from toolkit.sensitivity.frames.chosen_frames import automatic, with_frames
         from toolkit.sensitivity.preparation import prepare
 
-        return free_motion_states(prepare(read(file, changes, True), []), frames)
+        scene = read(file, changes, True)
+        whole = dict.fromkeys(automatic(scene), 1)  # nothing deforms: one frame shows it
+        return free_motion_states(prepare(with_frames(scene, whole), []), frames)
 
     return found
 
