@@ -70,6 +70,11 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
         SpatialRotationalSpringDamper,
         {"axis": AXIS, "stiffness": 2.1, "damping": 0.6, "rest_angle": 0.3},
     ),
+    (
+        "rotational spring-damper that counts turns",
+        SpatialRotationalSpringDamper,
+        {"axis": AXIS, "stiffness": 2.1, "damping": 0.6, "rest_angle": 0.3, "counts_turns": True},
+    ),
     ("spring-damper relaxed at the start", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6}),
     ("spring-damper of given length", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6, "length": 0.4}),
     (

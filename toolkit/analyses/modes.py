@@ -38,19 +38,21 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     if solution.spins:
         return spinning_modes(solution, count)
     system = solution.system
-    n_q = system.n_q
-    if len(system.numbering.states):
-        raise SingularSystemError(
-            f"{system.numbering.names[system.n_b]} is an integral over time, which undamped modes do not have. Ask for the response "
-            "damping-ratio, whose vibrations feel it, or leave the integral out."
-        )
+    n_q, n_b = system.n_q, system.n_b
     pad = np.zeros(system.n - n_q)
     q, rest = np.concatenate([solution.q[-1], pad]), np.zeros(system.n)
     acc = np.concatenate([np.zeros(n_q), solution.multipliers[-1]])
     terms = system.evaluate(system.inputs(solution.times[-1], np.array([0, 0, 1.0])), q, rest, acc)
     dense = {name: system.dense(getattr(terms, name)) for name in ("I_acc", "I_q", "A_q", "A_v")}
-    mass, stiffness = dense["I_acc"][:n_q, :n_q], (dense["I_q"] + dense["A_q"])[:n_q, :n_q]
-    phi_q, weights, multipliers = dense["I_acc"][:n_q, n_q:].T, system.weights[:n_q], solution.multipliers[-1]
+    mass, stiffness = dense["I_acc"][:n_b, :n_b], (dense["I_q"] + dense["A_q"])[:n_b, :n_q]
+    felt = np.flatnonzero(np.any(stiffness[:, n_b:] != 0, axis=0))  # that of a spring which counts turns is not
+    if len(felt):
+        raise SingularSystemError(
+            f"{system.numbering.names[n_b + felt[0]]} is an integral over time, which undamped modes do not have. Ask for the response "
+            "damping-ratio, whose vibrations feel it, or leave the integral out."
+        )
+    stiffness = stiffness[:, :n_b]
+    phi_q, weights, multipliers = dense["I_acc"][:n_b, n_q:].T, system.weights[:n_b], solution.multipliers[-1]
     free = free_motions(phi_q, weights)
     if not free.shape[1]:
         raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
@@ -63,10 +65,10 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     order = np.argsort(squares, kind="stable")
     squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
-    damped = cautions_of_damping(dense["A_v"][:n_q, :n_q], mass, squares[:count], shapes[:, :count])
+    damped = cautions_of_damping(dense["A_v"][:n_b, :n_b], mass, squares[:count], shapes[:, :count])
     raised = cautions_of_modes(solution, frequencies[:count])
     found = Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised])
-    return Modes(frequencies[:count], shapes[:, :count], found)
+    return Modes(frequencies[:count], np.pad(shapes[:, :count], ((0, n_q - n_b), (0, 0))), found)
 
 
 def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:

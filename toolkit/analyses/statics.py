@@ -15,7 +15,7 @@ from toolkit.foundation.errors import ConvergenceError, InputError, SingularSyst
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.dense_memory import check_dense
 from toolkit.solvers.direct_solve import solve_linear
-from toolkit.solvers.half_turns import HALF_TURN, half_turn
+from toolkit.solvers.half_turns import half_turn
 from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.static.path.continuation import NEAR, to_full_load
 from toolkit.solvers.static.stability.critical_state import is_stable, refuse_gradients_of_critical
@@ -134,7 +134,7 @@ def _equilibrium_near(system: System, options: RunOptions, known: Solution) -> t
 def _refuse_half_turns(system: System, path: StaticPath) -> None:
     found = half_turn(system, np.pad(path.q, ((0, 0), (0, system.n - system.n_q))).astype(system.dtype))
     if found:
-        raise ConvergenceError(f"{found[0]} at {100 * path.load_factors[found[1]]:.4g} % of the load: {HALF_TURN}")
+        raise ConvergenceError(f"{found.what} at {100 * path.load_factors[found.step]:.4g} % of the load: {found.why}")
 
 
 def refuse_unstable(solution: Solution) -> None:

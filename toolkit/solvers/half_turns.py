@@ -1,6 +1,11 @@
-"""Refusal of motions that turn a spring or a motor in space by more than half a turn, where its angle would count from the other side."""
+"""Refusal of motions that turn a spring or a motor in space by more than half a turn, where its angle would count from the other side.
+
+Of a spring that counts turns, between two states: then nobody knows how many they are.
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,10 +14,13 @@ from toolkit.foundation.errors import ConvergenceError
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.kernels.laws import angle_of
 from toolkit.loads.load import Load
+from toolkit.loads.springs import TurnSpring
 from toolkit.markers.poses import update_poses
 from toolkit.system.system import System
 
-HALF_TURN = "its angle in space is one of (-pi, pi], so that its torque would jump. Use smaller angles, or a scene in the plane."
+_FOLDED = "its angle in space is one of (-pi, pi], so that its torque would jump. Use smaller angles, or a scene in the plane."
+_COUNT = "its angle in space is one of (-pi, pi], so that its torque would jump. Let it count turns: counts_turns = true."
+_LOST = "it turned by more than half a turn since the state before, so that its turns cannot be counted. Take smaller steps."
 
 
 @kernel
@@ -37,18 +45,30 @@ def refuse_half_turns(system: System, times: np.ndarray, q: np.ndarray) -> None:
     """
     found = half_turn(system, q)
     if found:
-        raise ConvergenceError(f"{found[0]} at t = {times[found[1]]:g}: {HALF_TURN}")
+        raise ConvergenceError(f"{found.what} at t = {times[found.step]:g}: {found.why}")
 
 
-def half_turn(system: System, q: np.ndarray) -> tuple[str, int] | None:
-    """The first load in space whose angle turns beyond half a turn in states q (n_t, n), in words, and the state after."""
+class HalfTurn(NamedTuple):
+    """Which load turns too far, the state after that, and what would be right."""
+
+    what: str
+    step: int
+    why: str
+
+
+def half_turn(system: System, q: np.ndarray) -> HalfTurn | None:
+    """The first load in space whose angle turns beyond half a turn in states q (n_t, n)."""
     for name, load in system.scene.loads.items():
         if isinstance(load, Load) and load.folds:
             first, second = (system.numbering.marker((*grip, f"loads.{name}")) for grip in load.grips)
             angles: np.ndarray = np.zeros(len(q), system.dtype)
             work, rest = allocate_work(system.plan, system.dtype), np.zeros_like(q[0])
             system.run(turned_angles, system.plan, first, second, q, rest, work, angles)
-            jumps = np.flatnonzero(np.abs(np.diff(np.real(angles))) > np.pi)
+            counted, why = np.real(angles), _COUNT if isinstance(load, TurnSpring) else _FOLDED
+            if isinstance(load, TurnSpring) and load.state is not None:
+                turns = (np.real(q[:, system.numbering.first[f"loads.{name}"]]) - counted) / (2 * np.pi)
+                counted, why = counted + 2 * np.pi * np.round(turns), _LOST
+            jumps = np.flatnonzero(np.abs(np.diff(counted)) > np.pi)
             if len(jumps):
-                return f"the {load.kind} {name!r} turns beyond half a turn", int(jumps[0]) + 1
+                return HalfTurn(f"the {load.kind} {name!r} turns beyond half a turn", int(jumps[0]) + 1, why)
     return None

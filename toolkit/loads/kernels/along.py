@@ -66,6 +66,24 @@ def spring_along(n, g, z, w, force, force_z, force_w):
 
 
 @inner
+def counted_turns(n, g, w, force, force_z, force_w):
+    """g with the turns that a state x = w[n] of the load counts, x' = g' + h, where h is g - x without whole turns, in rad/s.
+
+    What rounds has no derivative, so x only decides on the turn: f does not change with it. In an equilibrium h is zero.
+    """
+    behind, rate = g - w[n], 0 * g
+    whole = 2 * np.pi * np.ceil(behind.real / (2 * np.pi) - 0.5)  # half a turn is one of (-pi, pi]
+    for j in range(n):
+        turned = 0 * g
+        for i in range(n):
+            turned += w[i] * force_z[i, j]
+        force_z[n, j], force_w[n, j] = force[j] + turned, force[j]
+        rate += force[j] * w[j]
+    force[n], force_w[n, n] = rate + behind - whole, -1
+    return g - whole
+
+
+@inner
 def control_along(n, g, z, w, force, force_z, force_w):
     """u = k_p (s - g) + k_i x - k_d g', x' = s - g, (k_p, k_d, k_i) = z[n:n+3], s the value of the curve, x the state."""
     last = len(z) - 1

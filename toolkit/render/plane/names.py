@@ -63,7 +63,8 @@ def write_names(
 def drawn_lines(axes: Axes) -> list[np.ndarray]:
     """Everything that is drawn in axes as polylines (n, 2), in pixels of the figure."""
     found = [line.get_transform().transform(line.get_xydata()) for line in axes.lines]
-    found += [line for each in axes.patches for line in each.get_transform().transform_path(each.get_path()).to_polygons()]
+    for patch in axes.patches:
+        found += map(np.asarray, patch.get_transform().transform_path(patch.get_path()).to_polygons())
     for each in axes.collections:
         if isinstance(each, TriMesh):  # its edges are drawn as well
             continue

@@ -80,12 +80,14 @@ class OfVibration(Response):
         if solution.spins or solution.steps:
             return self._of_a_state_that_moves(solution)
         system, damped = solution.system, bool(np.any(self.counted(np.ones((1, 1)))))
-        if len(system.numbering.states) and not damped:
+        whole = any_pencil_of(solution)
+        felt = system.n_b + np.flatnonzero(np.any(whole.stiffness[: system.n_b, system.n_b : system.n_q] != 0, axis=0))
+        if len(felt) and not damped:
             raise InputError(
-                f"{system.numbering.names[system.n_b]} is an integral over time, which undamped vibrations do not have. Ask for "
+                f"{system.numbering.names[felt[0]]} is an integral over time, which undamped vibrations do not have. Ask for "
                 "the response damping-ratio instead, or leave the integral out."
             )
-        pencil = self.counting(solution, any_pencil_of(solution))
+        pencil = self.counting(solution, whole)
         found = find_vibration(system.weights[: system.n_q], real_pencil(pencil), self.number, self.slowness)
         s, u, w = found.s, found.right, found.left
         if not found.alone:
