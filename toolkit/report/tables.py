@@ -100,6 +100,8 @@ def gradient_table(material: Material) -> Table:
             rows.append([name, variable, slope, label, *(abs(other - slope) / (abs(slope) or 1.0) for other in others)])
     compared = [f"relative difference to {method}" for method in material.judges]
     known = [words for method, words in _JUDGES.items() if method in material.judges]
+    if any("difference" in method for method in material.judges):
+        known.append("Where these steps hardly move a response, differences are round-off, and the last columns say nothing.")
     caption = " ".join(["Total derivatives of the responses.", *known])
     head = ["response", "variable", f"derivative ({results.method})", "unit", *compared]
     return Table("gradients", "Gradients", caption, head, rows)
