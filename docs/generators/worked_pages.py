@@ -37,7 +37,7 @@ class Generated(NamedTuple):
 def tutorial_names() -> list[tuple[str, str]]:
     """(name, what it is about) of every tutorial, in the order of their index."""
     listed = (TUTORIALS / "README.md").read_text(encoding="utf-8")
-    return re.findall(r"^\d+\. \[`(\w+)\.py`\]\(\w+\.py\): (.*?)\.?(?: \(needs the preprocessing\)\.?)?$", listed, re.MULTILINE)
+    return re.findall(r"^\d+\. \[`(\w+)\.py`\]\(\w+\.py\): (.*?)\.?(?: \(needs [^)]*\)\.?)?$", listed, re.MULTILINE)
 
 
 def model_names() -> list[tuple[str, str, str]]:

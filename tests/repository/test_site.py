@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
+import toolkit
 from docs.generators.cells import ROOT, fenced, run, split
+from docs.generators.door import table
 from docs.generators.worked_pages import model_names, tutorial_names
 
 SCRIPT = '''"""What it is about."""
@@ -53,6 +55,12 @@ def test_a_script_that_fails_fails_the_site(tmp_path):
 def test_no_tutorial_and_no_model_is_left_out_of_the_site():
     assert {name for name, _ in tutorial_names()} == {path.stem for path in (ROOT / "tutorials").glob("*.py")}
     assert {name for name, *_ in model_names()} == {path.parent.name for path in (ROOT / "models").glob("*/scene.toml")}
+
+
+def test_the_reference_begins_with_every_name_of_the_door():
+    rows = re.findall(r"^\| \[`(\w+)`\][\[(].*?[\])] \| (.+) \|$", table(), re.MULTILINE)
+    assert sorted(name for name, about in rows if about) == sorted(toolkit.__all__)
+    assert "<!-- door -->" in (ROOT / "docs" / "reference.md").read_text(encoding="utf-8").partition("\n## ")[0]
 
 
 @pytest.mark.parametrize("page", ["how-to.md", "index.md"])

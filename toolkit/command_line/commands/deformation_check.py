@@ -130,7 +130,8 @@ def print_mechanism(found: Mechanism) -> None:
             if body in found.distances
             else ""
         )
-        typer.echo(f"The whole mechanism, joints in place, with {count} frames in {body}, one to every element{apart}.")
+        frames = "1 frame" if count == 1 else f"{count} frames"
+        typer.echo(f"The whole mechanism, joints in place, with {frames} in {body}, one to every element{apart}.")
 
 
 def _off(value: float, true: float) -> str:

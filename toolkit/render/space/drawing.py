@@ -27,8 +27,8 @@ JOINT, UNTOLD = "#3a3f47", "#c8cdd4"
 LOADS = {"force": "#8e2a9e", "torque": "#d2691e"}
 SHINE: dict[str, Any] = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
 """Light that leaves colours readable."""
-_REACHES = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0)
-"""Gaps between a point and its name, in letters."""
+_REACHES = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0, 7.0, 10.0)
+"""Gaps between a point and its name, in letters: a name of a large body has to leave it."""
 SMALLEST = 1e-3
 """Of the largest force or torque: a smaller one is not drawn."""
 _MOVED = 0.25
