@@ -32,7 +32,7 @@ class LoadMargin(Response):
 
     @property
     def needs_rest(self) -> bool:
-        """Always."""
+        """It is one of an equilibrium, always."""
         return True
 
     def partials(self, solution: Solution) -> Partials:

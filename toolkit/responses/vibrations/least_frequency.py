@@ -22,7 +22,7 @@ class LeastFrequency(Response):
 
     @property
     def needs_rest(self) -> bool:
-        """Always."""
+        """It is one of an equilibrium, always."""
         return True
 
     def partials(self, solution: Solution) -> Partials:
