@@ -319,8 +319,8 @@ def test_an_undamped_frequency_of_an_integral_is_refused_too():
         ffrf.compile(scene).statics()
 
 
-def test_a_motor_in_space_that_is_turned_beyond_half_a_turn_is_refused():
-    with pytest.raises(ConvergenceError, match="the angle-controller 'motor' turns beyond half a turn at t ="):
+def test_a_motor_in_space_that_stays_behind_by_half_a_turn_is_refused():
+    with pytest.raises(ConvergenceError, match="the angle-controller 'motor' stays half a turn behind at t ="):
         ffrf.compile(rotor(3, torque=90.0)).simulate()
 
 

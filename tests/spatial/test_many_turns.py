@@ -124,7 +124,9 @@ def test_an_equilibrium_and_its_vibration_count_turns_too(turned):
 def test_turns_that_a_step_hides_are_refused():
     solution = simulate(compile_scene(counting(body={"angular_velocity": (0.0, 0.0, 20.0)})))
     q = np.pad(solution.q, ((0, 0), (0, solution.system.n - solution.system.n_q)))
-    assert half_turn(solution.system, q) is None
-    found = half_turn(solution.system, q[::50])
-    assert found.step == 1
-    assert "Take smaller steps" in found.why
+    none = np.zeros((len(q), 0, 3))
+    assert half_turn(solution.system, q, lambda: none) is None
+    what, why, step = half_turn(solution.system, q[::50], lambda: none)
+    assert "more than half a turn between two states" in what
+    assert step == 1
+    assert "Use smaller steps" in why

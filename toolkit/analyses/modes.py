@@ -10,7 +10,7 @@ from toolkit.analyses.spinning import spinning_modes
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.mode_shapes import told_apart
 from toolkit.foundation.verdict import Verdict
-from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, made_of
+from toolkit.solvers.free_motions import ROUND_OFF, felt_state, free_motions, is_symmetric, made_of
 from toolkit.solvers.start.initial_conditions import closed, initial_accelerations
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -45,10 +45,10 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     terms = system.evaluate(system.inputs(solution.times[-1], np.array([0, 0, 1.0])), q, rest, acc)
     dense = {name: system.dense(getattr(terms, name)) for name in ("I_acc", "I_q", "A_q", "A_v")}
     mass, stiffness = dense["I_acc"][:n_b, :n_b], (dense["I_q"] + dense["A_q"])[:n_b, :n_q]
-    felt = np.flatnonzero(np.any(stiffness[:, n_b:] != 0, axis=0))  # that of a spring which counts turns is not
-    if len(felt):
+    felt = felt_state(system, stiffness)
+    if felt:
         raise SingularSystemError(
-            f"{system.numbering.names[n_b + felt[0]]} is an integral over time, which undamped modes do not have. Ask for the response "
+            f"{felt} is an integral over time, which undamped modes do not have. Ask for the response "
             "damping-ratio, whose vibrations feel it, or leave the integral out."
         )
     stiffness = stiffness[:, :n_b]

@@ -82,7 +82,7 @@ def solve_statics(
         return _with_sensitivities(system, options, state, begun, newton_iterations=count, own_start=True)
     state, factor, count = start_of_path(system, options)
     arrival = to_full_load(system, options, state, factor, options.continuation == "arc-length", progress)
-    _refuse_half_turns(system, arrival.path)
+    _refuse_half_turns(system, options, arrival.path)
     report = {"newton_iterations": count + arrival.iterations, "load_steps": arrival.steps + (factor > 0), "path": arrival.path}
     return _with_sensitivities(system, options, arrival.state, begun, **report)
 
@@ -127,14 +127,19 @@ def _equilibrium_near(system: System, options: RunOptions, known: Solution) -> t
         state, count = find_equilibrium(system, options, 1.0, q, acc, CLOSE)
     except (ConvergenceError, SingularSystemError):
         return None
-    stable = is_stable(system, options, state, 1.0) and half_turn(system, np.stack([q, state.q])) is None
+    values = inputs_at(system, options, 1.0).curves
+    stable = (
+        is_stable(system, options, state, 1.0)
+        and half_turn(system, np.stack([q, state.q]), lambda: np.stack([values] * 2)) is None
+    )
     return (state, count) if stable else None
 
 
-def _refuse_half_turns(system: System, path: StaticPath) -> None:
-    found = half_turn(system, np.pad(path.q, ((0, 0), (0, system.n - system.n_q))).astype(system.dtype))
+def _refuse_half_turns(system: System, options: RunOptions, path: StaticPath) -> None:
+    q: np.ndarray = np.pad(path.q, ((0, 0), (0, system.n - system.n_q))).astype(system.dtype)
+    found = half_turn(system, q, lambda: np.stack([inputs_at(system, options, factor).curves for factor in path.load_factors]))
     if found:
-        raise ConvergenceError(f"{found.what} at {100 * path.load_factors[found.step]:.4g} % of the load: {found.why}")
+        raise ConvergenceError(f"{found[0]} at {100 * path.load_factors[found[2]]:.4g} % of the load: {found[1]}")
 
 
 def refuse_unstable(solution: Solution) -> None:

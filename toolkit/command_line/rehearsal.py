@@ -18,7 +18,7 @@ from toolkit.joints.kernels.turn_laws import teeth_law, turn_law
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
-from toolkit.loads.load import AnyLoad, Load
+from toolkit.loads.load import Load
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
@@ -71,7 +71,7 @@ def pendulum_like(scene: Scene) -> Scene:
     """A hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
     judged = [*scene.responses.values(), *(getattr(each, "of", None) for each in scene.responses.values())]
     forced = any(isinstance(each, JointForce) for each in judged)
-    coiled = any(isinstance(load, AnyLoad) and load.folds for load in scene.loads.values())
+    coiled = any(isinstance(load, Load) and load.turn for load in scene.loads.values())
     return _small(scene.space, scene.solver.formulation, forced, coiled)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from toolkit.description.description import InSpace
 from toolkit.joints.rows import RowQuantity
@@ -15,8 +15,6 @@ class AnyLoad(InSpace):
     siblings: ClassVar[str] = "PlanarLoad or SpatialLoad"
     proportional: ClassVar[tuple[str, ...]] = ()
     """Fields that it is proportional to, so that a load as large again is one of twice their numbers; none of a spring."""
-    folds: ClassVar[bool] = False
-    """Whether it follows an angle in space that is known up to half a turn only, beyond which its torque would jump."""
 
 
 class Load(AnyLoad, Component):
@@ -27,6 +25,11 @@ class Load(AnyLoad, Component):
 
     leads: ClassVar[bool] = False
     """Whether its time curve leads, as that of a driver does, instead of being what grows with the loads."""
+
+    @property
+    def turn(self) -> Literal["zero", "state", "curve"] | None:
+        """What the turn of its angle in space is next to, of which an axis says nothing: where it is lost the torque jumps."""
+        return None
 
     @property
     def state(self) -> RowQuantity | None:

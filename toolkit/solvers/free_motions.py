@@ -6,6 +6,8 @@ import numpy as np
 from scipy.linalg import null_space
 from scipy.sparse import csr_array
 
+from toolkit.system.system import System
+
 ROUND_OFF = 1e-14
 """Part of the largest squared frequency, or of the stiffnesses that a mode's own is the sum of, below which it cannot be told
 from zero."""
@@ -32,6 +34,16 @@ def free_motions(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
     if not len(phi_q):
         return np.diag(1 / weights)
     return null_space(phi_q / weights).reshape(len(weights), -1) / weights[:, None]
+
+
+def felt_state(system: System, stiffness: np.ndarray) -> str:
+    """Name of the first state of a load that bodies feel, by a stiffness (n_q, n_q) or larger; empty if there is none.
+
+    One that counts turns they do not feel.
+    """
+    n_b = system.n_b
+    felt = np.flatnonzero(np.any(stiffness[:n_b, n_b : system.n_q], axis=0))
+    return system.numbering.names[n_b + felt[0]] if len(felt) else ""
 
 
 def is_symmetric(stiffness: np.ndarray | csr_array, terms: float = 0.0) -> bool:

@@ -1,26 +1,33 @@
-"""Refusal of motions that turn a spring or a motor in space by more than half a turn, where its angle would count from the other side.
-
-Of a spring that counts turns, between two states: then nobody knows how many they are.
-"""
+"""Refusal of motions in which a spring or a motor in space loses the turn of its angle, so that its torque would jump."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
 
 import numpy as np
 
+from toolkit.compilation.quantities import named_loads
 from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.kernels.laws import angle_of
 from toolkit.loads.load import Load
-from toolkit.loads.springs import TurnSpring
 from toolkit.markers.poses import update_poses
 from toolkit.system.system import System
 
-_FOLDED = "its angle in space is one of (-pi, pi], so that its torque would jump. Use smaller angles, or a scene in the plane."
-_COUNT = "its angle in space is one of (-pi, pi], so that its torque would jump. Let it count turns: counts_turns = true."
-_LOST = "it turned by more than half a turn since the state before, so that its turns cannot be counted. Take smaller steps."
+LOST = {
+    "zero": (
+        "turns beyond half a turn",
+        "its angle in space is one of (-pi, pi], so that its torque would jump. Let it count turns (counts_turns = true), or use "
+        "smaller angles.",
+    ),
+    "state": (
+        "turns by more than half a turn between two states",
+        "its turns cannot be counted, and its torque would jump. Use smaller steps, or more load steps.",
+    ),
+    "curve": ("stays half a turn behind", "its torque would jump. Let it follow its curve more closely, or use smaller steps."),
+}
+"""What next to which a load takes the turn of its angle -> what happened, and what to do."""
 
 
 @kernel
@@ -43,32 +50,41 @@ def refuse_half_turns(system: System, times: np.ndarray, q: np.ndarray) -> None:
     ConvergenceError
         The angle of one jumps from one side of half a turn to the other; names it and the time.
     """
-    found = half_turn(system, q)
+    found = half_turn(system, q, lambda: system.curve_values(times))
     if found:
-        raise ConvergenceError(f"{found.what} at t = {times[found.step]:g}: {found.why}")
+        raise ConvergenceError(f"{found[0]} at t = {times[found[2]]:g}: {found[1]}")
 
 
-class HalfTurn(NamedTuple):
-    """Which load turns too far, the state after that, and what would be right."""
+def half_turn(system: System, q: np.ndarray, curves: Callable[[], np.ndarray]) -> tuple[str, str, int] | None:
+    """The first load in space whose angle loses its turn in states q (n_t, n), in words, what to do, and the state after.
 
-    what: str
-    step: int
-    why: str
-
-
-def half_turn(system: System, q: np.ndarray) -> HalfTurn | None:
-    """The first load in space whose angle turns beyond half a turn in states q (n_t, n)."""
-    for name, load in system.scene.loads.items():
-        if isinstance(load, Load) and load.folds:
-            first, second = (system.numbering.marker((*grip, f"loads.{name}")) for grip in load.grips)
-            angles: np.ndarray = np.zeros(len(q), system.dtype)
-            work, rest = allocate_work(system.plan, system.dtype), np.zeros_like(q[0])
-            system.run(turned_angles, system.plan, first, second, q, rest, work, angles)
-            counted, why = np.real(angles), _COUNT if isinstance(load, TurnSpring) else _FOLDED
-            if isinstance(load, TurnSpring) and load.state is not None:
-                turns = (np.real(q[:, system.numbering.first[f"loads.{name}"]]) - counted) / (2 * np.pi)
-                counted, why = counted + 2 * np.pi * np.round(turns), _LOST
-            jumps = np.flatnonzero(np.abs(np.diff(counted)) > np.pi)
+    `curves` finds the values (n_t, n_curves, ...) of all time curves there.
+    """
+    for k, (name, load) in enumerate(named_loads(system.scene).items()):
+        if load.turn is not None:
+            seen = _seen(system, k, load, _angles(system, name, load, q), q, curves)
+            jumps = np.flatnonzero(np.abs(np.diff(seen)) > np.pi)
             if len(jumps):
-                return HalfTurn(f"the {load.kind} {name!r} turns beyond half a turn", int(jumps[0]) + 1, why)
+                happened, remedy = LOST[load.turn]
+                return f"the {load.kind} {name!r} {happened}", remedy, int(jumps[0]) + 1
     return None
+
+
+def _seen(system: System, k: int, load: Load, angles: np.ndarray, q: np.ndarray, curves: Callable[[], np.ndarray]) -> np.ndarray:
+    """Angles as load number k sees them: with the turns that it counts, from its set value, or as they are."""
+    if load.turn == "state":
+        turns = (np.real(q[:, system.plan.loads.state[k]]) - angles) / (2 * np.pi)
+        return angles + 2 * np.pi * np.round(turns)
+    if load.turn == "curve":
+        from_set_value = angles - np.real(curves()[:, system.plan.loads.curve[k], 0])
+        return (from_set_value + np.pi) % (2 * np.pi)
+    return angles
+
+
+def _angles(system: System, name: str, load: Load, q: np.ndarray) -> np.ndarray:
+    """Of a load in states q, (n_t,), in (-pi, pi]."""
+    first, second = (system.numbering.marker((*grip, f"loads.{name}")) for grip in load.grips)
+    angles: np.ndarray = np.zeros(len(q), system.dtype)
+    work, rest = allocate_work(system.plan, system.dtype), np.zeros_like(q[0])
+    system.run(turned_angles, system.plan, first, second, q, rest, work, angles)
+    return np.real(angles)

@@ -47,6 +47,26 @@ def add_state(n, u_x, force, force_w):
 
 
 @inner
+def counted_turns(n, g, w, force, force_z, force_w):
+    """g with the turns that a state x = w[n] of the load counts, x' = g' + (1 + |g'|) h, where h is g - x without whole turns, in rad/s.
+
+    What rounds has no derivative, so x only decides on the turn: f does not change with it. The error of the steps is a part e of the rate,
+    which alone would lose a turn in the long run; so x stays behind by less than e rad however fast it turns. In an equilibrium h is zero.
+    """
+    behind, rate = g - w[n], rate_along(n, w, force)
+    whole = 2 * np.pi * np.ceil(behind.real / (2 * np.pi) - 0.5)  # half a turn is one of (-pi, pi]
+    behind, sign = behind - whole, np.sign(rate.real)
+    for j in range(n):
+        turned = 0 * g
+        for i in range(n):
+            turned += w[i] * force_z[i, j]
+        force_w[n, j] = (1 + sign * behind) * force[j]
+        force_z[n, j] = (1 + sign * behind) * turned + (1 + sign * rate) * force[j]
+    force[n], force_w[n, n] = rate + (1 + sign * rate) * behind, -1 - sign * rate
+    return g - whole
+
+
+@inner
 def scale_force(n, u, force):
     """f = u g_z."""
     for i in range(n):
@@ -63,24 +83,6 @@ def spring_along(n, g, z, w, force, force_z, force_w):
     add_parameter(n, n + 1, -rate, force, force_z)
     add_parameter(n, n + 2, z[n], force, force_z)
     scale_force(n, u, force)
-
-
-@inner
-def counted_turns(n, g, w, force, force_z, force_w):
-    """g with the turns that a state x = w[n] of the load counts, x' = g' + h, where h is g - x without whole turns, in rad/s.
-
-    What rounds has no derivative, so x only decides on the turn: f does not change with it. In an equilibrium h is zero.
-    """
-    behind, rate = g - w[n], 0 * g
-    whole = 2 * np.pi * np.ceil(behind.real / (2 * np.pi) - 0.5)  # half a turn is one of (-pi, pi]
-    for j in range(n):
-        turned = 0 * g
-        for i in range(n):
-            turned += w[i] * force_z[i, j]
-        force_z[n, j], force_w[n, j] = force[j] + turned, force[j]
-        rate += force[j] * w[j]
-    force[n], force_w[n, n] = rate + behind - whole, -1
-    return g - whole
 
 
 @inner

@@ -89,6 +89,12 @@ def space_angle(z, slope, bend):
 
 
 @inner
+def turn_next_to(near, angle):
+    """The angle with as many whole turns more as bring it next to another one."""
+    return angle + 2 * np.pi * np.rint((near - angle).real / (2 * np.pi))
+
+
+@inner
 def felt(k):
     """Place in z of number k of e_1a, e_1b, e_2b."""
     return 3 + k if k < 3 else 12 + k

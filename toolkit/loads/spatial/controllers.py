@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.controllers import AngleControlled, DistanceControlled, PositionControlled
 from toolkit.loads.kernels.along import control_along
-from toolkit.loads.kernels.measured import distance, space_angle, space_offset
+from toolkit.loads.kernels.load_kernel import SPATIAL_CURVE
+from toolkit.loads.kernels.measured import distance, space_angle, space_offset, turn_next_to
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.markers.about_axis import AboutAxis
 
 
 @kernel
 def spatial_angle_controller(z, w, force, force_z, force_w):
-    """u = k_p (s - g) + k_i x - k_d g' along the rotation g about the third axis, see `along`."""
-    control_along(24, space_angle(z, force, force_z), z, w, force, force_z, force_w)
+    """u = k_p (s - g) + k_i x - k_d g' along the rotation g about the third axis, in the turn next to s, see `along`."""
+    g = turn_next_to(z[SPATIAL_CURVE], space_angle(z, force, force_z))
+    control_along(24, g, z, w, force, force_z, force_w)
 
 
 @kernel
@@ -31,13 +35,18 @@ def spatial_distance_controller(z, w, force, force_z, force_w):
 class SpatialAngleController(AboutAxis, AngleControlled, SpatialLoad):
     """Torque k_p (s - angle) + k_i x - k_d angle', x' = s - angle, about an axis on body a, its opposite on body b.
 
-    A motor that leads the angle, in (-pi, pi] since the undeformed configuration, to s(t).
+    A motor that leads the angle since the undeformed configuration to s(t), of any number of turns. An axis in space does not say how often
+    a body has turned: the angle is taken in the turn next to s(t), and a motion that stays behind by more than half a turn is refused.
     Both bodies turn against each other about this axis alone: a revolute or cylindrical joint with the same axis has to stand beside it.
     """
 
     kind = "angle-controller"
     formula = spatial_angle_controller
-    folds = True
+
+    @property
+    def turn(self) -> Literal["curve"]:
+        """The set value."""
+        return "curve"
 
 
 class SpatialPositionController(AboutAxis, PositionControlled, SpatialLoad):

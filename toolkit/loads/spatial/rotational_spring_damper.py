@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.rows import RowQuantity
 from toolkit.loads.kernels.along import counted_turns, spring_along
@@ -30,14 +32,20 @@ class SpatialRotationalSpringDamper(AboutAxis, TurnSpring, SpatialLoad):
     ----------
     counts_turns
         Whether the angle has any number of turns, as that of a clock spring. They are counted by a coordinate of the spring's own, from
-        those of the start position, in (-pi, pi], on. Otherwise the angle is one of (-pi, pi], and what turns beyond is refused.
+        those of the start position, in (-pi, pi], on. Otherwise the angle is one of (-pi, pi], and what turns beyond is refused, but for a
+        damper without `stiffness`, which feels no angle.
     """
 
     kind = "rotational-spring-damper"
     formula = spatial_rotational_spring_damper
-    folds = True
-
     counts_turns: bool = False
+
+    @property
+    def turn(self) -> Literal["zero", "state"] | None:
+        """A damper alone feels no angle."""
+        if "stiffness" not in self.model_fields_set:
+            return None
+        return "state" if self.counts_turns else "zero"
 
     @property
     def state(self) -> RowQuantity | None:

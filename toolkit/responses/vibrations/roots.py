@@ -111,10 +111,21 @@ def _stays(pencil: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> bool:
 def free_pencil(weights: np.ndarray, pencil: Pencil) -> tuple[np.ndarray, Pencil]:
     """Motions that the joints allow, (n_q, n_free), and the matrices of these."""
     n_q = len(weights)
-    Z = free_motions(pencil.stiffness[n_q:, :n_q], weights)
+    felt = _felt(pencil, n_q)
+    motions = free_motions(pencil.stiffness[n_q:, felt], weights[felt])
+    Z = np.zeros((n_q, motions.shape[1]))
+    Z[felt] = motions
     if not Z.shape[1]:
         raise SingularSystemError("the joints leave no motion, so nothing vibrates. Remove a joint or a driver.")
     return Z, Pencil(*(Z.T @ each[:n_q, :n_q] @ Z for each in pencil))
+
+
+def _felt(pencil: Pencil, n_q: int) -> np.ndarray:
+    """Coordinates that are felt by any other one, or have a mass: a state of a load that counts turns makes no vibration, (n,)."""
+    alone = np.eye(n_q, dtype=bool)
+    stiffness = np.where(alone, 0, pencil.stiffness[:n_q, :n_q]).any(axis=0) | pencil.stiffness[n_q:, :n_q].any(axis=0)
+    damping = np.where(alone, 0, pencil.damping[:n_q, :n_q]).any(axis=0)
+    return np.flatnonzero(stiffness | damping | pencil.mass[:n_q, :n_q].any(axis=0))
 
 
 def _order(values: np.ndarray, slowness: Callable[[complex], float]) -> list[int]:

@@ -22,6 +22,7 @@ from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of
 from toolkit.responses.vibrations.roots import SAME, all_vibrations, find_vibration
 from toolkit.responses.vibrations.spinning import spinning_change, spinning_pencil
 from toolkit.responses.vibrations.steadiness import refuse_unsteady
+from toolkit.solvers.free_motions import felt_state
 from toolkit.system.solution import Solution
 
 
@@ -81,10 +82,10 @@ class OfVibration(Response):
             return self._of_a_state_that_moves(solution)
         system, damped = solution.system, bool(np.any(self.counted(np.ones((1, 1)))))
         whole = any_pencil_of(solution)
-        felt = system.n_b + np.flatnonzero(np.any(whole.stiffness[: system.n_b, system.n_b : system.n_q] != 0, axis=0))
-        if len(felt) and not damped:
+        felt = felt_state(system, whole.stiffness)
+        if felt and not damped:
             raise InputError(
-                f"{system.numbering.names[felt[0]]} is an integral over time, which undamped vibrations do not have. Ask for "
+                f"{felt} is an integral over time, which undamped vibrations do not have. Ask for "
                 "the response damping-ratio instead, or leave the integral out."
             )
         pencil = self.counting(solution, whole)
