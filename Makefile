@@ -1,5 +1,5 @@
-# make demo: everything from a fresh clone to pictures in output/. make test, make robustness (killed and random runs), make lint (style, types, texts),
-# make lowest: what CI runs. make torch: the bridge to PyTorch. make docs: web pages in site/.
+# make demo: everything from a fresh clone to pictures in output/. make test, make robustness (killed and random runs, tutorials), make lint
+# (style, types, texts), make lowest: what CI runs. make torch: the bridge to PyTorch. make docs: web pages in site/.
 PYTHON ?= python3
 VENV := .venv
 INSTALLED := $(VENV)/.installed

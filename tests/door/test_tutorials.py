@@ -97,6 +97,7 @@ def runner():
         yield process
 
 
+@pytest.mark.robustness
 @pytest.mark.parametrize("name", ENDS)
 def test_a_tutorial_runs_and_ends_in_the_right_number(name, runner, tmp_path):
     before = {path for path in TUTORIALS.rglob("*") if "__pycache__" not in path.parts}

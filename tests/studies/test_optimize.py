@@ -467,6 +467,7 @@ ffrf.optimize(sys.argv[1], output=sys.argv[2], progress=lambda done, total: os.k
 """
 
 
+@pytest.mark.robustness
 def test_a_killed_study_goes_on_to_the_same_bits_and_solves_nothing_twice(tmp_path):
     text = DROP + "[search]\ncertify = false\nstarts = 2\nwarm_starts = true\n"
     path, folder = write_truss(tmp_path, text), tmp_path / "kept"

@@ -71,7 +71,21 @@ def run_motion(
     found = start_at_rest(system, options) if beside is None else equilibrium_beside(system, beside)
     assert found is not None
     rest = _at_rest(system, found)
-    return rest if options.quasi_static else moving(system, rest.q, rest.dq)
+    if options.quasi_static:
+        return rest
+    motion = moving(system, rest.q, rest.dq)
+    return rest if _stays(system, motion) else motion
+
+
+def _stays(system: System, motion: Motion) -> bool:
+    """Whether nothing leads out of an equilibrium at once: then its accelerations are zero.
+
+    Found from its equations they would be the round-off of elastic forces, which stiff bodies make (h omega)^2 times as large in a step.
+    """
+    driven = system.plan.joints.curve[system.plan.joints.curve >= 0]
+    inputs = system.inputs(0.0, np.zeros(3))
+    led = np.isin(system.plan.curve_index, driven)
+    return not any(np.any(each) for each in (motion.v, motion.dv, inputs.curves[driven, 1:], inputs.curves_x[led, 1:]))
 
 
 def _at_rest(system: System, found: Solution) -> State:

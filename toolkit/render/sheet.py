@@ -18,6 +18,8 @@ from toolkit.foundation.files.replaced_file import write_whole
 
 NARROW, WIDE = 5.6, 10.0
 """Inches: a figure that is read on a telephone (of 400 pixels, where a letter of 10 points is still 9 pixels high), and a picture."""
+_MOST = 6
+"""Intervals along the lower edge of a narrow figure, whose numbers may be long."""
 SIGNED, UNSIGNED = "coolwarm", "viridis"
 """Colour maps that colour-blind people can read: from minus to plus the same value, and from zero up."""
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
@@ -48,7 +50,10 @@ def sheet(
     with _settings():
         figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
-        yield figure, figure.subplots(rows, columns, squeeze=False, **options)
+        axes = figure.subplots(rows, columns, squeeze=False, **options)
+        for each in axes.flat if width <= NARROW else ():
+            each.locator_params(axis="x", nbins=_MOST)
+        yield figure, axes
 
 
 def settle(figure: Figure, fit: Callable[[], None] = lambda: None, like: Figure | None = None) -> None:

@@ -23,10 +23,11 @@ class Drawing:
     figure: Figure
 
     def save(self, folder: Path) -> list[Path]:
-        """Write PNG and SVG, each in one stroke."""
+        """Write PNG and SVG, each in one stroke; laid out once, by the first, so that both show the same."""
         files = [folder / f"{self.name}.{kind}" for kind in ("png", "svg")]
         for path in files:
             self.save_as(path)
+            self.figure.set_layout_engine("none")
         return files
 
     def save_as(self, path: Path) -> None:
