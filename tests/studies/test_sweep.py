@@ -91,6 +91,12 @@ def test_command_tables_and_python_say_the_same(tmp_path):
     assert found.verdict.warnings[0].text in told.stdout
 
 
+def test_a_wrong_option_is_said_as_it_was_typed(tmp_path):
+    run = CliRunner().invoke(app, ["sweep", str(sweep_file(tmp_path)), "--points", "nonsense", "-o", str(tmp_path / "out")])
+    assert run.exit_code == 1
+    assert "points: Input should be 'grid', 'latin-hypercube' or 'sobol' (given: 'nonsense')" in run.stderr
+
+
 @pytest.mark.parametrize(
     "text", [TWO, TWO.replace("[sweep]", '"loads.right.stiffness" = { between = [900.0, 1100.0] }\n[sweep]')]
 )

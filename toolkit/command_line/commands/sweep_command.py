@@ -70,6 +70,7 @@ def _changed(study: Study, given: dict[str, Any]) -> Study:
     """
     from pydantic import ValidationError
 
+    from toolkit.description.validation_messages import messages
     from toolkit.foundation.errors import InputError
     from toolkit.studies.study.sweep_options import Sweep
 
@@ -79,11 +80,12 @@ def _changed(study: Study, given: dict[str, Any]) -> Study:
     known = study.sweep.model_dump(exclude_none=True)
     if "points" in changed or "file" in changed:
         known = {key: known[key] for key in ("responses", "gradients") if key in known}
+    wanted = {**known, **changed}
     try:
-        sweep = Sweep.model_validate({**known, **changed})
+        sweep = Sweep.model_validate(wanted)
     except ValidationError as error:
-        reasons = [each["msg"].removeprefix("Value error, ") for each in error.errors()]
-        raise InputError(f"the options of the command line and the study's [sweep]: {'; '.join(reasons)}.") from error
+        reasons = " ".join(messages(error, Sweep, wanted, "", {}))
+        raise InputError(f"the options of the command line and the study's [sweep]: {reasons}") from error
     return study.model_copy(update={"sweep": sweep})
 
 
