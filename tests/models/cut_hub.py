@@ -86,7 +86,7 @@ def hub(folder: Path, dimension: int, joints: Sequence[int], frames: object = CU
         parts["responses"][f"force of {name}"] = JointForce(joint=name, component="x")
         parts["responses"][f"torque of {name}"] = JointForce(joint=name, component="torque-y" if space else "torque")
         parts["responses"][f"way of {name}"] = Displacement(body=block, point=block, component="y")
-    options = SOLVER.model_copy(update={"end_time": 0.02, "step": 0.01, **solver})
+    options = SOLVER.model_copy(update={"end_time": 0.01, "step": 0.01, **solver})
     return Scene(units="m-kg-s", dimension=dimension, directory=folder, solver=options, **parts)
 
 
