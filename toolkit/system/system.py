@@ -21,7 +21,7 @@ from toolkit.compilation.plan import build_plan
 from toolkit.compilation.quantities import STEP, Asked, Quantities, loads_of, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
-from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
+from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
 from toolkit.foundation.kernel import plain, slots
 from toolkit.foundation.near_ties import first_largest
@@ -136,7 +136,7 @@ class System:
         if not self.compiled:
             terms = allocate_terms(self.plan, self.dtype)
             self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, self.work)
-            return terms
+            return of_variables(self.plan, terms)
         curves, curves_x, levels = (np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels))
         inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
         memory, own = self._memory, map(self._handed_on, (self.plan, self.functions))
