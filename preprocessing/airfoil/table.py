@@ -107,6 +107,6 @@ def _refuse_single(numbers: tuple[float, ...], line: int) -> None:
 def _refuse_resumed(numbers: tuple[float, ...], line: int, end: int) -> None:
     if len(numbers) > 1:
         raise InputError(
-            f"line {end} is no row of coordinates, but line {line} holds {len(numbers)} numbers again. Mend line {end}, or "
+            f"line {end} is no row of coordinates, but line {line} holds {len(numbers)} numbers again. Fix line {end}, or "
             "remove what does not belong to this one section."
         )

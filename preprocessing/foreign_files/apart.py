@@ -63,9 +63,9 @@ def bounded_size(path: Path) -> int:
     try:
         size = size_of(path)
     except FileNotFoundError as error:
-        raise InputError(f"there is no file {str(path)!r}. Mend the path; it is relative to the TOML file.") from error
+        raise InputError(f"there is no file {str(path)!r}. Fix the path; it is relative to the TOML file.") from error
     except OSError as error:
-        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Mend the path, or give a regular file.") from error
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Fix the path, or give a regular file.") from error
     if size > LARGEST_FILE:
         raise InputError(f"{str(path)!r} has {size} bytes, and more than {LARGEST_FILE} are not read. Give a smaller file.")
     return size

@@ -182,7 +182,7 @@ class Recipe(ABC, Generic[File]):
             return read_whole(each, LARGEST_FILE)
         except OSError as error:
             raise InputError(
-                f"{str(each)!r} cannot be read ({error.strerror}). Mend the path in {self.path.name}; it is relative to that file."
+                f"{str(each)!r} cannot be read ({error.strerror}). Fix the path in {self.path.name}; it is relative to that file."
             ) from error
 
     def _changed(self, values: Mapping[str, float], keys: Mapping[str, Any]) -> File:

@@ -299,7 +299,7 @@ def swapped(folder: Path) -> None:
 WRONG = {
     "missing airfoil": (
         lambda folder: (folder / "low_speed.dat").unlink(),
-        ["skin.toml', airfoil.target:", "low_speed.dat' cannot be read (No such file or directory)", "Mend the path"],
+        ["skin.toml', airfoil.target:", "low_speed.dat' cannot be read (No such file or directory)", "Fix the path"],
     ),
     "unknown key": (
         lambda folder: edit(folder / "skin.toml", "width = 1000.0", "witdh = 1000.0"),
@@ -323,7 +323,7 @@ WRONG = {
     ),
     "thickness lost in round-off": (
         lambda folder: edit(folder / "skin.toml", "thickness = 1.5", "thickness = 1e-9"),
-        ["section.thickness: a thickness of 1e-09 is less than 1e-06 of the skin's length 291.55", "Mend the exponent"],
+        ["section.thickness: a thickness of 1e-09 is less than 1e-06 of the skin's length 291.55", "Fix the exponent"],
     ),
     "F and G on one side": (
         lambda folder: edit(folder / "skin.toml", 'side = "lower" }    # G', 'side = "upper" }    # G'),

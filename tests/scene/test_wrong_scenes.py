@@ -214,14 +214,14 @@ def test_a_folder_in_place_of_a_scene_is_told_with_what_is_in_it():
 
 def test_what_is_no_toml_by_its_name_either_is_taken_for_something_else(tmp_path):
     (tmp_path / "body.msh").write_text("$MeshFormat")
-    with pytest.raises(InputError, match=r"Mend that line, or give the path of a scene in TOML\."):
+    with pytest.raises(InputError, match=r"Fix that line, or give the path of a scene in TOML\."):
         read_scene(tmp_path / "body.msh")
 
 
 @pytest.mark.parametrize("content", [b"units = \n", b"\xff\xfe\x00", b"[points]\nA = [1, 2\n"])
 def test_a_scene_file_that_is_no_toml_is_named(tmp_path, content):
     (tmp_path / "broken.toml").write_bytes(content)
-    with pytest.raises(InputError, match=r"(?s)broken\.toml.*not readable as TOML.*Mend that line"):
+    with pytest.raises(InputError, match=r"(?s)broken\.toml.*not readable as TOML.*Fix that line"):
         read_scene(tmp_path / "broken.toml")
 
 

@@ -157,7 +157,7 @@ def _check_signature(path: Path) -> None:
         start = read_start(path, len(SIGNATURE))
     except FileNotFoundError:
         raise ModelFileError(
-            f"there is no reduced model {str(path)!r}. Mend the path; a missing model is built with ffrf-preprocess."
+            f"there is no reduced model {str(path)!r}. Fix the path; a missing model is built with ffrf-preprocess."
         ) from None
     except OSError as error:
         raise ModelFileError(

@@ -84,7 +84,7 @@ def _airfoil_bytes(path: Path) -> bytes:
         return read_start(path, LARGEST_FILE + 1)
     except OSError as error:
         raise InputError(
-            f"the airfoil file {str(path)!r} cannot be read ({error.strerror}). Mend the path; it is relative to the TOML file."
+            f"the airfoil file {str(path)!r} cannot be read ({error.strerror}). Fix the path; it is relative to the TOML file."
         ) from error
 
 

@@ -45,7 +45,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     try:
         return parse_toml(content.decode("utf-8-sig"))
     except ValueError as error:
-        remedy = "Mend that line" if path.suffix == ".toml" else f"Mend that line, or give the path of {what}"
+        remedy = "Fix that line" if path.suffix == ".toml" else f"Fix that line, or give the path of {what}"
         raise InputError(f"{str(path)!r} is not readable as TOML: {error}. {remedy}.") from error
 
 
