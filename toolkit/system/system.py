@@ -17,6 +17,7 @@ from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
+from toolkit.compilation.patterns.moving import moving_unknowns
 from toolkit.compilation.plan import build_plan
 from toolkit.compilation.quantities import STEP, Asked, Quantities, loads_of, seen_quantities
 from toolkit.compilation.remembered import Remembered
@@ -302,7 +303,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     sizes = weights(scene)
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
-    lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
+    lu_plan = analyse(plan.indptr, plan.indices, plan.n_q, moving_unknowns(numbering, values, plan.markers.coordinate))
     asked = seen.asked_by_components
     system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes, files, asked)
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system
