@@ -13,6 +13,7 @@ import numpy as np
 
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
+from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.checks import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
@@ -156,9 +157,10 @@ def _check_signature(path: Path) -> None:
     """Say plainly what HDF5 would report in the words of its developers."""
     try:
         start = read_start(path, len(SIGNATURE))
-    except FileNotFoundError:
+    except FileNotFoundError as error:
         raise ModelFileError(
-            f"there is no reduced model {str(path)!r}. Mend the path; a missing model is built with ffrf-preprocess."
+            f"there is no reduced model {str(path)!r}{meant_path(path, error)}. Fix the path; a missing model is built with "
+            "ffrf-preprocess."
         ) from None
     except OSError as error:
         raise ModelFileError(

@@ -7,8 +7,8 @@ from typing import Any
 
 from toolkit.bodies.model_body import DEPENDENCE, ModelBody
 from toolkit.compilation.quantities import pressures_of
-from toolkit.receipt.asked import asking
-from toolkit.receipt.line import Line
+from toolkit.cost_summary.asked import asking
+from toolkit.cost_summary.line import Line
 from toolkit.reduced_model.file import stored_bytes
 from toolkit.reduced_model.questions.mesh_questions import mesh_record
 from toolkit.responses.shape_error import ShapeResponse
