@@ -65,7 +65,9 @@ def test_damping_by_the_stiffness_is_what_it_is_with_one_frame(tmp_path):
         run = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml")).statics()
         for number in (1, 3):
             expected = 1e-3 * np.pi * run.values[f"f{number}"]
-            assert run.values[f"z{number}"] == pytest.approx(expected, rel=1e-8)  # round-off of a slow vibration of a bar that is stiff along itself
+            assert run.values[f"z{number}"] == pytest.approx(
+                expected, rel=1e-8
+            )  # round-off of a slow vibration of a bar that is stiff along itself
         assert run.verdict.trusted
 
 
