@@ -5,7 +5,7 @@ dW/dbeta_k' = 2 V_k and dX/dbeta_k'' = A_k.
 """
 
 from toolkit.bodies.kernels.spatial.floating_kernel import add_spatial_block
-from toolkit.bodies.kernels.spatial.products import multiply_spatial_block
+from toolkit.bodies.kernels.spatial.products import multiply_spatial_block, row_length
 from toolkit.bodies.kernels.spatial.small_matrices import (
     add_matrix,
     add_nine_rows,
@@ -17,6 +17,7 @@ from toolkit.bodies.kernels.spatial.small_matrices import (
     transposed_product,
 )
 from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_jacobian
+from toolkit.foundation.compiled.rows import add_to_three
 from toolkit.foundation.kernel import inlined
 from toolkit.kinematics.spatial import second_products
 
@@ -166,25 +167,28 @@ def add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v):
 
 @inlined
 def add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v):
-    """The same from whole matrices, three of the nine at a time."""
+    """The same from whole matrices."""
     n, size = 1 + part.n_f[b], part.moves[b] + part.turns[b]
+    w, matrix = row_length(n), part.matrix
+    for k in range(9):
+        i, j = k // 3, k % 3
+        work.sums[0, k], work.sums[1, k], work.sums[2, k] = work.turned[i, j], work.bent[i, j], 2 * work.rate[i, j]
+    one, two, three = work.lines[0, :w], work.lines[1, :w], work.lines[2, :w]
     for i in range(1, n):
-        place, at = border[size + i - 1] + size, part.matrix_start[b] + 9 * n * i + 1
+        place, at = border[size + i - 1] + size, part.matrix_start[b] + 10 * w * i
+        work.lines[:3, :] = 0
+        add_to_three(one, two, three, work.sums, 9, matrix, at, w)
         mass, by_acc = I_acc[place : place + n - 1], I_q[place : place + n - 1]
         by_q, by_v = A_q[place : place + n - 1], A_v[place : place + n - 1]
-        x, y, z = part.matrix[at : at + n - 1], part.matrix[at + 4 * n : at + 5 * n - 1], part.matrix[at + 8 * n : at + 9 * n - 1]
+        at += 9 * w + 1
         for j in range(n - 1):
-            mass[j] += x[j] + y[j] + z[j]
-        for a in range(3):
-            x, y, z = part.matrix[at : at + n - 1], part.matrix[at + n : at + 2 * n - 1], part.matrix[at + 2 * n : at + 3 * n - 1]
-            t_x, t_y, t_z = work.turned[a, 0], work.turned[a, 1], work.turned[a, 2]
-            b_x, b_y, b_z = work.bent[a, 0], work.bent[a, 1], work.bent[a, 2]
-            r_x, r_y, r_z = 2 * work.rate[a, 0], 2 * work.rate[a, 1], 2 * work.rate[a, 2]
-            for j in range(n - 1):
-                by_acc[j] += t_x * x[j] + t_y * y[j] + t_z * z[j]
-                by_q[j] += b_x * x[j] + b_y * y[j] + b_z * z[j]
-                by_v[j] += r_x * x[j] + r_y * y[j] + r_z * z[j]
-            at += 3 * n
+            mass[j] += matrix[at + j]
+        for j in range(n - 1):
+            by_acc[j] += one[1 + j]
+        for j in range(n - 1):
+            by_q[j] += two[1 + j]
+        for j in range(n - 1):
+            by_v[j] += three[1 + j]
 
 
 @inlined
