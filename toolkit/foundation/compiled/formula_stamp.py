@@ -14,11 +14,11 @@ import numpy as np
 from numba.core import types
 from numba.core.registry import CPUDispatcher
 
-from toolkit.foundation.compiled.rows import add_rows, add_to_three, subtract_multiples
+from toolkit.foundation.compiled.rows import add_rows, add_to_each, subtract_multiples
 
 WRITTEN = {
     add_rows: ("rows_code.py",),
-    add_to_three: ("rows_code.py", "three_rows_code.py"),
+    add_to_each: ("rows_code.py", "each_row_code.py"),
     subtract_multiples: ("rows_code.py", "multiples_code.py"),
 }
 """Functions of which formulas take code that is written for the compiler, and the files that it stands in."""

@@ -44,23 +44,16 @@ def add_rows(
     target[:] = scale * (target + factor * (entries[first:last] @ source[numbers[first:last]]))
 
 
-def add_to_three(
-    one: np.ndarray,
-    two: np.ndarray,
-    three: np.ndarray,
-    entries: np.ndarray,
-    count: int,
-    source: np.ndarray,
-    start: int,
-    stride: int,
+def add_to_each(
+    targets: tuple[np.ndarray, ...], entries: np.ndarray, count: int, source: np.ndarray, start: int, stride: int
 ) -> None:
-    """To each of three rows is added its own sum of multiples of the same rows, which are read once for all.
+    """To each of up to three rows is added its own sum of multiples of the same rows, which are read once for all.
 
-    one += the sum of entries[0, p] r_p over p = 0 ... count - 1, and so on, with r_p = source[start + p stride : ... + w].
+    targets[k] += the sum of entries[k, p] r_p over p = 0 ... count - 1, with r_p = source[start + p stride : ... + w].
 
     Parameters
     ----------
-    one, two, three : (w,)
+    targets : arrays (w,)
         Contiguous, w a multiple of LANES; not part of the source.
     entries : (3, n_p)
         Contiguous.
@@ -68,8 +61,8 @@ def add_to_three(
     source : (n,)
         Contiguous.
     """
-    rows = source[start + stride * np.arange(count)[:, None] + np.arange(len(one))]
-    for target, factors in zip((one, two, three), entries, strict=True):
+    rows = source[start + stride * np.arange(count)[:, None] + np.arange(len(targets[0]))]
+    for target, factors in zip(targets, entries, strict=False):
         target += factors[:count] @ rows
 
 

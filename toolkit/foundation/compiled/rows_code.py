@@ -87,7 +87,9 @@ def _sums(builder: Any, vectors: int, entries: Any, numbers: Any, first: Any, la
         number = builder.zext(number, I64) if number.type.width < I64.width else number
         row = places(builder, builder.gep(source, [builder.mul(number, width)]), vectors)
         entry = spread(builder, builder.load(builder.gep(entries, [p])))
-        return [builder.fadd(each, builder.fmul(entry, builder.load(place, align=8))) for each, place in zip(sums, row, strict=True)]
+        return [
+            builder.fadd(each, builder.fmul(entry, builder.load(place, align=8))) for each, place in zip(sums, row, strict=True)
+        ]
 
     return summed(builder, vectors, first, last, grown)
 
