@@ -151,7 +151,7 @@ def test_a_coarse_mesh_is_told_by_the_command_by_the_file_and_by_scenes_that_ask
         codes = [each.code for each in cautions_of_scene(read_scene(tmp_path / "scene.toml")) if each.doubt]
         assert ("coarse-mesh" in codes) is (max(model.stress_errors.values()) > limit)
     scene = ["inspect", str(tmp_path / "scene.toml"), "--no-measure"]
-    assert json.loads(CliRunner().invoke(runtime, [*scene, "--json"]).stdout)["receipt"]["meshes"] == {"body.h5": judged}
+    assert json.loads(CliRunner().invoke(runtime, [*scene, "--json"]).stdout)["cost_summary"]["meshes"] == {"body.h5": judged}
     assert f"body.h5: estimated: {judged['told']}" in CliRunner().invoke(runtime, scene).stdout
 
 

@@ -576,7 +576,7 @@ WRONG = {
         "are the same number",
         2,
     ),
-    "method": (PLAIN + '[search]\nmethod = ["mma", "sqp"]', "search.method.1: Input should be 'slsqp'", 7),
+    "method": (PLAIN + '[search]\nmethod = ["mma", "sqp"]', "search.method.1: input should be 'slsqp'", 7),
     "idle objective": (PLAIN.replace("rise", "sway"), "no variable moves sway", 4),
 }
 """Study -> what is said of it, and of which line."""

@@ -77,7 +77,7 @@ def panel_of(names: list[Name], lines: list[np.ndarray], letter: float, size: np
 
     All lengths are pixels or points of print, counted from the panel's lower left corner.
     """
-    every = np.vstack([spots, *(_dense(points, _SPACING * letter) for points in [*lines, *(name.point[None] for name in names)])])
+    every = np.vstack([spots, dense_lines([*lines, *(name.point[None] for name in names)], _SPACING * letter)])
     empty = Panel(names, _NOWHERE, size)
     return empty._replace(obstacles=np.unique(np.round(_FINE * every[empty.shows(every)]), axis=0) / _FINE)
 
@@ -141,6 +141,11 @@ def _distances(centres: np.ndarray, name: Name, points: np.ndarray, letter: floa
     """Distances of a name at centres (m, 2) to its own point and to the nearest of all other points (n, 2), (m,) each."""
     others = points[np.hypot(*(points - name.point).T) > _ONE * letter]
     return np.maximum(_clearance(centres, name.half, name.point[None]), 0), _clearance(centres, name.half, others)
+
+
+def dense_lines(lines: Sequence[np.ndarray], spacing: float) -> np.ndarray:
+    """Points (n, 2) along polylines at most a spacing apart."""
+    return np.vstack([_NOWHERE, *(_dense(points, spacing) for points in lines)])
 
 
 def _dense(points: np.ndarray, spacing: float) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.equations.equations import Plan, Terms, allocate_terms, allocate_work
+from toolkit.equations.equations import Plan, Terms, allocate_terms, allocate_work, of_variables
 from toolkit.foundation.compiled.calls import in_memory
 
 
@@ -22,7 +22,7 @@ class EvaluationMemory(threading.local):
     """
 
     def __init__(self, plan: Plan) -> None:
-        self._terms = allocate_terms(plan, float)
+        self._plan, self._terms = plan, allocate_terms(plan, float)
         self._state = np.zeros((3, plan.n))
         self._touched = plan.touched_variable * plan.n + plan.touched_row
         self.terms: Any = in_memory(self._terms)
@@ -47,4 +47,4 @@ class EvaluationMemory(threading.local):
         if designed:  # few entries by each variable
             for to, known in ((found.I_x, self._terms.I_x), (found.A_x, self._terms.A_x)):
                 np.put(to.T, self._touched, np.take(known.T, self._touched))
-        return found
+        return of_variables(self._plan, found)

@@ -94,7 +94,7 @@ def size_question(mesh: str | Path, units: str) -> str:
 def _own(path: Path, clamp: str, grip: str) -> Solid:
     """A mesh from a file, whose groups are checked."""
     if not path.is_file():
-        raise InputError(f"there is no mesh {str(path)!r}. Mend the path, or leave --mesh out: then an arm is drawn.")
+        raise InputError(f"there is no mesh {str(path)!r}. Fix the path, or leave --mesh out: then an arm is drawn.")
     solid = Solid(path.name, path.read_bytes(), read_mesh(path), clamp, grip)
     for option, group in (("--clamp", clamp), ("--grip", grip)):
         if group not in solid.mesh.groups:

@@ -6,13 +6,18 @@ import dis
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
-from types import BuiltinFunctionType, CodeType, ModuleType
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 from numba.core import types
 from numba.core.registry import CPUDispatcher
 
+from toolkit.foundation.compiled.rows import add_rows
+
+WRITTEN = {add_rows: "rows_code.py"}
+"""Functions of which formulas take code that is written for the compiler, and the file that it stands in."""
 LIBRARIES = ("numpy", "math", "cmath", "numba")
 """Modules whose names always mean the same; a number of another module may change."""
 
@@ -87,6 +92,8 @@ def _defaults(kernel: CPUDispatcher) -> list[tuple[Any, Any]]:
 def _meaning(name: Any, used: Any) -> str:
     if isinstance(used, CPUDispatcher):
         return "a kernel"
+    if isinstance(used, FunctionType) and used in WRITTEN:
+        return sha256(Path(__file__).with_name(WRITTEN[used]).read_bytes()).hexdigest()
     if used is None or isinstance(used, bool | int | float | complex | str | np.generic) or _is_plain(used):
         return f"{type(used).__name__} {used!r}"
     if isinstance(used, np.ndarray) and not used.dtype.hasobject:

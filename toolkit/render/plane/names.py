@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, TriMesh
 
+from toolkit.render.body_places import body_places
 from toolkit.render.colors import BODY, INK, UNDEFORMED
 from toolkit.render.label_places import Name, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
@@ -83,14 +84,14 @@ def _labels(moment: Configuration, tolerance: float, motion: NamesOfMotion | Non
 
 
 def _middles(moment: Configuration) -> list[tuple[str, np.ndarray]]:
-    """Names of bodies, each with a place in its middle; what is drawn of them as a point is named by that."""
-    found = []
+    """Names of bodies, each with a place near its middle; what is drawn of them as a point is named by that."""
+    found, places = [], body_places(moment)
     for body in moment.scene.bodies:
         if (skin := skin_shape(moment, body) if body in moment.flexible() else None) is not None:
             points = skin.line.reshape(-1, 2)
             found.append((body, points[len(points) // 2]))
         elif (solid := solid_shape(moment, body)) is not None:
             found.append((body, solid.deepest))
-        elif (middle := moment.middle(body)) is not None:
-            found.append((body, middle))
+        elif body in places:
+            found.append((body, places[body]))
     return found

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.bodies.kernels.constant_kernel import LEFT_OUT
 from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
 from toolkit.foundation.kernel import inner, loop
 from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
@@ -168,6 +169,7 @@ def integrate_backwards(
 
     Returns -1, or the number of the unknown that a step does not determine.
     """
+    memory.work.care[0] = LEFT_OUT
     for step in range(len(q) - 1, -1, -1):
         now, is_start = with_step(scheme, lengths[step]), begins and step == 0
         inputs = Inputs(curves[step], curves_x[step], 1.0, levels[step], scheme.inertia, False)
