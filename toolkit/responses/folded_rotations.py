@@ -48,7 +48,7 @@ def folded_equilibria(solution: Solution) -> Iterator[Caution]:
         if abs(turned - here) > np.pi:
             yield Caution(
                 "rotation-folded",
-                f"{name} = {here:.5g} passed half a turn on the way from the unloaded state: in an equilibrium it is an angle in (-pi, pi], "
-                f"without whole turns. With those of the way it is {turned:.5g} rad.",
+                f"{name} = {here:.5g} passed half a turn on the way from the unloaded state: in an equilibrium it is an angle in "
+                f"(-pi, pi], without whole turns. With those of the way it is {turned:.5g} rad.",
                 doubt=False,
             )
