@@ -31,8 +31,9 @@ def test_gradients_are_complex_steps(tmp_path, where):
     told = {name: each for name, each in CASES[where][1].items() if not isinstance(each, Deflection)}
     vibrations = {name: each for name, each in told.items() if isinstance(each, Frequency | DampingRatio)}
     others = {name: each for name, each in told.items() if name not in vibrations}
-    for responses, kind in ((others, "transient"), (vibrations, "static")):
-        found = disagreement(cut(tmp_path, where, responses), kind, ("direct", "adjoint"))
+    methods = ("direct", "adjoint")
+    for responses, kind, compared in ((others, "transient", methods), (vibrations, "static", methods[:1])):
+        found = disagreement(cut(tmp_path, where, responses), kind, compared)
         assert found.keys() == responses.keys()
         assert {name: gap for name, gap in found.items() if not gap < AGREEMENT} == {}
 
