@@ -50,7 +50,7 @@ for name, share in sorted(stress.alone.items(), key=lambda each: -each[1]):
 
 # %% [markdown]
 # Is it right? Random wings judge it, without gradients and without any polynomial. Two hundred of them tell mean and sigma to a
-# fourteenth of sigma only, but at the same wings the polynomials can be compared with the runs themselves. What no mathematics mends is
+# fourteenth of sigma only, but at the same wings the polynomials can be compared with the runs themselves. What no mathematics fixes is
 # the model: the verdict says that this skin leaves the range of small deformations.
 
 # %%

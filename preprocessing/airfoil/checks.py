@@ -71,7 +71,7 @@ def _crossings(loop: Loop) -> tuple[str, ...]:
     where = [(loop.points[i], f"near x = {loop.points[i, 0]:g} (lines {loop.lines[i]} and {loop.lines[j]})") for i, j in pairs]
     for point, text in where:
         if point[0] < TAIL:
-            raise InputError(f"the contour crosses itself {text}. Mend the rows; only behind {TAIL} chord this is tolerated.")
+            raise InputError(f"the contour crosses itself {text}. Fix the rows; only behind {TAIL} chord this is tolerated.")
     return tuple(f"the surfaces cross at the tail {text}" for _, text in where)
 
 
@@ -101,7 +101,7 @@ def _refuse_negative_thickness(loop: Loop) -> None:
     i = int(np.argmin(thickness))
     if thickness[i] < -_ROUNDING:
         raise InputError(
-            f"negative thickness {thickness[i]:.2g} chord at x = {x[i]:g}: the upper side lies below the lower. Mend these rows."
+            f"negative thickness {thickness[i]:.2g} chord at x = {x[i]:g}: the upper side lies below the lower. Fix these rows."
         )
 
 
@@ -119,7 +119,7 @@ def _kinks(loop: Loop) -> tuple[str, ...]:
     for degrees, line, at in found:
         if degrees > FOLD:
             raise InputError(
-                f"line {line}: the contour folds back by {degrees:.0f} degrees at x = {at:g}. Mend or remove that row."
+                f"line {line}: the contour folds back by {degrees:.0f} degrees at x = {at:g}. Fix or remove that row."
             )
     return tuple(f"line {line}: kink of {degrees:.0f} degrees at x = {at:g}" for degrees, line, at in found)
 

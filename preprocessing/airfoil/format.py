@@ -126,13 +126,13 @@ def _joined(loop: Loop, counts: tuple[int, int], where: str) -> Loop:
     upper, lower = counts
     if upper + lower != len(loop.points):
         raise InputError(
-            f"{where} announces {upper} + {lower} rows, but {len(loop.points)} follow. Mend the counts or complete the rows."
+            f"{where} announces {upper} + {lower} rows, but {len(loop.points)} follow. Fix the counts or complete the rows."
         )
     x = loop.points[:, 0]
     if x[upper - 1] < 0.5 * x.max() or x[upper] > 0.5 * x.max():
         raise InputError(
             f"{where} announces {upper} upper rows, but line {loop.lines[upper]} (x = {x[upper]:g}) starts no second block "
-            "at the leading edge. Mend the counts or list both blocks from the leading to the trailing edge."
+            "at the leading edge. Fix the counts or list both blocks from the leading to the trailing edge."
         )
     shared = bool(np.all(loop.points[0] == loop.points[upper]))
     return loop.take(np.r_[np.arange(upper)[::-1], upper + shared : upper + lower])

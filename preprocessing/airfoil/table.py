@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
 
 LARGEST_FILE = 1_000_000
@@ -37,7 +38,7 @@ def read_text(path: Path) -> str:
     try:
         content = read_start(path, LARGEST_FILE + 1)
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}. Check the path {str(path)!r}.") from error
+        raise InputError(f"cannot be read: {error.strerror}{meant_path(path, error)}. Check the path {str(path)!r}.") from error
     if len(content) > LARGEST_FILE:
         raise InputError(
             f"has more than {LARGEST_FILE} bytes. Give a file of coordinates, of which one section has a few hundred."
@@ -107,6 +108,6 @@ def _refuse_single(numbers: tuple[float, ...], line: int) -> None:
 def _refuse_resumed(numbers: tuple[float, ...], line: int, end: int) -> None:
     if len(numbers) > 1:
         raise InputError(
-            f"line {end} is no row of coordinates, but line {line} holds {len(numbers)} numbers again. Mend line {end}, or "
+            f"line {end} is no row of coordinates, but line {line} holds {len(numbers)} numbers again. Fix line {end}, or "
             "remove what does not belong to this one section."
         )

@@ -26,7 +26,7 @@ def rigid_modes(pencil: ConstrainedPencil) -> np.ndarray:
     if np.any(diagonal < 0):
         raise InputError(
             f"the stiffness matrix has {np.count_nonzero(diagonal < 0)} negative entries on its diagonal, so that a motion would set "
-            "energy free: no body does that. Export it again, or mend its sign."
+            "energy free: no body does that. Export it again, or fix its sign."
         )
     scale = 1 / np.sqrt(np.diag(pencil.stiffness).clip(np.finfo(float).tiny))
     held = np.linalg.norm(pencil.rows * scale, axis=1, keepdims=True)

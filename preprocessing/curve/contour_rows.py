@@ -18,7 +18,7 @@ def checked_rows(points: np.ndarray, degree: int) -> np.ndarray:
         raise InputError(f"a contour needs at least {degree + 1} points as an array (n, 2), got shape {points.shape}.")
     if not np.isfinite(points).all():
         row = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
-        raise InputError(f"contour row {row} (counted from 0) is not finite: {points[row]}. Mend the coordinate.")
+        raise InputError(f"contour row {row} (counted from 0) is not finite: {points[row]}. Fix the coordinate.")
     repeated = np.flatnonzero((np.diff(points, axis=0) == 0).all(axis=1))
     if repeated.size:
         raise InputError(f"contour rows {repeated[0]} and {repeated[0] + 1} (counted from 0) are equal: drop one of them.")
@@ -32,5 +32,5 @@ def refuse_detours(lengths: np.ndarray, points: np.ndarray) -> None:
     if not detour[i] <= _DETOUR:
         raise InputError(
             f"between contour rows {i} and {i + 1} (counted from 0) the smooth curve is {detour[i]:.3g} times as long as their "
-            "distance: rows there are out of order or fold back. Mend or remove them."
+            "distance: rows there are out of order or fold back. Fix or remove them."
         )

@@ -26,7 +26,7 @@ def slenderness(skin: Skin, arc_lengths: np.ndarray, thickness: float) -> tuple[
     if thickness < THINNEST * skin.length:
         raise InputError(
             f"a thickness of {thickness:g} is less than {THINNEST:g} of the skin's length {skin.length:g}: its bending stiffness "
-            "would be lost in round-off. Mend the exponent or the units."
+            "would be lost in round-off. Fix the exponent or the units."
         )
     samples = np.linspace(0.0, skin.length, 2000)
     radius = 1 / np.abs(skin.curvature(samples)).max()

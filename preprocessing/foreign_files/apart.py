@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from preprocessing.foreign_files.bounds import LARGEST_FILE, Bounds
 from preprocessing.foreign_files.wire import receive
 from toolkit.foundation.errors import InputError, without_content
+from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import size_of
 from toolkit.foundation.processes.own_process import command, environment, refuse_namesakes
 
@@ -63,9 +64,11 @@ def bounded_size(path: Path) -> int:
     try:
         size = size_of(path)
     except FileNotFoundError as error:
-        raise InputError(f"there is no file {str(path)!r}. Mend the path; it is relative to the TOML file.") from error
+        raise InputError(
+            f"there is no file {str(path)!r}{meant_path(path, error)}. Fix the path; it is relative to the TOML file."
+        ) from error
     except OSError as error:
-        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Mend the path, or give a regular file.") from error
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Fix the path, or give a regular file.") from error
     if size > LARGEST_FILE:
         raise InputError(f"{str(path)!r} has {size} bytes, and more than {LARGEST_FILE} are not read. Give a smaller file.")
     return size

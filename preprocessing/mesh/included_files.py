@@ -70,7 +70,7 @@ def _content(path: Path) -> bytes:
     except FileNotFoundError:  # a link to nothing, which the reader of meshes will say
         return b""
     except OSError as error:
-        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Mend the path, or give a regular file.") from error
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Fix the path, or give a regular file.") from error
 
 
 def _abaqus(path: Path, content: bytes) -> Iterator[Path]:

@@ -61,7 +61,7 @@ def read_matrix(path: Path, n: int, dimension: int = 2) -> Any:
     if len(row) and (row.min() < 0 or row.max() >= rows or column.min() < 0 or column.max() >= n):
         raise InputError(f"the matrix {str(path)!r} has entries outside of its shape {(rows, columns)}. {AGAIN}")
     if len(value) and float(np.abs(value.astype(float)).max()) > EXTREME:
-        raise InputError(f"the matrix {str(path)!r} has entries beyond {EXTREME:g}. Mend their unit.")
+        raise InputError(f"the matrix {str(path)!r} has entries beyond {EXTREME:g}. Fix their unit.")
     return sparse.csr_array(sparse.coo_array((value.astype(float), (row, column)), shape=(rows, n)))
 
 
@@ -77,7 +77,7 @@ def read_nodes(path: Path) -> np.ndarray:
     if nodes.ndim != 2 or nodes.shape[1] not in (2, 3) or not len(nodes):
         raise InputError(f"{str(path)!r} has shape {nodes.shape}; give finite numbers x and y, or x, y and z, for each node.")
     if float(np.abs(nodes).max()) > LARGEST or not np.ptp(nodes, axis=0).max() > 1 / LARGEST:
-        raise InputError(f"the nodes of {str(path)!r} are all at one place, or beyond {LARGEST:g}. Mend their coordinates.")
+        raise InputError(f"the nodes of {str(path)!r} are all at one place, or beyond {LARGEST:g}. Fix their coordinates.")
     return nodes
 
 

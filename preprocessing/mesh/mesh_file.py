@@ -123,7 +123,7 @@ def _refuse_places(path: Path, points: np.ndarray, scale: float) -> None:
     farthest = float(np.abs(points).max(initial=0.0))
     if farthest * scale > LARGEST or farthest > LARGEST:
         raise InputError(
-            f"the mesh {str(path)!r} reaches to {farthest:g}, times its scale {scale:g}. Mend the unit of its coordinates."
+            f"the mesh {str(path)!r} reaches to {farthest:g}, times its scale {scale:g}. Fix the unit of its coordinates."
         )
     if not len(points) or not np.ptp(points, axis=0).max() * scale > 1 / LARGEST:
         raise InputError(f"the nodes of the elements of the mesh {str(path)!r} are all at one place. Export it again.")

@@ -26,7 +26,7 @@ def read_motion(path: Path, mesh: SolidMesh, scale: float) -> np.ndarray:
             f"{str(path)!r} has shape {field.shape}; the mesh file has {mesh.n_file} nodes. Give a displacement x, y, z of each of them."
         )
     if np.abs(field).max() > LARGEST:
-        raise InputError(f"{str(path)!r} holds displacements beyond {LARGEST:g}. Mend their unit.")
+        raise InputError(f"{str(path)!r} holds displacements beyond {LARGEST:g}. Fix their unit.")
     field = scale * (field if mesh.in_file is None else field[mesh.in_file])
     if not np.any(field):
         raise InputError(f"{str(path)!r} moves no node of the elements. Give displacements that are not all zero.")

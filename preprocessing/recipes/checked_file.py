@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
+from reprlib import Repr
 from types import NoneType
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.toml_lines import line_of
+from toolkit.foundation.listed_names import meant
 
 File = TypeVar("File", bound=BaseModel)
+SHORT = Repr()
+SHORT.maxstring = SHORT.maxother = 60
 
 
-def validated(schema: type[File], content: Mapping[str, Any], whose: str) -> File:
-    """The content of a file, checked against its schema; `whose` it is begins the message.
+def validated(schema: type[File], content: Mapping[str, Any], whose: str, source: Path | None = None) -> File:
+    """The content of a file, checked against its schema; `whose` it is begins the message, and lines are those of the source.
 
     Raises
     ------
@@ -24,7 +30,8 @@ def validated(schema: type[File], content: Mapping[str, Any], whose: str) -> Fil
     try:
         return schema.model_validate(content)
     except ValidationError as error:
-        problems = "\n".join(f"  {explain(item, schema)}" for item in error.errors())
+        text = source.read_text(encoding="utf-8-sig") if source is not None and source.is_file() else ""
+        problems = "\n".join(f"  {explain(item, schema)}{_line(text, item)}" for item in error.errors())
         raise InputError(f"{whose} cannot be used:\n{problems}") from error
 
 
@@ -39,15 +46,28 @@ def put(content: dict[str, Any], keys: Sequence[Any], value: Any) -> None:
 
 def explain(item: Any, schema: type[BaseModel]) -> str:
     """One line on one wrong key of a file with this schema: where it is, what is wrong, what would be right."""
-    location = item["loc"][:-2] if item["loc"][-1:] == ("[key]",) else item["loc"]
-    key = ".".join(str(part) for part in location)
+    location = _location(item)
+    key = ".".join(map(str, location))
     if item["type"] == "extra_forbidden":
-        return f"{key}: unknown key; allowed here: {', '.join(_keys(schema, location[:-1]))}."
+        known = _keys(schema, location[:-1])
+        return f"{key}: unknown key{meant(str(location[-1]), known)}; possible here: {', '.join(known)}."
     if item["type"] == "missing":
         return f"{key}: this key is missing; add it."
     reason = item["msg"].removeprefix("Value error, ")
-    value = "" if isinstance(item["input"], dict) else f" (got {item['input']!r})"
+    value = "" if isinstance(item["input"], dict) else f" (given: {SHORT.repr(item['input'])})"
     return f"{key}: {reason[0].lower()}{reason[1:]}{value}.".removeprefix(": ")
+
+
+def _location(item: Any) -> tuple[str | int, ...]:
+    """Keys to what is wrong, without pydantic's mark for a key itself."""
+    location: tuple[str | int, ...] = item["loc"][:-2] if item["loc"][-1:] == ("[key]",) else item["loc"]
+    return location
+
+
+def _line(text: str, item: Any) -> str:
+    """The line of a wrong key, to append; empty where the file has none."""
+    line = line_of(text, ".".join(map(str, _location(item))))
+    return "" if line is None else f" (line {line})"
 
 
 def _keys(schema: type[BaseModel], location: tuple[str | int, ...]) -> list[str]:

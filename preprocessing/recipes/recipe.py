@@ -18,6 +18,7 @@ from preprocessing.input.input_files import origin
 from preprocessing.recipes.checked_file import put, validated
 from preprocessing.recipes.tables import Table
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_whole
 from toolkit.foundation.files.toml_file import read_toml
 from toolkit.foundation.listed_names import listed, meant
@@ -102,7 +103,7 @@ class Recipe(ABC, Generic[File]):
     @classmethod
     def of(cls, content: Mapping[str, Any], path: Path) -> Self:
         """The same from the content of the file at `path`; raises as `read`."""
-        return cls(path, validated(cls.schema, content, repr(str(path))))
+        return cls(path, validated(cls.schema, content, repr(str(path)), path))
 
     @cached_property
     def inputs(self) -> list[Path]:
@@ -182,7 +183,8 @@ class Recipe(ABC, Generic[File]):
             return read_whole(each, LARGEST_FILE)
         except OSError as error:
             raise InputError(
-                f"{str(each)!r} cannot be read ({error.strerror}). Mend the path in {self.path.name}; it is relative to that file."
+                f"{str(each)!r} cannot be read ({error.strerror}{meant_path(each, error)}). Fix the path in {self.path.name}; it is "
+                "relative to that file."
             ) from error
 
     def _changed(self, values: Mapping[str, float], keys: Mapping[str, Any]) -> File:

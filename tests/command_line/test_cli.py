@@ -299,8 +299,8 @@ def test_inspect_questions_the_numbers_of_a_scene():
     assert not found["verdict"]["trusted"]
 
 
-def test_inspect_prints_the_receipt_of_a_scene():
-    found = record("inspect", SCENE, "--variables", "t_w", "--no-measure")["receipt"]
+def test_inspect_prints_the_cost_summary_of_a_scene():
+    found = record("inspect", SCENE, "--variables", "t_w", "--no-measure")["cost_summary"]
     assert found["coordinates"][0] == {
         "what": "skin", "kept": 90, "dropped": 3, "why": "grounded frame: it neither moves nor turns",
     }  # fmt: skip
@@ -314,7 +314,7 @@ def test_inspect_shows_a_scene_that_cannot_be_compiled():
     done = run("inspect", SCENE, "--set", "bodies.skin.thickness=-1")
     assert done.exit_code == 0
     assert "points.A.x: 72.5" in done.stdout
-    assert "no receipt: bodies.skin.thickness = -1 must be a positive number" in done.stdout
+    assert "no cost summary: bodies.skin.thickness = -1 must be a positive number" in done.stdout
     found = record("inspect", SCENE, "--set", "bodies.skin.thickness=-1")
     assert [each["code"] for each in found["warnings"]] == ["cannot-be-compiled"]
 

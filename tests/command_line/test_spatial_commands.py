@@ -98,11 +98,11 @@ def test_methods_agree_on_the_gradient_of_a_scene_in_space(folder):
     assert run("certify", str(folder / "door.toml"), "--no-fresh", "--set", "solver.end_time=0.03").exit_code == 0
 
 
-def test_the_receipt_counts_what_a_spatial_scene_has_and_what_it_drops(folder):
-    receipt = json.loads(run("inspect", str(folder / "flag.toml"), "--json", "--no-measure").stdout)["receipt"]
+def test_the_cost_summary_counts_what_a_spatial_scene_has_and_what_it_drops(folder):
+    cost_summary = json.loads(run("inspect", str(folder / "flag.toml"), "--json", "--no-measure").stdout)["cost_summary"]
     lines = {
         section: {line["what"]: (line["kept"], line["dropped"]) for line in each}
-        for section, each in receipt.items()
+        for section, each in cost_summary.items()
         if section not in ("cost", "meshes")
     }
     assert lines["coordinates"] == {"flag": (7 + 12, 0), "mast": (12, 7), "rubber": (12, 7)}
@@ -110,7 +110,7 @@ def test_the_receipt_counts_what_a_spatial_scene_has_and_what_it_drops(folder):
     assert lines["constraint rows"] == rows
     kept, dropped = lines["bytes of solid.h5"]["surface_loads"]
     assert (kept > 0, dropped) == (True, 0)
-    ways = {each["what"]: each["coordinates"] for each in receipt["cost"]}
+    ways = {each["what"]: each["coordinates"] for each in cost_summary["cost"]}
     assert ways["with coordinates of grounded frames"] == ways["motion alone"] + 14
 
 

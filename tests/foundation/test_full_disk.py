@@ -98,7 +98,7 @@ def test_the_output_of_a_command_that_nobody_can_take_is_one_message():
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 1
-    assert done.stderr == "the system refused to go on: No space left on device. Mend the path, or make room on the disk.\n"
+    assert done.stderr == "the system refused to go on: No space left on device. Fix the path, or make room on the disk.\n"
 
 
 def test_a_file_is_on_the_disk_before_it_takes_its_name(tmp_path, monkeypatch):

@@ -16,7 +16,7 @@ from tests.fuzz.case import Case, Ended, identity, judged, snapshot
 
 ROOT = Path(__file__).parents[2]
 CASE = Case("any", ("ffrf",), lambda _: None, ("out.h5",))
-WORDS = "there is no file 'x'. Mend the path."
+WORDS = "there is no file 'x'. Fix the path."
 BEFORE = {"in.toml": "1", "out.h5": "1"}
 JUDGED = {
     "result": (Ended(0, ""), BEFORE),

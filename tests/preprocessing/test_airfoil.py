@@ -320,7 +320,7 @@ REFUSALS = {
     "counting column from 0": (["S", *(f"{i} {row}" for i, row in enumerate(lines(naca0012(), None)))], "line 2: the first column o"),
     "too many rows": (lines(naca0012(1501)), "3001 rows; at most 3000 are accepted. Keep every n-th row"),
     "flat": (lines(naca0012() * [1, 0]), "the section has no thickness: .* Check the column of y"),
-    "nose row drawn out": (lines(moved(30, -0.05, 0.0)), "line 32: the contour folds back by 1.. degrees at x = -0.05. Mend"),
+    "nose row drawn out": (lines(moved(30, -0.05, 0.0)), "line 32: the contour folds back by 1.. degrees at x = -0.05. Fix"),
     "fold back behind the nose": (lines(moved(15, 0.0, 0.2)), "line 17: the contour folds back by 1.. degrees at x = 0.5"),
     "several elements": ([*lines(naca0012()), "999. 999.", *lines(naca0012(), None)], "ISES/MSES file with several elements"),
     "MSES elements": (["S", "-2 3 -2 3", *lines(naca0012(), None), "999.0 999.0", "1 0"], "line 64: '999. 999.'"),

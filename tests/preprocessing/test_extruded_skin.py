@@ -82,6 +82,8 @@ def test_command_writes_what_it_then_builds(skin, monkeypatch, capsys):
 
 
 def test_what_cannot_be_extruded_is_refused(skin):
+    with pytest.raises(InputError, match=r"body\.toml describes no skin, and skins alone are extruded\. Give a skin\.toml"):
+        extrude(WING.parent / "bracket" / "body.toml", skin.with_name("solid.msh"))
     with pytest.raises(InputError, match=r"name a file \*\.msh"):
         extrude(skin, skin.with_suffix(".msh"))
     skin.with_name("there.toml").write_text("")

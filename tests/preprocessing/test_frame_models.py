@@ -239,14 +239,18 @@ WRONG = [
         "nodes: no beams lead from A to E; connect them, or leave them out",
     ),
     ("elements = 3", "elements = 499", "beams: all together have more than 500 elements"),
-    ("elements = 3", "element = 3", "beams.1.element: unknown key; allowed here: from, to, elements, section, orientation"),
+    (
+        "elements = 3",
+        "element = 3",
+        "beams.1.element: unknown key, did you mean 'elements'; possible here: from, to, elements, section, orientation",
+    ),
     ("wall = 0.004", "wall = 0.04", "sections.leg: the wall of a tube is at most half its diameter"),
-    ("wall = 0.004", "width = 0.04", "sections.leg: a tube has the numbers diameter, wall (got diameter, width)"),
+    ("wall = 0.004", "width = 0.04", "sections.leg: a tube has the numbers diameter, wall (given: diameter, width)"),
     ("I_p = 3e-8", "I_p = 3e-9", "sections.foreign: an I_p below |I_y - I_z| belongs to no distribution of mass"),
-    ("thickness = 0.01", "thickness = -0.01", "sections.arm.thickness: input should be greater than 0 (got -0.01)"),
+    ("thickness = 0.01", "thickness = -0.01", "sections.arm.thickness: input should be greater than 0 (given: -0.01)"),
     ("poisson_ratio = 0.3,", "", "materials.steel.poisson_ratio: this key is missing; add it"),
     ('clamp = ["A"]', "", "the body's frame needs a place; add clamp"),
-    ("A = [0, 0, 0]", "A = [0, 0]", "nodes.A: a frame in space (dimension = 3) has 3 coordinates (got [0.0, 0.0])"),
+    ("A = [0, 0, 0]", "A = [0, 0]", "nodes.A: a frame in space (dimension = 3) has 3 coordinates (given: [0.0, 0.0])"),
 ]
 
 

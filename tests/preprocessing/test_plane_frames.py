@@ -120,7 +120,7 @@ WRONG = [
     (
         "A = [0.1, -0.2]",
         "A = [0.1, -0.2, 0.0]",
-        "nodes.A: a frame in the plane (dimension = 2) has 2 coordinates (got [0.1, -0.2, 0.0])",
+        "nodes.A: a frame in the plane (dimension = 2) has 2 coordinates (given: [0.1, -0.2, 0.0])",
     ),
     (
         "density = 7850.0",
@@ -130,10 +130,10 @@ WRONG = [
     (
         'kind = "rectangle", thickness = 0.02, width = 0.04',
         'kind = "circle", diameter = 0.02',
-        "have sections of kind \"rectangle\" (got 'circle')",
+        "have sections of kind \"rectangle\" (given: 'circle')",
     ),
     ("elements = 2", "elements = 2, orientation = [0, 0, 1]", "beams.2.orientation: the thickness of a beam in the plane"),
-    ("dimension = 2\n", "", "nodes.A: a frame in space (dimension = 3) has 3 coordinates (got [0.1, -0.2])"),
+    ("dimension = 2\n", "", "nodes.A: a frame in space (dimension = 3) has 3 coordinates (given: [0.1, -0.2])"),
     ('B = { from = "A"', 'B = { from = "Q"', "polar_nodes.B.from: there is no node 'Q'; there are A, D, C, B"),
     (
         'B = { from = "A"',

@@ -299,15 +299,19 @@ def swapped(folder: Path) -> None:
 WRONG = {
     "missing airfoil": (
         lambda folder: (folder / "low_speed.dat").unlink(),
-        ["skin.toml', airfoil.target:", "low_speed.dat' cannot be read (No such file or directory)", "Mend the path"],
+        [
+            "skin.toml', airfoil.target:",
+            "low_speed.dat' cannot be read (No such file or directory, did you mean 'high_speed.dat')",
+            "Fix the path",
+        ],
     ),
     "unknown key": (
         lambda folder: edit(folder / "skin.toml", "width = 1000.0", "witdh = 1000.0"),
-        ["skin.toml'", "section.witdh: unknown key; allowed here: thickness, width"],
+        ["skin.toml'", "section.witdh: unknown key, did you mean 'width'; possible here: thickness, width"],
     ),
     "thickness not positive": (
         lambda folder: edit(folder / "skin.toml", "thickness = 1.5", "thickness = 0.0"),
-        ["section.thickness: input should be greater than 0 (got 0.0)"],
+        ["section.thickness: input should be greater than 0 (given: 0.0)"],
     ),
     "point off the skin by arc length": (
         lambda folder: edit(folder / "skin.toml", "{ node = 10 }", "{ arc_length = 300.0 }"),
@@ -323,7 +327,7 @@ WRONG = {
     ),
     "thickness lost in round-off": (
         lambda folder: edit(folder / "skin.toml", "thickness = 1.5", "thickness = 1e-9"),
-        ["section.thickness: a thickness of 1e-09 is less than 1e-06 of the skin's length 291.55", "Mend the exponent"],
+        ["section.thickness: a thickness of 1e-09 is less than 1e-06 of the skin's length 291.55", "Fix the exponent"],
     ),
     "F and G on one side": (
         lambda folder: edit(folder / "skin.toml", 'side = "lower" }    # G', 'side = "upper" }    # G'),

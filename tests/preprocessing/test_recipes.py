@@ -112,7 +112,7 @@ def test_other_values_and_keys_are_refused_by_name(files, name):
     recipe = read_recipe(files[name])
     with pytest.raises(InputError, match=r"has no parameter 'nothing'; there are "):
         recipe.at({"nothing": 1.0})
-    with pytest.raises(InputError, match=r"cannot be used:\n  basis\.nothing: unknown key; allowed here: kind, "):
+    with pytest.raises(InputError, match=r"cannot be used:\n  basis\.nothing: unknown key; possible here: kind, "):
         recipe.at(keys={"basis.nothing": 1})
 
 

@@ -44,37 +44,45 @@ def test_whole_numbers_are_accepted_where_lengths_are_meant(edited):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("thickness = 1.5", "thicknes = 1.5", "section.thicknes: unknown key; allowed here: thickness, width."),
+        (
+            "thickness = 1.5",
+            "thicknes = 1.5",
+            "section.thicknes: unknown key, did you mean 'thickness'; possible here: thickness, width. (line 19)",
+        ),
         ("thickness = 1.5", "", "section.thickness: this key is missing; add it."),
-        ("thickness = 1.5", "thickness = -1.5", "section.thickness: input should be greater than 0 (got -1.5)."),
-        ("thickness = 1.5", "thickness = 0", "section.thickness: input should be greater than 0 (got 0)."),
-        ("thickness = 1.5", "thickness = inf", "section.thickness: input should be a finite number (got inf)."),
-        ("thickness = 1.5", 'thickness = "1.5"', "section.thickness: input should be a valid number (got '1.5')."),
-        ("elements = 30", "elements = 30.5", "skin.elements: input should be a valid integer (got 30.5)."),
-        ('side = "upper"', 'side = "top"', "skin.start.side: input should be 'upper' or 'lower' (got 'top')."),
-        ('units = "mm-t-s"', 'units = "mm"', "units: input should be 'mm-t-s' or 'm-kg-s' (got 'mm')."),
-        ("{ node = 10 }", "{ nod = 10 }", "interface_points.C.nod: unknown key; allowed here: node, arc_length, x, side."),
+        ("thickness = 1.5", "thickness = -1.5", "section.thickness: input should be greater than 0 (given: -1.5). (line 19)"),
+        ("thickness = 1.5", "thickness = 0", "section.thickness: input should be greater than 0 (given: 0)."),
+        ("thickness = 1.5", "thickness = inf", "section.thickness: input should be a finite number (given: inf)."),
+        ("thickness = 1.5", 'thickness = "1.5"', "section.thickness: input should be a valid number (given: '1.5')."),
+        ("elements = 30", "elements = 30.5", "skin.elements: input should be a valid integer (given: 30.5)."),
+        ('side = "upper"', 'side = "top"', "skin.start.side: input should be 'upper' or 'lower' (given: 'top')."),
+        ('units = "mm-t-s"', 'units = "mm"', "units: input should be 'mm-t-s' or 'm-kg-s' (given: 'mm')."),
+        (
+            "{ node = 10 }",
+            "{ nod = 10 }",
+            "interface_points.C.nod: unknown key, did you mean 'node'; possible here: node, arc_length, x, side.",
+        ),
         (
             "{ node = 10 }",
             "{ node = 10, x = 3.0 }",
-            "interface_points.C: give either node, or arc_length, or x with side (got node, x)",
+            "interface_points.C: give either node, or arc_length, or x with side (given: node, x)",
         ),
-        ("{ node = 10 }", "{}", "interface_points.C: give either node, or arc_length, or x with side (got nothing)"),
-        ("{ node = 10 }", "{ node = -1 }", "interface_points.C.node: input should be greater than or equal to 0 (got -1)."),
-        ("[section]", "[profile]", "profile: unknown key; allowed here: units, dimension, airfoil, skin, section"),
-        ("mass = 0.0", "mass = -1.0", "damping.mass: input should be greater than or equal to 0 (got -1.0)."),
+        ("{ node = 10 }", "{}", "interface_points.C: give either node, or arc_length, or x with side (given: nothing)"),
+        ("{ node = 10 }", "{ node = -1 }", "interface_points.C.node: input should be greater than or equal to 0 (given: -1)."),
+        ("[section]", "[profile]", "profile: unknown key; possible here: units, dimension, airfoil, skin, section"),
+        ("mass = 0.0", "mass = -1.0", "damping.mass: input should be greater than or equal to 0 (given: -1.0)."),
         (
             "thickness = 1.5",
             "thickness = 1e300",
-            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; mend the exponent",
+            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; fix the exponent",
         ),
         (
             "thickness = 1.5",
             "thickness = 1e-30",
-            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; mend the exponent",
+            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; fix the exponent",
         ),
         ('file = "high_speed.dat"', 'file = "a\\u0000b"', "airfoil.file: a file name cannot hold a zero byte"),
-        ("poisson_ratio = 0.35", "poisson_ratio = 0.5", "material.poisson_ratio: input should be less than 0.5 (got 0.5)."),
+        ("poisson_ratio = 0.35", "poisson_ratio = 0.5", "material.poisson_ratio: input should be less than 0.5 (given: 0.5)."),
     ],
 )
 def test_wrong_key_is_named_with_what_would_be_right(edited, old, new, message):
@@ -87,7 +95,7 @@ def test_wrong_key_is_named_with_what_would_be_right(edited, old, new, message):
 @pytest.mark.parametrize("name", ["a/b", "", " ", ".", "..", "a.b", "a\\u0000"])
 def test_interface_names_that_no_file_or_path_can_hold_are_refused(edited, name):
     with pytest.raises(
-        InputError, match=r"interface_points: this is no legal name of a point; use letters, digits and _ \(got '"
+        InputError, match=r"interface_points: this is no legal name of a point; use letters, digits and _ \(given: '"
     ):
         SkinRecipe.read(edited("C = {", f'"{name}" = {{'))
 

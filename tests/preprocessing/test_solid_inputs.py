@@ -243,7 +243,7 @@ def test_meshes_that_cannot_be_used_are_refused(spoil, message, tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('file = "body.vtu"', 'fil = "body.vtu"', "mesh.fil: unknown key; allowed here: file, scale"),
+        ('file = "body.vtu"', 'fil = "body.vtu"', "mesh.fil: unknown key, did you mean 'file'; possible here: file, scale"),
         ("poisson_ratio = 0.3", "", "elements need .material. with youngs_modulus, poisson_ratio and density"),
         ("poisson_ratio = 0.3", "poisson_ratio = 0.5", "material.poisson_ratio: .* less than 0.5"),
         (f"[clamp]\nnodes = {LEFT}", "", "the body's frame needs a place; add .clamp."),

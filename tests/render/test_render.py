@@ -31,6 +31,7 @@ from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.reduced_model.file import load, save
+from toolkit.render.body_places import body_places
 from toolkit.render.colors import ROD, TARGET, UNDEFORMED
 from toolkit.render.curves import merged, motion_panels, told
 from toolkit.render.label_places import Name, Panel, placed, sides
@@ -525,8 +526,40 @@ def test_a_named_point_without_a_joint_is_a_dot_and_a_body_is_named_between_its_
     (end,) = of_kind(moment, "point")
     np.testing.assert_allclose(end.point, moment.named_points()["W"], rtol=1e-12)  # round-off
     places = moment.named_points()
-    np.testing.assert_allclose(moment.middle("crank"), (places["O"] + places["H"]) / 2, atol=1e-15)  # H is half-way to T
-    np.testing.assert_allclose(Configuration(pendulum(), 0).middle("rod"), [0.5, 0.0], atol=1e-15)
+    np.testing.assert_allclose(body_places(moment)["crank"], (places["O"] + places["H"]) / 2, atol=1e-15)  # H is half-way to T
+    np.testing.assert_allclose(body_places(Configuration(pendulum(), 0))["rod"], [0.5, 0.0], atol=1e-15)
+
+
+def test_a_body_is_named_where_it_is_far_from_others():
+    """Rods of 3 and 2 m that leave a pin at an angle of 15 degrees: each is named near its end, the long one beyond that of the other.
+
+    When the other is gone it is named in its middle, but for a motion in which it keeps one place.
+    """
+    ends = {"O": (0.0, 0.0), "long": (3.0, 0.0), "short": (2 * np.cos(np.pi / 12), 2 * np.sin(np.pi / 12))}
+    bodies = {name: Rod(between=("O", name), area=1e-4, density=1.0) for name in ("long", "short")}
+    joints = {name: Revolute(bodies=(name, "ground"), point="O") for name in bodies}
+    points = {name: Point(x=float(x), y=float(y)) for name, (x, y) in ends.items()}
+    scene = Scene(units="m-kg-s", points=points, bodies=bodies, joints=joints, solver={"end_time": 1.0, "step": 0.1})
+    solution = rest(scene, 1)
+    solution.q[1, solution.coordinates("short")] += 10.0
+    near, far = (Configuration(solution, step) for step in range(2))
+    np.testing.assert_allclose(body_places(far)["long"], [1.5, 0.0], atol=1e-12)
+    np.testing.assert_allclose(body_places(far, motion=(near, far))["long"], [2.4, 0.0], atol=1e-12)
+    found = body_places(near)
+    np.testing.assert_allclose(found["long"], [2.4, 0.0], atol=1e-12)
+    np.testing.assert_allclose(found["short"], np.array(ends["short"]) * 0.8, rtol=1e-12)
+
+
+def test_a_spring_is_a_zigzag_between_its_points():
+    solution = rest(read_scene(SCENE.parents[1] / "slider_crank" / "scene.toml"), 0)
+    drawn = instant_figure(moment := Configuration(solution, 0), choose_look(solution, [0])).axes[0].collections
+    ((path,),) = [each.get_paths() for each in drawn if each.get_gid() == "springs"]
+    ends = np.array([moment.named_points()[name] for name in ("H", "M")])
+    np.testing.assert_allclose(path.vertices[[0, -1]], ends, atol=1e-12)
+    off = path.vertices[:, 1] - ends[0, 1]  # the spring lies along x
+    assert off.max() == pytest.approx(-off.min())
+    assert 0 < off.max() < 0.1 * np.ptp(ends[:, 0])
+    assert np.all(np.diff(path.vertices[:, 0]) > 0)
 
 
 def test_an_undeformed_line_is_drawn_where_a_body_leaves_it(wing):

@@ -202,6 +202,14 @@ def test_a_missing_scene_file_is_named(tmp_path):
         read_scene(tmp_path / "absent.toml")
 
 
+@pytest.mark.parametrize(
+    ("path", "named"), [("morphing_wing/scene.tml", "scene.toml"), ("morphing_wings/scene.toml", "morphing_wing")]
+)
+def test_a_path_that_leads_nowhere_is_told_what_was_probably_meant(path, named):
+    with pytest.raises(InputError, match=rf"cannot be read \(No such file or directory, did you mean '{named}'\)"):
+        read_scene(WING.parent / path)
+
+
 def test_a_reduced_model_in_place_of_a_scene_is_told_as_what_it_is():
     with pytest.raises(InputError, match=r"skin\.h5' holds numbers in HDF5.*is not a scene in TOML"):
         read_scene(WING / "skin.h5")
@@ -214,14 +222,14 @@ def test_a_folder_in_place_of_a_scene_is_told_with_what_is_in_it():
 
 def test_what_is_no_toml_by_its_name_either_is_taken_for_something_else(tmp_path):
     (tmp_path / "body.msh").write_text("$MeshFormat")
-    with pytest.raises(InputError, match=r"Mend that line, or give the path of a scene in TOML\."):
+    with pytest.raises(InputError, match=r"Fix that line, or give the path of a scene in TOML\."):
         read_scene(tmp_path / "body.msh")
 
 
 @pytest.mark.parametrize("content", [b"units = \n", b"\xff\xfe\x00", b"[points]\nA = [1, 2\n"])
 def test_a_scene_file_that_is_no_toml_is_named(tmp_path, content):
     (tmp_path / "broken.toml").write_bytes(content)
-    with pytest.raises(InputError, match=r"(?s)broken\.toml.*not readable as TOML.*Mend that line"):
+    with pytest.raises(InputError, match=r"(?s)broken\.toml.*not readable as TOML.*Fix that line"):
         read_scene(tmp_path / "broken.toml")
 
 
@@ -274,7 +282,7 @@ def test_an_unknown_design_variable_lists_the_available_ones(file, name):
 
 def test_a_design_entry_that_leads_nowhere_is_refused(file):
     with pytest.raises(
-        InputError, match=r"the path 'loads\.motor\.torque' of design variable 'M' leads nowhere.*loads\.drive\.torque"
+        InputError, match=r"design\.M: the path 'loads\.motor\.torque' .*leads nowhere.*loads\.drive\.torque.*\(line \d+\)"
     ):
         read_scene(file('M = "loads.drive.torque"', 'M = "loads.motor.torque"'))
 

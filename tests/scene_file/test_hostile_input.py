@@ -40,7 +40,7 @@ TEXTS = {
 def test_toml_that_chokes_its_reader_is_refused(tmp_path, read, kind):
     text, message = TEXTS[kind]
     (tmp_path / "file.toml").write_text(text)
-    with pytest.raises(InputError, match=rf"file\.toml' is not readable as TOML: .*{message}.*Mend that line"):
+    with pytest.raises(InputError, match=rf"file\.toml' is not readable as TOML: .*{message}.*Fix that line"):
         read(tmp_path / "file.toml")
 
 
@@ -68,7 +68,7 @@ CHANGES: dict[str, tuple[dict[str, str], str]] = {
     "an index that only looks like a digit": ({"points.P.²": "1"}, "leads nowhere"),
     "an index of 5000 digits": ({"points.P." + "1" * 5000: "1"}, "leads nowhere"),
     "more iterations than a whole number counts": ({"solver.max_iterations": "9223372036854775807"}, r"solver\.max_iterations"),
-    "a number whose square overflows": ({"points.P.x": "1e155"}, r"points\.P\.x: 1e\+155 cannot be meant: .*mend the exponent"),
+    "a number whose square overflows": ({"points.P.x": "1e155"}, r"points\.P\.x: 1e\+155 cannot be meant: .*fix the exponent"),
     "a number whose inverse overflows": ({"solver.step": "1e-320"}, r"solver\.step: .*cannot be meant"),
     "a whole number beyond 64 bits": ({"points.P.x": "1" + "0" * 30}, r"points\.P\.x"),
 }

@@ -15,11 +15,11 @@ from tests.models.every_number import SCENES
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.analyses.run_start import start_at_rest
+from toolkit.cost_summary.cost_summary import cost_summary
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.harmonic import Harmonic
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.receipt.receipt import receipt
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
@@ -148,4 +148,4 @@ solver = { start = "equilibrium" }
     further = ffrf.compile(scene, ["loads.g.acceleration.x"]).simulate(start=run, gradients=True)
     assert further.values["a"] == pytest.approx(run.values["a"], abs=1e-9)
     assert further.verdict.trusted, further.verdict
-    assert "markers" in receipt(scene, [], False, measured=False)  # a centre of mass is no point of the scene
+    assert "markers" in cost_summary(scene, [], False, measured=False)  # a centre of mass is no point of the scene

@@ -140,6 +140,13 @@ def test_every_case_keeps_the_constraints(tmp_path):
     assert found.values["soft.rise"] == pytest.approx(-0.12, rel=1e-5)
     assert found.values["stiff.rise"] == pytest.approx(height(wanted) - 0.5, rel=1e-5)
     assert [each.active for each in found.prices] == [True, False]
+    assert "cases" not in found.verdict.codes  # one of them is the scene as it stands
+
+
+def test_a_study_whose_cases_leave_the_scene_itself_out_says_so(tmp_path):
+    found = optimized(only_load(tmp_path, CASES.replace("[cases.stiff]\n", "") + QUICK))
+    assert found.verdict.trusted
+    assert "the design is that for soft alone" in str(found.verdict)
 
 
 FALL = """
@@ -569,7 +576,7 @@ WRONG = {
         "are the same number",
         2,
     ),
-    "method": (PLAIN + '[search]\nmethod = ["mma", "sqp"]', "search.method.1: Input should be 'slsqp'", 7),
+    "method": (PLAIN + '[search]\nmethod = ["mma", "sqp"]', "search.method.1: input should be 'slsqp'", 7),
     "idle objective": (PLAIN.replace("rise", "sway"), "no variable moves sway", 4),
 }
 """Study -> what is said of it, and of which line."""

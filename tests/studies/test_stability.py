@@ -252,7 +252,7 @@ def test_a_scene_names_the_maps_that_it_does_not_have(tmp_path):
 
 def test_maps_that_are_unknown_or_that_a_scene_does_not_have_are_refused(tmp_path):
     scene = read_scene(PENDULUM)
-    with pytest.raises(InputError, match="unknown map 'steps'; available: step, baumgarte"):
+    with pytest.raises(InputError, match="unknown map 'steps', did you mean 'step'; available: step, baumgarte"):
         maps_of(scene, ["steps"], tmp_path, 1000)
     with pytest.raises(InputError, match="no map 'thickness' of this scene: no flexible body has a thickness"):
         maps_of(scene, ["thickness"], tmp_path, 1000)

@@ -94,7 +94,7 @@ def test_command_tables_and_python_say_the_same(tmp_path):
 def test_a_wrong_option_is_said_as_it_was_typed(tmp_path):
     run = CliRunner().invoke(app, ["sweep", str(sweep_file(tmp_path)), "--points", "nonsense", "-o", str(tmp_path / "out")])
     assert run.exit_code == 1
-    assert "points: Input should be 'grid', 'latin-hypercube' or 'sobol' (given: 'nonsense')" in run.stderr
+    assert "points: input should be 'grid', 'latin-hypercube' or 'sobol' (given: 'nonsense')" in run.stderr
 
 
 @pytest.mark.parametrize(

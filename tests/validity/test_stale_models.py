@@ -1,4 +1,4 @@
-"""A reduced model whose inputs were edited after it was built: the scene says so, with what has changed and the command that mends it."""
+"""A reduced model whose inputs were edited after it was built: the scene says so, with what has changed and the command that fixes it."""
 
 from __future__ import annotations
 

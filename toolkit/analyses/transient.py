@@ -143,7 +143,7 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
         raise ConvergenceError(
             f"{system.numbering.names[int(found[2])]} was left out because other joints imply it at the start; it is off by {found[0]:.1e} "
             f"of the scene's size at t = {times[int(found[1])]:g}: they do so in the start position alone (a folded or stretched one), or "
-            "points and axes do not fit exactly. Start elsewhere, mend them, or remove the joint that is too much."
+            "points and axes do not fit exactly. Start elsewhere, fix them, or remove the joint that is too much."
         )
     if not found[0] <= options.drift_tolerance:
         stabilised = options.baumgarte.stiffness != 0

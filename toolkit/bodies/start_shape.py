@@ -64,7 +64,7 @@ def _solved(matrix: np.ndarray, sides: np.ndarray, where: str) -> Any:
     except np.linalg.LinAlgError as error:
         raise InputError(
             f"{where} has no shape of least strain energy: the body's stiffness is singular, so that a part of it moves without any. "
-            "Leave it out, or mend the reduced model."
+            "Leave it out, or fix the reduced model."
         ) from error
 
 

@@ -39,8 +39,8 @@ from toolkit.command_line.keeping import (
     text_of,
 )
 from toolkit.command_line.output_folder import prepare_folder
+from toolkit.command_line.printed.cost_summary import compiled, cost_summary_of, print_cost_summary
 from toolkit.command_line.printed.printing import print_files, print_verdict, warn
-from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
 from toolkit.command_line.printed.report import print_frequencies, print_result
 from toolkit.foundation.processes.one_thread import SINGLE
 from toolkit.foundation.rare_collections import last_work
@@ -199,7 +199,7 @@ def inspect(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the receipt of what the scene costs and why."""
+    """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the summary of what the scene costs and why."""
     if file.suffix != ".toml":
         (print_json if as_json else print_file)(describe(file))
         return
@@ -208,12 +208,12 @@ def inspect(
     scene = with_chosen_frames(read(file, changes, quiet), "transient")
     record = describe_scene(scene)
     names = list(scene.design) if variables is None else design_of(scene, variables)
-    found = receipt_of(scene, names, keep_all, measure, quiet)
+    found = cost_summary_of(scene, names, keep_all, measure, quiet)
     if as_json:
-        print_json({**record, "receipt": found})
+        print_json({**record, "cost_summary": found})
     else:
         print_file(record)
-        print_receipt(found)
+        print_cost_summary(found)
 
 
 @app.command()

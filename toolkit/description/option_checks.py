@@ -74,7 +74,7 @@ def contradictions(options: RunOptions) -> Iterator[str]:
 def _of_times(options: RunOptions, times: tuple[float, ...]) -> Iterator[str]:
     lengths = [b - a for a, b in pairwise(times)]
     if min(lengths) <= 0 or times[0] != 0 or times[-1] != options.end_time:
-        yield f"times must increase from 0 to end_time = {options.end_time:g}; mend them, or leave times out"
+        yield f"times must increase from 0 to end_time = {options.end_time:g}; fix them, or leave times out"
     elif options.formulation != "index-1" and any(a > STEEPEST * b for a, b in pairwise(lengths)):
         yield (
             f"times hold a step that is more than {STEEPEST:g} times shorter than the one before: what that left of the joints' "

@@ -87,4 +87,4 @@ def _said(error: Any, owner: type[BaseModel]) -> str:
         return f"write a list, as [1.0, 2.0] (given: {SHORT.repr(error['input'])})."
     if error["type"] == "union_tag_not_found":
         return "this table needs a `type`."
-    return f"{error['msg']} (given: {SHORT.repr(error['input'])})."
+    return f"{error['msg'][:1].lower()}{error['msg'][1:]} (given: {SHORT.repr(error['input'])})."

@@ -90,11 +90,17 @@ class Inputs(NamedTuple):
 
 
 def allocate_terms(plan: Plan, dtype: type) -> Terms:
-    """Memory for the result."""
+    """Memory for the result, with two columns of derivatives by the design at least, see `of_variables`."""
     vectors: list[Any] = [np.zeros(plan.n, dtype) for _ in range(2)]
     entries: Any = np.zeros((4, len(plan.indices)), dtype)  # in one piece, of which a processor keeps track in larger pages
-    by_design: Any = [np.zeros((plan.n, plan.n_x), dtype, order="F") for _ in range(2)]  # a variable touches neighbouring rows
+    columns = max(plan.n_x, 2)  # a single one lies in both orders: another type, for which everything is compiled anew
+    by_design: Any = [np.zeros((plan.n, columns), dtype, order="F") for _ in range(2)]  # a variable touches neighbouring rows
     return Terms(*vectors, *entries, *by_design)
+
+
+def of_variables(plan: Plan, terms: Terms) -> Terms:
+    """The terms without the columns of memory that belong to no design variable."""
+    return terms._replace(I_x=terms.I_x[:, : plan.n_x], A_x=terms.A_x[:, : plan.n_x])
 
 
 def allocate_work(plan: Plan, dtype: type) -> Work:

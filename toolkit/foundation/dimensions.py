@@ -64,5 +64,5 @@ def dimension_of_label(label: str, units: str) -> Dimension:
     """
     found = [dimension for quantity, dimension in LABELLED.items() if unit(units, quantity) == label]
     if not found:
-        raise InputError(f"the unit {label!r} is none of {units}, so that numbers in it cannot be converted. Mend the label.")
+        raise InputError(f"the unit {label!r} is none of {units}, so that numbers in it cannot be converted. Fix the label.")
     return found[0]

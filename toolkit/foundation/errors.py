@@ -10,7 +10,7 @@ class ToolkitError(Exception):
 def refusal(error: OSError) -> str:
     """What the system refused, where nobody nearer to it knew what to say."""
     where = f" at {str(error.filename)!r}" if error.filename is not None else ""
-    return f"the system refused to go on{where}: {error.strerror or error}. Mend the path, or make room on the disk."
+    return f"the system refused to go on{where}: {error.strerror or error}. Fix the path, or make room on the disk."
 
 
 def out_of_memory(error: MemoryError) -> str:

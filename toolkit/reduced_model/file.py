@@ -13,13 +13,14 @@ import numpy as np
 
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
+from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.checks import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.parts.interior import Interior
-from toolkit.reduced_model.parts.pieces import Pieces
+from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -54,11 +55,12 @@ PARTS: dict[str, Any] = {
     "surface_loads": SurfaceLoad,
     "spin": Spin,
     "pieces": Pieces,
+    "piece_loads": PieceLoads,
 }
 """Groups of the file; those in `NAMED` hold several named objects."""
 SPATIAL_PARTS: dict[str, Any] = {"invariants": SpatialInvariants, "elements": SpatialElements}
 """What they hold in space instead."""
-NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine")
+NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine", "piece_loads")
 
 
 def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:
@@ -155,9 +157,10 @@ def _check_signature(path: Path) -> None:
     """Say plainly what HDF5 would report in the words of its developers."""
     try:
         start = read_start(path, len(SIGNATURE))
-    except FileNotFoundError:
+    except FileNotFoundError as error:
         raise ModelFileError(
-            f"there is no reduced model {str(path)!r}. Mend the path; a missing model is built with ffrf-preprocess."
+            f"there is no reduced model {str(path)!r}{meant_path(path, error)}. Fix the path; a missing model is built with "
+            "ffrf-preprocess."
         ) from None
     except OSError as error:
         raise ModelFileError(

@@ -77,7 +77,7 @@ def panel_of(names: list[Name], lines: list[np.ndarray], letter: float, size: np
 
     All lengths are pixels or points of print, counted from the panel's lower left corner.
     """
-    every = np.vstack([spots, *(_dense(points, _SPACING * letter) for points in [*lines, *(name.point[None] for name in names)])])
+    every = np.vstack([spots, dense_lines([*lines, *(name.point[None] for name in names)], _SPACING * letter)])
     empty = Panel(names, _NOWHERE, size)
     return empty._replace(obstacles=np.unique(np.round(_FINE * every[empty.shows(every)]), axis=0) / _FINE)
 
@@ -143,11 +143,16 @@ def _distances(centres: np.ndarray, name: Name, points: np.ndarray, letter: floa
     return np.maximum(_clearance(centres, name.half, name.point[None]), 0), _clearance(centres, name.half, others)
 
 
+def dense_lines(lines: Sequence[np.ndarray], spacing: float) -> np.ndarray:
+    """Points (n, d) along polylines at most a spacing apart."""
+    return np.vstack([_dense(points, spacing) for points in lines]) if lines else _NOWHERE
+
+
 def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
     """Points along a polyline at most a spacing apart."""
     if len(points) < 2:
         return points
-    counts = np.ceil(np.hypot(*np.diff(points, axis=0).T) / spacing).astype(int).clip(1)
+    counts = np.ceil(np.linalg.norm(np.diff(points, axis=0), axis=1) / spacing).astype(int).clip(1)
     steps, within = (
         np.diff(points, axis=0) / counts[:, None],
         np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts),

@@ -119,8 +119,8 @@ class Moment(ABC):
             place for place in self.named_points().values() if not any(np.linalg.norm(place - each) < near for each in marked)
         ]
 
-    def middle(self, body: str) -> np.ndarray | None:
-        """Middle of the longest line that stands for a body, or of its longest piece between two named points; None without lines."""
+    def longest_piece(self, body: str) -> np.ndarray | None:
+        """Ends (2, d) of the longest line that stands for a body, or of its longest piece between two named points; None without lines."""
         if not (lines := self.segments(body)):
             return None
         line = lines[first_largest(np.array([np.ptp(each, axis=0).max() for each in lines]))]
@@ -130,7 +130,7 @@ class Moment(ABC):
         beside = np.linalg.norm(points - places[:, None] * along, axis=1) < POINT * self.scene.size
         places = np.sort(np.concatenate([[0.0, 1.0], places[beside & (places > 0) & (places < 1)]]))
         piece = first_largest(np.diff(places))
-        return np.asarray(start + places[piece : piece + 2].mean() * along)
+        return np.asarray(start + places[piece : piece + 2, None] * along)
 
     def components(self) -> list[Component]:
         """All joints and loads that grip bodies, but for those that tie the parts of a cut body."""

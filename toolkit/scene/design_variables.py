@@ -50,9 +50,9 @@ def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
     table, _, point = path.rpartition(".")[0].partition(".")
     if table == "points" and isinstance(scene.points.get(point), BodyPoint):
         raise InputError(_on_body(path, f"{table}.{point}.arc_length", scene.points[point], available))
-    which = (
-        f"the path {path!r} of design variable {name!r} leads nowhere" if path != name else f"unknown design variable {name!r}"
-    )
+    which = f"unknown design variable {name!r}"
+    if path != name:
+        which = f"design.{name}: the path {path!r} of design variable {name!r} leads nowhere"
     raise InputError(
         f"{which}{meant(path, [*scene.design, *available])}; short names of the scene: {', '.join(scene.design) or 'none'}; "
         f"paths: {listed(list(available))}."

@@ -22,7 +22,7 @@ from toolkit.compilation.plan import build_plan
 from toolkit.compilation.quantities import STEP, Asked, Quantities, loads_of, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
-from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
+from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
 from toolkit.foundation.kernel import plain, slots
 from toolkit.foundation.near_ties import first_largest
@@ -68,7 +68,7 @@ class System:
         """Number of coordinates."""
         return self.plan.n_q
 
-    @property
+    @cached_property
     def n_b(self) -> int:
         """Number of coordinates of bodies; behind them come the states of loads, which count among the forces of an equilibrium."""
         return self.n_q - len(self.numbering.states)
@@ -137,11 +137,18 @@ class System:
         if not self.compiled:
             terms = allocate_terms(self.plan, self.dtype)
             self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, self.work)
-            return terms
-        curves, curves_x, levels = (np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels))
-        inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
-        memory, own = self._memory, map(self._handed_on, (self.plan, self.functions))
-        given = *own, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
+            return of_variables(self.plan, terms)
+        curves, curves_x, scale, levels, inertia, joints_only = inputs
+        inputs = Inputs(
+            np.ascontiguousarray(curves, float),
+            np.ascontiguousarray(curves_x, float),
+            float(scale),
+            np.ascontiguousarray(levels, float),
+            bool(inertia),
+            bool(joints_only),
+        )
+        memory, plan, functions = self._memory, self._handed_on(self.plan), self._handed_on(self.functions)
+        given = plan, functions, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
         if memory.formula is None:
             memory.formula = entry_point(evaluate_all, *given)
         memory.formula(*given)

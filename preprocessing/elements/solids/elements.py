@@ -114,7 +114,7 @@ def _block(kind: str, connectivity: np.ndarray, nodes: np.ndarray) -> ElementBlo
     except IndexError as error:  # scikit-fem counts nodes between corners by the sides of the elements
         raise InputError(
             f"the {kind} elements do not fit together: what is a corner of one lies between the corners of another, or two that meet have "
-            "not the same node between their corners. Mend the mesh, or mesh it again."
+            "not the same node between their corners. Fix the mesh, or mesh it again."
         ) from error
     return ElementBlock(kind, connectivity, made, shapes())
 

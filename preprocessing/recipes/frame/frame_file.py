@@ -76,7 +76,7 @@ class FrameFile(Table):
         for name, place in self.nodes.items():
             if len(place) != self.dimension:
                 where = "in the plane" if plane else "in space"
-                yield f"nodes.{name}: a frame {where} (dimension = {self.dimension}) has {self.dimension} coordinates (got {place})"
+                yield f"nodes.{name}: a frame {where} (dimension = {self.dimension}) has {self.dimension} coordinates (given: {place})"
         if self.polar_nodes and not plane:
             yield "polar_nodes: nodes at one angle lie in the plane; write dimension = 2, or give them coordinates in nodes"
         if both := set(self.nodes) & set(self.polar_nodes):
@@ -90,7 +90,7 @@ class FrameFile(Table):
                 yield f"materials.{name}.poisson_ratio: this key is missing; add it, because beams in space twist"
         for name, section in self.sections.items():
             if plane and section.kind != "rectangle":
-                yield f'sections.{name}: beams in the plane (dimension = 2) have sections of kind "rectangle" (got {section.kind!r})'
+                yield f'sections.{name}: beams in the plane (dimension = 2) have sections of kind "rectangle" (given: {section.kind!r})'
         for k, beam in enumerate(self.beams):
             if plane and beam.orientation is not None:
                 yield f"beams.{k}.orientation: the thickness of a beam in the plane (dimension = 2) lies in the plane; leave it out"

@@ -77,7 +77,9 @@ class FrameSection(Table):
         own = set(DIMENSIONS[self.kind])
         given = {name for names in DIMENSIONS.values() for name in names if getattr(self, name) is not None}
         if given != own:
-            raise ValueError(f"a {self.kind} has the numbers {', '.join(sorted(own))} (got {', '.join(sorted(given)) or 'none'})")
+            raise ValueError(
+                f"a {self.kind} has the numbers {', '.join(sorted(own))} (given: {', '.join(sorted(given)) or 'none'})"
+            )
         if self.fibres is not None and (self.kind != "general" or not self.fibres):
             raise ValueError("fibres are one or more places of a general section; the others have theirs")
         if self.kind == "tube" and 2 * (self.wall or 0) > (self.diameter or 0):

@@ -21,6 +21,7 @@ from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_space import design_space, differentiable
 from preprocessing.reduction.reduced import Reduced, element_parts, reduce
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.model import Mesh, Shape
 
@@ -84,7 +85,8 @@ def _airfoil_bytes(path: Path) -> bytes:
         return read_start(path, LARGEST_FILE + 1)
     except OSError as error:
         raise InputError(
-            f"the airfoil file {str(path)!r} cannot be read ({error.strerror}). Mend the path; it is relative to the TOML file."
+            f"the airfoil file {str(path)!r} cannot be read ({error.strerror}{meant_path(path, error)}). Fix the path; it is relative to "
+            "the TOML file."
         ) from error
 
 

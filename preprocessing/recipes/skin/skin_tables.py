@@ -83,7 +83,7 @@ class ShapeMode(Table):
     def _can_be_meant(self) -> ShapeMode:
         given = {key for key in ("arc_length", "x", "side") if getattr(self, key) is not None}
         if given not in ({"arc_length"}, {"x", "side"}):
-            raise ValueError(f"give either arc_length, or x with side (got {', '.join(sorted(given)) or 'nothing'})")
+            raise ValueError(f"give either arc_length, or x with side (given: {', '.join(sorted(given)) or 'nothing'})")
         if abs(self.height) > self.half_width:
             raise ValueError(f"a bump of half_width {self.half_width:g} cannot have a height of {self.height:g}; make it wider")
         return self
@@ -150,7 +150,7 @@ class Place(Table):
     def _one_way(self) -> Place:
         given = set(self.where)
         if given not in ({"node"}, {"arc_length"}, {"x", "side"}):
-            raise ValueError(f"give either node, or arc_length, or x with side (got {', '.join(sorted(given)) or 'nothing'})")
+            raise ValueError(f"give either node, or arc_length, or x with side (given: {', '.join(sorted(given)) or 'nothing'})")
         return self
 
     @property

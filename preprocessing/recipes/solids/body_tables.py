@@ -50,7 +50,7 @@ class Region(Table):
     def _one_way(self) -> Region:
         given = [key for key in ("group", "box", "nodes") if getattr(self, key) is not None]
         if len(given) != 1:
-            raise ValueError(f"give exactly one of group, box, nodes (got {', '.join(given) or 'none'})")
+            raise ValueError(f"give exactly one of group, box, nodes (given: {', '.join(given) or 'none'})")
         return self
 
     @property

@@ -18,6 +18,7 @@ from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from preprocessing.recipes.tables import Table
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import replaced, write_whole
+from toolkit.foundation.files.toml_file import read_toml
 
 ON_NODE = 1e-9
 """Part of the skin's length within which an interface point is on a station of the mesh."""
@@ -55,7 +56,12 @@ def extrude(path: Path, target: Path, layers: int = 8, remark: Remark | None = N
         )
     if taken := [str(each) for each in (target, described) if each.exists()]:
         raise InputError(f"{' and '.join(taken)} would be overwritten. Move it away, or name another file.")
-    file = SkinRecipe.read(path).file
+    content = read_toml(path, f"a {SkinRecipe.name}")
+    if not SkinRecipe.means(content) and "skin" not in content:
+        raise InputError(
+            f"{path.name} describes no skin, and skins alone are extruded. Give a {SkinRecipe.name}, or leave --extrude out."
+        )
+    file = SkinRecipe.of(content, path).file
     refuse_what_is_lost(path, file)
     geometry = read_geometry(path, file, remark)
     with at_key(path, "section.thickness"):

@@ -113,7 +113,7 @@ class SpatialRigid(GivenMass, SpatialRigidBody):
         if np.linalg.eigvalsh(moments)[0] < -PHYSICAL * np.trace(moments) or not np.trace(moments) > 0:
             raise ValueError(
                 "no body has these moments of inertia: each principal one is positive and at most the sum of the other two; "
-                "mend a digit, or the signs of yz, xz, xy"
+                "fix a digit, or the signs of yz, xz, xy"
             )
         return inertia
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
 from toolkit.foundation.listed_names import listed
 
@@ -35,7 +36,9 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     except OSError as error:
         found = sorted(map(str, path.glob("*.toml"))) if isdir(path) else []  # no error of its own for any path
         inside = f"; in this folder there are: {listed(found)}" if found else ""
-        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of {what}{inside}.") from error
+        raise InputError(
+            f"{str(path)!r} cannot be read ({error.strerror}{meant_path(path, error)}). Give the path of {what}{inside}."
+        ) from error
     if len(content) > LARGEST_FILE:
         raise InputError(f"{str(path)!r} has more than {LARGEST_FILE} bytes. Give the path of {what}.")
     if content.startswith(HDF5):
@@ -45,7 +48,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     try:
         return parse_toml(content.decode("utf-8-sig"))
     except ValueError as error:
-        remedy = "Mend that line" if path.suffix == ".toml" else f"Mend that line, or give the path of {what}"
+        remedy = "Fix that line" if path.suffix == ".toml" else f"Fix that line, or give the path of {what}"
         raise InputError(f"{str(path)!r} is not readable as TOML: {error}. {remedy}.") from error
 
 

@@ -120,7 +120,7 @@ class Gear(Wheels, PlanarJoint):
             if abs(reach - distance) > FITS * distance:
                 raise InputError(
                     f"radii of a gear between points {self.points[0]!r} and {self.points[1]!r} add up to {reach:g}, but the centres "
-                    f"are {distance:g} apart. Mend one, give a ring a negative radius, or write `ratio` for wheels that do not touch."
+                    f"are {distance:g} apart. Fix one, give a ring a negative radius, or write `ratio` for wheels that do not touch."
                 )
         return d / square
 

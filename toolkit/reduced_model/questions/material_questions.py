@@ -83,7 +83,7 @@ def _reading(band: Band, value: float, units: str) -> str:
     low, high = band.likely
     read = next(((name, size) for name, size in band.readings.items() if low <= value * size <= high and size != own), None)
     if read is None:
-        return f"In {units} its unit is {label}: mend the exponent or the units."
+        return f"In {units} its unit is {label}: fix the exponent or the units."
     name, size = read
     return f"{value:g} reads as {name}; in {units} its unit is {label}: {value * size / own:g}."
 

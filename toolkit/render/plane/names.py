@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, TriMesh
 
+from toolkit.render.body_places import body_places
 from toolkit.render.colors import BODY, INK, UNDEFORMED
 from toolkit.render.label_places import Name, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
@@ -38,7 +39,7 @@ def write_names(
     dots, tolerance = figure_of(axes).dpi / 72, _APART * float(np.ptp(shown(axes), axis=0).max())
     low, high = axes.bbox.get_points() / dots
     told = [(text, place, INK, "normal") for place, text in _labels(moment, tolerance, motion)]
-    told += [(name, place, BODY, "italic") for name, place in _middles(moment)] if bodies else []
+    told += [(name, place, BODY, "italic") for name, place in _middles(moment, motion)] if bodies else []
     names, texts = [], []
     for text, place, color, slant in told:
         written: Any = axes.annotate(
@@ -82,15 +83,15 @@ def _labels(moment: Configuration, tolerance: float, motion: NamesOfMotion | Non
     return named
 
 
-def _middles(moment: Configuration) -> list[tuple[str, np.ndarray]]:
-    """Names of bodies, each with a place in its middle; what is drawn of them as a point is named by that."""
-    found = []
+def _middles(moment: Configuration, motion: NamesOfMotion | None) -> list[tuple[str, np.ndarray]]:
+    """Names of bodies, each with a place near its middle; what is drawn of them as a point is named by that."""
+    found, places = [], body_places(moment, motion=motion.moments if motion else ())
     for body in moment.scene.bodies:
         if (skin := skin_shape(moment, body) if body in moment.flexible() else None) is not None:
             points = skin.line.reshape(-1, 2)
             found.append((body, points[len(points) // 2]))
         elif (solid := solid_shape(moment, body)) is not None:
             found.append((body, solid.deepest))
-        elif (middle := moment.middle(body)) is not None:
-            found.append((body, middle))
+        elif body in places:
+            found.append((body, places[body]))
     return found

@@ -14,6 +14,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.tri import Triangulation
 
+from toolkit.loads.planar.spring_damper import SpringDamper
 from toolkit.render.colors import INK, ROD, SUPPORT, TARGET, UNDEFORMED
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look
@@ -26,6 +27,8 @@ from toolkit.render.sheet import SIGNED
 Dashes = Literal["-", "--"]
 _SYMBOL = 6.5 / 72
 """Size of drawing symbols in inches, whatever the scale is."""
+_SPRING = 4.0 / 72
+"""Half width of a spring, in inches."""
 _BAND = 4.0
 """Width of the coloured boundary of a meshed body, in points."""
 _UNTOLD, _EDGE = "#c8cdd4", "#5d6f8a"
@@ -130,12 +133,28 @@ def draw_line(axes: Axes, moment: Configuration, body: str, **style: Any) -> Non
 def draw_mechanism(
     axes: Axes, moment: Configuration, color: str = ROD, edge: str = _EDGE, width: float = 4.0, but: Collection[str] = ()
 ) -> None:
-    """Rigid bodies as thick lines with edges, springs, distance joints and wheels as thin ones; without bodies that are drawn already."""
+    """Rigid bodies as thick lines with edges, springs as zigzags, distance joints and wheels as thin lines.
+
+    Bodies that are drawn already are left out.
+    """
     rods = [ends for ends in moment.rods(but) for _ in ("edge", "inside")]
-    links = [*(moment.ends(each) for each in moment.links()), *moment.wheels()]
+    springs = [each for each in moment.links() if isinstance(each, SpringDamper)]
+    links = [*(moment.ends(each) for each in moment.links() if each not in springs), *moment.wheels()]
     axes.add_collection(LineCollection(links, colors=color, linewidths=1.5, zorder=_ROD))
     look: Any = {"colors": (edge, color), "linewidths": (width + 1.0, width)}
     axes.add_collection(LineCollection(rods, capstyle="round", zorder=_ROD, **look))
+    half = _SPRING * float(np.ptp(axes.get_xlim())) / (axes.bbox.width / figure_of(axes).dpi)
+    coils = [zigzag(moment.ends(each), half) for each in springs]
+    axes.add_collection(LineCollection(coils, colors=edge, linewidths=1.5, zorder=_ROD, gid="springs"))
+
+
+def zigzag(ends: np.ndarray, half: float, teeth: int = 8) -> np.ndarray:
+    """Points (n, 2) of a spring between two ends (2, 2), straight at both, and so far to each side of the line between them."""
+    along = ends[1] - ends[0]
+    aside = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), np.finfo(float).tiny)
+    places, sides = np.linspace(0.2, 0.8, 2 * teeth + 1), np.zeros(2 * teeth + 1)
+    sides[1::4], sides[3::4] = half, -half
+    return np.vstack([ends[0], ends[0] + np.outer(places, along) + np.outer(sides, aside), ends[1]])
 
 
 def draw_symbols(axes: Axes, moment: Configuration) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import meant
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import converted
@@ -44,7 +45,7 @@ def maps_of(scene: Scene, names: Sequence[str] | None, directory: Path, most_ste
     """
     unknown = [name for name in names or () if name not in MAPS]
     if unknown:
-        raise InputError(f"unknown map {unknown[0]!r}; available: {', '.join(MAPS)}.")
+        raise InputError(f"unknown map {unknown[0]!r}{meant(unknown[0], MAPS)}; available: {', '.join(MAPS)}.")
     builders: dict[str, Callable[[Scene], Map]] = {
         "step": lambda each: step_map(each, most_steps),
         "baumgarte": baumgarte_map,

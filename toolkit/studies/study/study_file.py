@@ -82,7 +82,7 @@ class Limit(Description):
             raise ValueError("a constraint needs a limit: `below`, `above` or `between`")
         if low is not None and high is not None and low >= high:
             raise ValueError(
-                f"nothing is above {low:g} and below {high:g}: these limits contradict each other. Exchange or mend them"
+                f"nothing is above {low:g} and below {high:g}: these limits contradict each other. Exchange or fix them"
             )
         return self
 

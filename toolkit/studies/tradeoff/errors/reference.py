@@ -140,7 +140,7 @@ def _measured(measure: Measure, settings: list[Setting]) -> list[Record]:
         if record.failure:
             raise ConvergenceError(
                 f"the reference ({record.labels['reference']}) cannot be computed: {record.failure} Without it nothing can be "
-                "measured; mend the scene, or begin at another step with --set solver.step."
+                "measured; fix the scene, or begin at another step with --set solver.step."
             )
     return records
 

@@ -1,4 +1,4 @@
-"""One line of the receipt."""
+"""One line of the cost summary."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.receipt.line import Line
+from toolkit.cost_summary.line import Line
 from toolkit.system.flexible_bodies import deforming
 from toolkit.system.system import System
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.bodies.body import Body
+from toolkit.cost_summary.everything import grounded_bodies
+from toolkit.cost_summary.line import Line
+from toolkit.cost_summary.terms import frame_of, rigid_bodies
 from toolkit.joints.both.tie import Tie
 from toolkit.joints.joint import Joint
 from toolkit.linear.sparse_analysis import LUPlan
-from toolkit.receipt.everything import grounded_bodies
-from toolkit.receipt.line import Line
-from toolkit.receipt.terms import frame_of, rigid_bodies
 from toolkit.scene.space import SPACES
 from toolkit.system.flexible_bodies import deforming
 from toolkit.system.system import System

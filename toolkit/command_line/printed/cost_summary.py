@@ -1,4 +1,4 @@
-"""The receipt of a scene on the terminal."""
+"""The cost summary of a scene on the terminal."""
 
 from __future__ import annotations
 
@@ -21,31 +21,31 @@ def compiled(scene: Scene, keep_all: bool) -> Model:
 
     if not keep_all:
         return compile_model(scene)
-    from toolkit.receipt.everything import prepare_everything
+    from toolkit.cost_summary.everything import prepare_everything
     from toolkit.sensitivity.compiled import Compiled
     from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 
     return Model(Compiled.of(prepare_everything(with_chosen_frames(scene, "transient"))))
 
 
-def receipt_of(scene: Scene, design: list[str], keep_all: bool, measured: bool, quiet: bool = False) -> dict[str, Any]:
-    """The receipt, or why there is none: a scene that cannot be compiled can still be looked at."""
-    from toolkit.receipt.receipt import receipt
+def cost_summary_of(scene: Scene, design: list[str], keep_all: bool, measured: bool, quiet: bool = False) -> dict[str, Any]:
+    """The cost summary, or why there is none: a scene that cannot be compiled can still be looked at."""
+    from toolkit.cost_summary.cost_summary import cost_summary
 
     try:
         if not measured:
-            return receipt(scene, design, keep_all, measured=False)
+            return cost_summary(scene, design, keep_all, measured=False)
         with at_work("measuring", scene, "transient", design, quiet):
-            return receipt(scene, design, keep_all)
+            return cost_summary(scene, design, keep_all)
     except ToolkitError as error:
         return {"none": str(error)}
 
 
-def print_receipt(found: dict[str, Any]) -> None:
+def print_cost_summary(found: dict[str, Any]) -> None:
     """Print a table for every section, then the costs and the gain."""
     console = Console(width=WIDE, highlight=False)
     if "none" in found:
-        console.print(f"no receipt: {found['none']}", markup=False)
+        console.print(f"no cost summary: {found['none']}", markup=False)
         return
     for section, lines in found.items():
         if section not in ("cost", "meshes"):

@@ -1,4 +1,4 @@
-"""Only what a scene requires is read, compiled and solved; the receipt says what, and everything put back changes nothing."""
+"""Only what a scene requires is read, compiled and solved; the cost summary says what, and everything put back changes nothing."""
 
 import shutil
 
@@ -9,12 +9,12 @@ from tests.models.scenes import HANGING_DESIGN, MODELS, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.model_body import FRAME
 from toolkit.bodies.planar.flexible import Flexible
+from toolkit.cost_summary.cost import costs
+from toolkit.cost_summary.cost_summary import cost_summary
+from toolkit.cost_summary.everything import prepare_everything, with_frames
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.files.hdf5 import Content
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.receipt.cost import costs
-from toolkit.receipt.everything import prepare_everything, with_frames
-from toolkit.receipt.receipt import receipt
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene, forget_models
 from toolkit.scene_file.reader import read_scene
@@ -185,15 +185,15 @@ def test_a_joint_can_grip_the_origin_of_a_frame():
 
 
 def total(lines: list[dict], key: str) -> int:
-    """Sum over a section of the receipt."""
+    """Sum over a section of the cost summary."""
     return sum(line[key] for line in lines)
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_the_receipt_counts_what_the_compiled_scene_holds(name):
+def test_the_cost_summary_counts_what_the_compiled_scene_holds(name):
     scene = SCENES[name]()
     variables = list(scene.design) or ["bodies.skin.thickness"]
-    system, found = prepare(scene, variables), receipt(scene, variables, measured=False)
+    system, found = prepare(scene, variables), cost_summary(scene, variables, measured=False)
     assert total(found["coordinates"], "kept") == system.n_q
     assert total(found["constraint rows"], "kept") == system.n - system.n_q
     assert total(found["derivative blocks (rows of the residual)"], "kept") == len(system.plan.touched_row)
@@ -202,8 +202,8 @@ def test_the_receipt_counts_what_the_compiled_scene_holds(name):
     assert all(line["why"] for lines in found.values() for line in lines if line.get("dropped"))
 
 
-def test_the_receipt_states_the_bytes_that_were_read_and_all_of_the_file(wing, read):
-    found = receipt(read_scene(wing), ["M_t"], measured=False)["bytes of skin.h5"]
+def test_the_cost_summary_states_the_bytes_that_were_read_and_all_of_the_file(wing, read):
+    found = cost_summary(read_scene(wing), ["M_t"], measured=False)["bytes of skin.h5"]
     read.clear()
     prepare(read_scene(wing), ["M_t"])  # nothing is read twice in one program
     assert not read
@@ -215,7 +215,7 @@ def test_the_receipt_states_the_bytes_that_were_read_and_all_of_the_file(wing, r
 
 
 @pytest.mark.parametrize("variables", [[], ["t_w"]])
-def test_the_bytes_of_the_receipt_are_those_that_a_whole_run_reads(wing, read, variables):
+def test_the_bytes_of_the_cost_summary_are_those_that_a_whole_run_reads(wing, read, variables):
     scene = read_scene(wing)
     stated = costs(scene, variables, measured=False)[len(variables)].bytes_read
     forget_models()
@@ -226,8 +226,8 @@ def test_the_bytes_of_the_receipt_are_those_that_a_whole_run_reads(wing, read, v
     assert sum(size for _, size in read) == stated
 
 
-def test_with_everything_kept_the_receipt_drops_nothing_that_could_be_put_back(wing):
-    found = receipt(read_scene(wing), [], keep_all=True, measured=False)
+def test_with_everything_kept_the_cost_summary_drops_nothing_that_could_be_put_back(wing):
+    found = cost_summary(read_scene(wing), [], keep_all=True, measured=False)
     assert total(found["coordinates"], "dropped") == total(found["constraint rows"], "dropped") == 0
     assert total(found["derivative blocks (rows of the residual)"], "dropped") == 0
     assert [line["what"] for line in found["bytes of skin.h5"] if line["dropped"]] == ["names, attributes, tables of HDF5"]

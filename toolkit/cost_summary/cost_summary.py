@@ -1,22 +1,22 @@
-"""The receipt of a scene: coordinates, terms, file groups and derivative blocks, kept and dropped, why, and what they cost."""
+"""The cost summary of a scene: coordinates, terms, file groups and derivative blocks, kept and dropped, why, and what they cost."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
 from typing import Any
 
-from toolkit.receipt.asked import derivative_blocks, fields, markers
-from toolkit.receipt.cost import costs
-from toolkit.receipt.everything import prepare_everything
-from toolkit.receipt.files import files, meshes
-from toolkit.receipt.line import Line
-from toolkit.receipt.terms import terms
-from toolkit.receipt.unknowns import coordinates, matrix, rows
+from toolkit.cost_summary.asked import derivative_blocks, fields, markers
+from toolkit.cost_summary.cost import costs
+from toolkit.cost_summary.everything import prepare_everything
+from toolkit.cost_summary.files import files, meshes
+from toolkit.cost_summary.line import Line
+from toolkit.cost_summary.terms import terms
+from toolkit.cost_summary.unknowns import coordinates, matrix, rows
 from toolkit.scene.scene import Scene, forget_models
 from toolkit.sensitivity.preparation import prepare
 
 
-def receipt(scene: Scene, design: list[str], keep_all: bool = False, measured: bool = True) -> dict[str, Any]:
+def cost_summary(scene: Scene, design: list[str], keep_all: bool = False, measured: bool = True) -> dict[str, Any]:
     """Sections of lines, the errors of meshes, then the costs; as in `ffrf inspect SCENE --json`.
 
     Parameters

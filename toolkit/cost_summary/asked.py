@@ -8,8 +8,8 @@ import numpy as np
 
 from toolkit.bodies.body import CENTRE
 from toolkit.bodies.model_body import ModelBody
-from toolkit.receipt.line import Line
-from toolkit.receipt.terms import rigid_bodies
+from toolkit.cost_summary.line import Line
+from toolkit.cost_summary.terms import rigid_bodies
 from toolkit.responses.shape_error import ShapeResponse
 from toolkit.responses.stress.local_stress import LocalStress
 from toolkit.responses.stress.stress import StressResponse

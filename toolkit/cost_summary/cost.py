@@ -10,12 +10,12 @@ from statistics import median
 import numpy as np
 
 from toolkit.analyses.transient import simulate
+from toolkit.cost_summary.everything import grounded_bodies, prepare_everything, with_frames
+from toolkit.cost_summary.files import bytes_read
+from toolkit.cost_summary.unknowns import multiplications
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import time_grid
 from toolkit.foundation.errors import ToolkitError
-from toolkit.receipt.everything import grounded_bodies, prepare_everything, with_frames
-from toolkit.receipt.files import bytes_read
-from toolkit.receipt.unknowns import multiplications
 from toolkit.scene.scene import Scene, forget_models
 from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import System
