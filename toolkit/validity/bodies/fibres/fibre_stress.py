@@ -20,8 +20,8 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import chain
-from toolkit.validity.bodies.chains.spatial_sections import SAME, sections_of
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
+from toolkit.validity.bodies.fibres.spatial_sections import SAME, sections_of
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
 ROUND_OFF = 1e-9
@@ -31,14 +31,15 @@ ROUND_OFF = 1e-9
 def fibres_alone(solution: Solution) -> Iterator[Caution]:
     """Doubts about bodies of beams in space whose stress, where it is asked for, lacks a part that counts."""
     scene = solution.system.scene
-    for body in whole_bodies(scene) if scene.dimension == 3 else ():
+    for body in whole_bodies(scene):
         if body in bodies_of_stress(scene) and not is_in_pieces(scene, body) and is_of_fibres(scene, body):
             yield from _lacking(solution, body)
 
 
 def is_of_fibres(scene: Scene, body: str) -> bool:
-    """Whether the stress of a body has one component, as that of beams."""
-    return flexible_body(scene, body).design_point(scene).model.invariants.stress_operator.shape[1] == 1
+    """Whether the stress of a body is that of beams in space: one component at every point, where solids have six."""
+    _, *components, _ = flexible_body(scene, body).design_point(scene).model.invariants.stress_operator.shape
+    return components == [1]
 
 
 def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
