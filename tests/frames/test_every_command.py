@@ -1,4 +1,4 @@
-"""What users see of a scene whose body has several frames: receipt, series for ParaView, report, map of stability, price of accuracy."""
+"""What users see of a scene whose body has several frames: cost summary, ParaView series, report, map of stability, price of accuracy."""
 
 from __future__ import annotations
 
@@ -59,9 +59,9 @@ def asked(*arguments: object) -> str:
     return done.stdout
 
 
-def test_the_receipt_counts_what_frames_add(folder):
+def test_the_cost_summary_counts_what_frames_add(folder):
     """Three parts of two elements: nine nodal coordinates each, less three for its chord, and three of its frame; ties, and the hub."""
-    found = json.loads(asked("inspect", folder / "scene.toml", "--json"))["receipt"]
+    found = json.loads(asked("inspect", folder / "scene.toml", "--json"))["cost_summary"]
     assert {each["what"]: each["kept"] for each in found["coordinates"]} == {f"beam[{k}]": 9 for k in (1, 2, 3)}
     assert {each["what"]: each["kept"] for each in found["constraint rows"]} == {
         "1 revolute": 2,

@@ -78,6 +78,8 @@ def test_the_arm_of_a_new_solid_is_what_its_script_draws_and_is_held_and_gripped
     body, scene = (tomllib.loads((tmp_path / "solid" / f"{name}.toml").read_text()) for name in ("body", "scene"))
     assert (body["clamp"]["group"], body["interface_points"]["tip"]["group"], scene["dimension"]) == ("hub", "tip", 3)
     assert scene["joints"]["motor"]["axis"] == scene["joints"]["hub"]["axis"] == [0.0, 0.0, 1.0]
+    worst = max(build(tmp_path / "solid" / "body.toml").stress_errors.values())
+    assert f"off by some {100 * worst:.2g} %" in (tmp_path / "solid" / "README.md").read_text()
 
 
 REFUSED = {

@@ -8,6 +8,7 @@ import pytest
 from matplotlib.collections import LineCollection
 
 from tests.models.pictures import rest
+from toolkit.render.body_places import body_places
 from toolkit.render.label_places import Name, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
 from toolkit.render.motion.names import NamesOfMotion
@@ -85,9 +86,10 @@ def test_names_in_space_are_nobody_elses_and_cover_no_other(name):
     moment = SpatialConfiguration(rest(SCENES[name], 0), 0)
     camera = Camera.framing(seen_points(moment), PANEL[0] / PANEL[1], 0.08, False)
     scale = PANEL[1] / camera.size[1]
+    bodies = [(place, body) for body, place in body_places(moment, camera.seen).items() if body not in moment.named_points()]
     names = [
         Name(text, scale * camera.seen(place), LETTER * np.array([0.3 * len(text) + 0.1, 0.5]))
-        for place, text in names_by_place(moment, 1e-3)
+        for place, text in [*names_by_place(moment, 1e-3), *bodies]
     ]
     lines = [scale * camera.seen(line) for line in [*moment.rods(), *map(moment.ends, moment.links())]]
     panel = panel_of(names, lines, LETTER, PANEL)

@@ -531,13 +531,21 @@ def test_a_named_point_without_a_joint_is_a_dot_and_a_body_is_named_between_its_
 
 
 def test_a_body_is_named_where_it_is_far_from_others():
-    """Rods of 3 and 2 m that leave a pin at an angle of 15 degrees: each is named near its end, the long one beyond that of the other."""
+    """Rods of 3 and 2 m that leave a pin at an angle of 15 degrees: each is named near its end, the long one beyond that of the other.
+
+    When the other is gone it is named in its middle, but for a motion in which it keeps one place.
+    """
     ends = {"O": (0.0, 0.0), "long": (3.0, 0.0), "short": (2 * np.cos(np.pi / 12), 2 * np.sin(np.pi / 12))}
     bodies = {name: Rod(between=("O", name), area=1e-4, density=1.0) for name in ("long", "short")}
     joints = {name: Revolute(bodies=(name, "ground"), point="O") for name in bodies}
     points = {name: Point(x=float(x), y=float(y)) for name, (x, y) in ends.items()}
     scene = Scene(units="m-kg-s", points=points, bodies=bodies, joints=joints, solver={"end_time": 1.0, "step": 0.1})
-    found = body_places(Configuration(rest(scene, 0), 0))
+    solution = rest(scene, 1)
+    solution.q[1, solution.coordinates("short")] += 10.0
+    near, far = (Configuration(solution, step) for step in range(2))
+    np.testing.assert_allclose(body_places(far)["long"], [1.5, 0.0], atol=1e-12)
+    np.testing.assert_allclose(body_places(far, motion=(near, far))["long"], [2.4, 0.0], atol=1e-12)
+    found = body_places(near)
     np.testing.assert_allclose(found["long"], [2.4, 0.0], atol=1e-12)
     np.testing.assert_allclose(found["short"], np.array(ends["short"]) * 0.8, rtol=1e-12)
 

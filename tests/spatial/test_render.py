@@ -371,6 +371,20 @@ def test_what_stands_faintly_behind_is_called_what_it_is(folder):
     assert _faint(SpatialConfiguration(named, 1), look) == "as given"
 
 
+@pytest.mark.parametrize(
+    ("number", "told"),
+    [("diameter_leg", "motion to scale; surface of frame as built"), ("youngs_modulus_steel", "motion and shape to scale")],
+)
+def test_a_surface_that_has_not_the_size_of_the_scene_says_so(folder, number, told):
+    from toolkit.render.space.legend import _scale
+
+    scene, path = gallows(folder), f"bodies.frame.{number}"
+    tangent = {**scene.bodies, "frame": scene.bodies["frame"].model_copy(update={"extrapolation": "first-order"})}
+    moved = scene.model_copy(update={"bodies": tangent}).with_number(path, 1.01 * scene.number(path))
+    solution = rest(moved, 0)
+    assert _scale(SpatialConfiguration(solution, 0), choose_spatial_look(solution, [0], View())) == told
+
+
 def test_a_rigid_motion_has_no_stress_whatever_its_round_off_is(folder):
     solution = rest(crank(folder), 1)
     elastic = solution.q[1, solution.coordinates("beam")][solution.system.scene.bodies["beam"].frame_size :]

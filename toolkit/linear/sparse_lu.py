@@ -26,6 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.foundation.compiled.rows import subtract_multiples
 from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.linear.sparse_analysis import TOGETHER, LUPlan
 
@@ -153,11 +154,8 @@ def _eliminate(plan, lu, work, tolerance, first, last, update, run):
             lu[plan.mirror[p]] = multiple
             work[plan.column[p]] += abs((multiple * lu[p]).real)
             if length > 0:
-                begin = plan.destination[update]
+                subtract_multiples(lu, (plan.destination[update],), (multiple,), (diagonal + 1,), length)
                 update += 1
-                target, source = lu[begin : begin + length], lu[diagonal + 1 : diagonal + 1 + length]
-                for s in range(length):
-                    target[s] -= multiple * source[s]
             for s in range(diagonal + 1 + length, end):
                 lu[plan.destination[update]] -= multiple * lu[s]
                 update += 1
@@ -173,15 +171,12 @@ def _factor_together(plan, lu, work, tolerance, first):
         if not abs(lu[diagonal].real) > tolerance * work[k].real:
             return k
         lu[diagonal] = 1.0 / lu[diagonal]
-        source = lu[diagonal + 1 : plan.row_start[k + 1]]
         for row in range(k + 1, first + TOGETHER):
             at = plan.diagonal[row] - (row - k)
             multiple = lu[at] * lu[diagonal]
             lu[at] = multiple
-            work[row] += abs((multiple * source[row - k - 1]).real)
-            target = lu[at + 1 : plan.row_start[row + 1]]
-            for s in range(len(source)):
-                target[s] -= multiple * source[s]
+            work[row] += abs((multiple * lu[diagonal + row - k]).real)
+            subtract_multiples(lu, (at + 1,), (multiple,), (diagonal + 1,), plan.row_start[k + 1] - diagonal - 1)
     return -1
 
 
@@ -206,30 +201,20 @@ def _eliminate_together(plan, lu, work, first, update, run):
         size = abs((m_a * row_a[r]).real) + abs((m_b * row_b[r]).real) + abs((m_c * row_c[r]).real) + abs((m_d * row_d[r]).real)
         work[column[r]] += size
     at, r = 0, 0
-    while r + 2 <= behind:
-        left, other = lu[mirror[r] : mirror[r] + 4], lu[mirror[r + 1] : mirror[r + 1] + 4]
-        m_a, m_b, m_c, m_d = left[0], left[1], left[2], left[3]
-        n_a, n_b, n_c, n_d = other[0], other[1], other[2], other[3]
+    while r < behind:
+        two = r + 2 <= behind
+        left, other = lu[mirror[r] : mirror[r] + 4], lu[mirror[r + two] : mirror[r + two] + 4]
+        m = left[0], left[1], left[2], left[3]
+        both = left[0], left[1], left[2], left[3], other[0], other[1], other[2], other[3]
         for k in range(count):
-            start, length = run_first[k], run_length[k]
-            target, next_one = lu[destination[at] :], lu[destination[at + count] :]
-            u_a, u_b, u_c, u_d = row_a[start:], row_b[start:], row_c[start:], row_d[start:]
-            at += 1
-            for s in range(length):
-                target[s] -= m_a * u_a[s] + m_b * u_b[s] + m_c * u_c[s] + m_d * u_d[s]
-                next_one[s] -= n_a * u_a[s] + n_b * u_b[s] + n_c * u_c[s] + n_d * u_d[s]
-        at += count
-        r += 2
-    if r < behind:
-        left = lu[mirror[r] : mirror[r] + 4]
-        m_a, m_b, m_c, m_d = left[0], left[1], left[2], left[3]
-        for k in range(count):
-            start, length = run_first[k], run_length[k]
-            target = lu[destination[at] :]
-            u_a, u_b, u_c, u_d = row_a[start:], row_b[start:], row_c[start:], row_d[start:]
-            at += 1
-            for s in range(length):
-                target[s] -= m_a * u_a[s] + m_b * u_b[s] + m_c * u_c[s] + m_d * u_d[s]
+            start, target = run_first[k], destination[at + k]
+            sources = a + 4 + start, b + 3 + start, c + 2 + start, d + 1 + start
+            if two:
+                subtract_multiples(lu, (target, destination[at + count + k]), both, sources, run_length[k])
+            else:
+                subtract_multiples(lu, (target,), m, sources, run_length[k])
+        at += (1 + two) * count
+        r += 1 + two
 
 
 @inner

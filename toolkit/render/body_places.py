@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -16,14 +17,29 @@ _FREE, _SEEN = 0.25, 200
 """Distance to others from which on no place is better, in lengths of the body; points in the scene's size by which lines are seen."""
 
 
-def body_places(moment: Moment, seen: Callable[[np.ndarray], np.ndarray] = lambda points: points) -> dict[str, np.ndarray]:
+def body_places(
+    moment: Moment, seen: Callable[[np.ndarray], np.ndarray] = lambda points: points, motion: Sequence[Moment] = ()
+) -> dict[str, np.ndarray]:
     """Bodies that lines stand for -> a place (d,) on each, far from other bodies and from links, in its middle if that is as good.
 
     Parameters
     ----------
     seen : callable
         Points (n, d) -> where they are in the picture, (n, 2), in one scale.
+    motion : sequence of Moment
+        Those of a motion, in which the place is the same part of the body: the best on the mean.
     """
+    every = [each.once("places on bodies", partial(_rated, each, seen)) for each in motion or (moment,)]
+    found = {}
+    for body in moment.scene.bodies:
+        if (piece := moment.longest_piece(body)) is not None:
+            best = first_largest(np.mean([rated[body] for rated in every], axis=0))
+            found[body] = piece[0] + _PLACES[best] * (piece[1] - piece[0])
+    return found
+
+
+def _rated(moment: Moment, seen: Callable[[np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
+    """Bodies -> how good places on each are, (n_places,): how far from others, in lengths of the body, and how near to its middle."""
     spacing = moment.scene.size / _SEEN
     lines = {body: dense_lines(moment.segments(body), spacing) for body in moment.scene.bodies}
     links = dense_lines([moment.ends(link) for link in moment.links()], spacing)
@@ -33,12 +49,9 @@ def body_places(moment: Moment, seen: Callable[[np.ndarray], np.ndarray] = lambd
             others = np.vstack(
                 [each for other, each in [("", links), *lines.items()] if other != body and len(each)] or [piece[:0]]
             )
-            places = piece[0] + _PLACES[:, None] * (piece[1] - piece[0])
-            found[body] = places[_best(seen(places), seen(others), float(np.linalg.norm(np.diff(seen(piece), axis=0))))]
+            ends = seen(piece)
+            length = max(float(np.linalg.norm(ends[1] - ends[0])), np.finfo(float).tiny)
+            places = ends[0] + _PLACES[:, None] * (ends[1] - ends[0])
+            near = np.linalg.norm(places[:, None] - seen(others), axis=2).min(axis=1, initial=_FREE * length)
+            found[body] = near / length - _FREE / 4 * np.abs(_PLACES - 0.5)
     return found
-
-
-def _best(places: np.ndarray, others: np.ndarray, length: float) -> int:
-    """Number of the place (n, 2) from which points (m, 2) are far, on a body of a length."""
-    near = np.linalg.norm(places[:, None] - others, axis=2).min(axis=1, initial=_FREE * length)
-    return first_largest(near - _FREE / 4 * length * np.abs(_PLACES - 0.5))

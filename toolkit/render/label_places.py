@@ -144,15 +144,15 @@ def _distances(centres: np.ndarray, name: Name, points: np.ndarray, letter: floa
 
 
 def dense_lines(lines: Sequence[np.ndarray], spacing: float) -> np.ndarray:
-    """Points (n, 2) along polylines at most a spacing apart."""
-    return np.vstack([_NOWHERE, *(_dense(points, spacing) for points in lines)])
+    """Points (n, d) along polylines at most a spacing apart."""
+    return np.vstack([_dense(points, spacing) for points in lines]) if lines else _NOWHERE
 
 
 def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
     """Points along a polyline at most a spacing apart."""
     if len(points) < 2:
         return points
-    counts = np.ceil(np.hypot(*np.diff(points, axis=0).T) / spacing).astype(int).clip(1)
+    counts = np.ceil(np.linalg.norm(np.diff(points, axis=0), axis=1) / spacing).astype(int).clip(1)
     steps, within = (
         np.diff(points, axis=0) / counts[:, None],
         np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts),

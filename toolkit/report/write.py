@@ -7,6 +7,7 @@ from pathlib import Path
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.joints.both.tie import Tie
 from toolkit.report import page
 from toolkit.report.drawing import Drawing
 from toolkit.report.figures.catalogue import FIGURES_IN
@@ -60,6 +61,7 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     first, sections = [*answers[:1], _trust(material), *answers[1:]], motion_sections(material, folder, progress)
     sections += [*_figure_sections(drawings, folder / "figures"), *(each for each in written if each not in answers)]
     sections += [_missing(material), _again(material)]
+    sections.sort(key=lambda section: section.full)  # columns that nothing interrupts are filled most evenly
     path = folder / PAGE
     _write(path, page.page(title, summary(material), *([each for each in part if each.body] for part in (first, sections))))
     return path
@@ -79,7 +81,10 @@ def summary(material: Material) -> str:
         else "Equilibrium under the full load"
     )
     flexible = [f"{name} ({body.stress.shape[1]} stress points)" for name, body in results.bodies.items()]
-    parts = f"{len(material.scene.bodies)} bodies, {len(material.scene.joints)} joints, {len(results.coordinates)} coordinates"
+    joints = sum(
+        not isinstance(joint, Tie) for joint in material.scene.joints.values()
+    )  # those between the parts of a cut body are nobody's
+    parts = f"{len(material.scene.bodies)} bodies, {joints} joints, {len(results.coordinates)} coordinates"
     bodies = f"; flexible: {', '.join(flexible)}" if flexible else ""
     return (
         f"{what}; {results.run['newton_iterations']:g} Newton iterations. The scene has {parts}{bodies}. Units: {results.units}."

@@ -68,7 +68,7 @@ class System:
         """Number of coordinates."""
         return self.plan.n_q
 
-    @property
+    @cached_property
     def n_b(self) -> int:
         """Number of coordinates of bodies; behind them come the states of loads, which count among the forces of an equilibrium."""
         return self.n_q - len(self.numbering.states)
@@ -138,10 +138,17 @@ class System:
             terms = allocate_terms(self.plan, self.dtype)
             self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, self.work)
             return of_variables(self.plan, terms)
-        curves, curves_x, levels = (np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels))
-        inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
-        memory, own = self._memory, map(self._handed_on, (self.plan, self.functions))
-        given = *own, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
+        curves, curves_x, scale, levels, inertia, joints_only = inputs
+        inputs = Inputs(
+            np.ascontiguousarray(curves, float),
+            np.ascontiguousarray(curves_x, float),
+            float(scale),
+            np.ascontiguousarray(levels, float),
+            bool(inertia),
+            bool(joints_only),
+        )
+        memory, plan, functions = self._memory, self._handed_on(self.plan), self._handed_on(self.functions)
+        given = plan, functions, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
         if memory.formula is None:
             memory.formula = entry_point(evaluate_all, *given)
         memory.formula(*given)

@@ -117,6 +117,10 @@ def drawn_arm() -> tuple[Solid, dict[str, bytes]]:
     return solid, {"mesh.py": Path(arm.__file__).read_bytes()}
 
 
+DRAWN = """ `mesh.py` draws the mesh: change its numbers and run it. Its elements of 9 mm
+are there to be quick: the stress is off by some 14 % in the energy norm, with SIZE = 5.0 and 20 elements round a bore by 9.5 %."""
+
+
 def _numbers(solid: Solid, folder: Path, units: str, drawn: bool) -> dict[str, object]:
     """What the mesh and the units decide."""
     mesh, length, kilogram = solid.mesh, PER_METRE[units], PER_KILOGRAM[units]
@@ -138,7 +142,7 @@ def _numbers(solid: Solid, folder: Path, units: str, drawn: bool) -> dict[str, o
         "mass": _short(mass), "inertia": _short(inertia) if plane else [_short(inertia)] * 3, "heavier": f"{_short(2 * mass):g}",
         "gravity": [0.0, _short(-down)] if plane else [0.0, 0.0, _short(-down)],
         "duration": duration, "step": _short(duration / STEPS), "folder": shlex.quote(str(folder)),
-        "drawn": " `mesh.py` draws the mesh: change its numbers and run it." if drawn else "",
+        "drawn": DRAWN if drawn else "",
     }  # fmt: skip
 
 

@@ -147,12 +147,9 @@ def _with_axes(scene: Scene, numbering: Numbering) -> set[int]:
     """Markers whose axes something asks for."""
     components: dict[str, Component] = {**{f"joints.{name}": each for name, each in scene.joints.items()}}
     components |= {f"loads.{name}": each for name, each in named_loads(scene).items()}
-    used = {numbering.marker(grip): False for path, each in components.items() for grip in grips_of(path, each)}
-    for path, each in components.items():
-        for grip in grips_of(path, each):
-            used[numbering.marker(grip)] |= each.feels_axes
+    used = {numbering.marker(grip) for path, each in components.items() if each.feels_axes for grip in grips_of(path, each)}
     seen = {numbering.marker(grip) for grip in numbering.seen}
-    return seen | {m for m, felt in used.items() if felt}
+    return seen | used
 
 
 def pressure_part(

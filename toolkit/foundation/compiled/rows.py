@@ -1,4 +1,4 @@
-"""Sums of multiples of rows: what gradients spend most of their time with.
+"""Sums of multiples of rows: what gradients, and bodies of many modes in space, spend most of their time with.
 
 LLVM takes several numbers at once in long loops alone, and rows of a block have as many numbers as there are design variables. So the code
 for these sums is written for the compiler, in `rows_code`; as plain Python, and for complex numbers, they are what stands here. Rows are
@@ -42,3 +42,51 @@ def add_rows(
         Contiguous; row numbers[p] may not be the target.
     """
     target[:] = scale * (target + factor * (entries[first:last] @ source[numbers[first:last]]))
+
+
+def add_to_each(
+    targets: tuple[np.ndarray, ...], entries: np.ndarray, count: int, source: np.ndarray, start: int, stride: int
+) -> None:
+    """To each of up to three rows is added its own sum of multiples of the same rows, which are read once for all.
+
+    targets[k] += the sum of entries[k, p] r_p over p = 0 ... count - 1, with r_p = source[start + p stride : ... + w].
+
+    Parameters
+    ----------
+    targets : arrays (w,)
+        Contiguous, w a multiple of LANES; not part of the source.
+    entries : (3, n_p)
+        Contiguous.
+    count, start, stride : int
+    source : (n,)
+        Contiguous.
+    """
+    rows = source[start + stride * np.arange(count)[:, None] + np.arange(len(targets[0]))]
+    for target, factors in zip(targets, entries, strict=False):
+        target += factors[:count] @ rows
+
+
+def subtract_multiples(
+    values: np.ndarray, rows: tuple[int, ...], factors: tuple[float, ...], sources: tuple[int, ...], length: int
+) -> None:
+    """From each of one or more rows of an array its own sum of multiples of other rows is subtracted.
+
+    values[row : row + length] -= the sum over the sources of factor values[source : source + length].
+
+    Parameters
+    ----------
+    values : (n,)
+        Contiguous.
+    rows : (n_r,)
+        Where each row begins.
+    factors : (n_r n_s,)
+        Those of the first row, of the next, and so on.
+    sources : (n_s,)
+        Where each begins; none overlaps a row.
+    length : int
+    """
+    for r, row in enumerate(rows):
+        own = factors[r * len(sources) : (r + 1) * len(sources)]
+        values[row : row + length] -= sum(
+            factor * values[source : source + length] for factor, source in zip(own, sources, strict=True)
+        )

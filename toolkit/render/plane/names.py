@@ -39,7 +39,7 @@ def write_names(
     dots, tolerance = figure_of(axes).dpi / 72, _APART * float(np.ptp(shown(axes), axis=0).max())
     low, high = axes.bbox.get_points() / dots
     told = [(text, place, INK, "normal") for place, text in _labels(moment, tolerance, motion)]
-    told += [(name, place, BODY, "italic") for name, place in _middles(moment)] if bodies else []
+    told += [(name, place, BODY, "italic") for name, place in _middles(moment, motion)] if bodies else []
     names, texts = [], []
     for text, place, color, slant in told:
         written: Any = axes.annotate(
@@ -83,9 +83,9 @@ def _labels(moment: Configuration, tolerance: float, motion: NamesOfMotion | Non
     return named
 
 
-def _middles(moment: Configuration) -> list[tuple[str, np.ndarray]]:
+def _middles(moment: Configuration, motion: NamesOfMotion | None) -> list[tuple[str, np.ndarray]]:
     """Names of bodies, each with a place near its middle; what is drawn of them as a point is named by that."""
-    found, places = [], body_places(moment)
+    found, places = [], body_places(moment, motion=motion.moments if motion else ())
     for body in moment.scene.bodies:
         if (skin := skin_shape(moment, body) if body in moment.flexible() else None) is not None:
             points = skin.line.reshape(-1, 2)

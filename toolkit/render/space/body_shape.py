@@ -18,6 +18,8 @@ from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.responses.stress.stress import stress_components
 from toolkit.scene.scene import Scene
 
+UNSEEN = ("youngs_modulus", "density", "poisson_ratio", "damping")
+"""How names of parameters begin that no picture shows."""
 STILL = 1e-12
 """Motion of a point by the elastic coordinates that is round-off, relative to the largest."""
 
@@ -38,6 +40,15 @@ def has_shape(scene: Scene, body: str) -> bool:
     """Whether a flexible body's reduced model tells its surface."""
     found = scene.body(body)
     return isinstance(found, SpatialFlexible) and scene.model(found.model, "surface").surface is not None
+
+
+def drawn_as_built(scene: Scene, body: str) -> bool:
+    """Whether a scene gives a body other sizes or another form than its reduced model has, whose surface is that of the model."""
+    found = scene.body(body)
+    assert isinstance(found, SpatialFlexible)
+    nominal = scene.model(found.model).nominal
+    sizes = {name: value for name, value in found.model_values().items() if not name.startswith(UNSEEN)}
+    return any(np.real(value) != nominal.get(name) for name, value in sizes.items())
 
 
 def body_shape(moment: SpatialConfiguration, body: str) -> BodyShape:

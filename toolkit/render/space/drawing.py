@@ -155,7 +155,7 @@ def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
 def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook, motion: NamesOfMotion | None) -> None:
     """Names of points, in the first panel of bodies too, off everything that is drawn; a line leads to a name that is not beside it."""
     named = names_by_place(moment, look.radius / 2, motion.moments if motion else ())
-    bodies = _middles(moment, look, panel) if panel.number == 1 else []
+    bodies = _middles(moment, look, panel, motion) if panel.number == 1 else []
     names = [
         Name(name, panel.pixel(point), panel.letter * np.array([0.3 * len(name) + 0.1, 0.5])) for point, name in [*named, *bodies]
     ]
@@ -174,9 +174,11 @@ def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
             strokes(panel.plotter, [each.line], UNDEFORMED, 1.0)
 
 
-def _middles(moment: SpatialConfiguration, look: SpatialLook, panel: SpatialPanel) -> list[tuple[np.ndarray, str]]:
+def _middles(
+    moment: SpatialConfiguration, look: SpatialLook, panel: SpatialPanel, motion: NamesOfMotion | None
+) -> list[tuple[np.ndarray, str]]:
     """A place near the middle of every body with its name, unless a point has that name already."""
-    found, places = [], body_places(moment, panel.pixel)
+    found, places = [], body_places(moment, panel.pixel, motion.moments if motion else ())
     for body in (name for name in moment.scene.bodies if name not in moment.named_points()):
         if body in look.bodies:
             shape = body_shape(moment, body)

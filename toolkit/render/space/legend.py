@@ -13,6 +13,7 @@ from toolkit.render.colors import INK, SUPPORT, UNDEFORMED
 from toolkit.render.readable_units import readable
 from toolkit.render.space import parts
 from toolkit.render.space.arrows import arrows
+from toolkit.render.space.body_shape import drawn_as_built
 from toolkit.render.space.camera import ISOMETRIC, Camera
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.drawing import JOINT, LOADS, SHINE, SMALLEST, has_moved
@@ -63,8 +64,14 @@ def draw_legend(
     if actor is not None and look.stress_limit:
         color_bar(plotter, actor, f"{look.stress_name} in {look.shown_stress.label}", letters)
     found = [(f"faint: {_faint(moments[0], look)}", UNDEFORMED)] if any(has_moved(moment, look) for moment in moments) else []
-    explain(plotter, [*found, *_loads(moments, look), ("motion and shape to scale", INK)], words, letters)
+    explain(plotter, [*found, *_loads(moments, look), (_scale(moments[0], look), INK)], words, letters)
     _draw_symbols(plotter, moments[0], left, letters, foot(moments[0], look) - _ABOVE)
+
+
+def _scale(moment: SpatialConfiguration, look: SpatialLook) -> str:
+    """What is drawn as large as it is."""
+    as_built = [body for body in look.bodies if drawn_as_built(moment.scene, body)]
+    return f"motion to scale; surface of {', '.join(as_built)} as built" if as_built else "motion and shape to scale"
 
 
 def _faint(moment: SpatialConfiguration, look: SpatialLook) -> str:

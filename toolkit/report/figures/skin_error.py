@@ -38,13 +38,13 @@ def _one(material: Material, body: str) -> Drawing:
         shapes, along = axes[:, 0]
         shapes.set_title("shapes at the end", loc="left")
         along.plot(fields.arc_length, error, "o-", color=COLORS[0], markersize=3.5)
-        along.axhline(rms, color=COLORS[1], linestyle="--", label=f"root mean square {rms:.4g} {length}")
+        along.axhline(rms, color=COLORS[1], linestyle="--")
         along.set_ylim(bottom=0, top=1.25 * error.max() or 1.0)
         along.set_xlabel(f"arc length in {length}")
         along.set_ylabel(f"distance in {length}")
-        along.set_title(f"distance to the target, largest {error.max():.4g} {length}", loc="left")
+        told = f"distance to the target, largest {error.max():.4g} {length}\nroot mean square (dashes) {rms:.4g} {length}"
+        along.set_title(told, loc="left")
         mark_points(along, material, body)
-        along.legend(loc="lower center")
         open_windows(figure, last, {shapes: corners})
         draw_outlines(shapes, last, body, material.look)
         draw_line(shapes, last, body, color="black", linewidth=3.0, label="deformed")

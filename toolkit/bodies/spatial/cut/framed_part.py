@@ -12,7 +12,7 @@ from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part
-from toolkit.reduced_model.cut.spatial_part import pressed, spatial_part
+from toolkit.reduced_model.cut.spatial_part import SpatialPart, pressed, spatial_part
 from toolkit.reduced_model.parts.pieces import PieceLoads
 from toolkit.reduced_model.spatial_model import SurfaceLoad
 
@@ -32,8 +32,9 @@ class SpatialFramedPart(FramedPart, SpatialFlexible):
     def surface_load(self, scene: Placed, surface: str) -> SurfaceLoad:
         """Of its own pieces."""
         design = scene.bodies[self.whole].design_point(scene, "elements", "piece_loads")
-        loads = PieceLoads(*(design.value(f"piece_loads.{surface}.{key}") for key in ("force", "moment")))
-        return pressed(self.part(scene), loads)
+        part, loads = self.part(scene), PieceLoads(*(design.value(f"piece_loads.{surface}.{key}") for key in ("force", "moment")))
+        assert isinstance(part, SpatialPart)
+        return pressed(part, loads)
 
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
         """The ends turn across the chord and twist against each other, and the last one moves along it."""
