@@ -21,6 +21,7 @@ from toolkit.foundation.verdict import Caution
 from toolkit.responses.magnitude import Largest, magnitude_that_counts
 from toolkit.scene.cut_scene import branches, can_be_cut, fewest_cut
 from toolkit.sensitivity.frames.chosen_frames import Frames
+from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.deformation import LIMIT
@@ -95,7 +96,10 @@ def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slo
         {f: float(factor * (other_values[f] - value)) for f, value in values.items()},
         {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in gradients.items()},
         most=most,
-        undecided={f: magnitude_that_counts(solution.system.scene.responses[f], solution, NONE) for f in values},
+        undecided={
+            f: magnitude_that_counts(each, solution, NONE)
+            for f, each in responses_of(solution.system.scene, moving(solution)).items()
+        },
     )
 
 
