@@ -72,7 +72,7 @@ def multiply_matrices(matrix, first, n, work):
     w = row_length(n)
     for k in range(9):
         to = 3 * (k % 3) + k // 3
-        add_to_each((work.q[to, :w], work.v[to, :w], work.acc[to, :w]), work.z, n, matrix, first + k * w, 10 * w)
+        add_to_each((work.q[to, :w], work.v[to, :w], work.acc[to, :w]), work.z, n, matrix, first + k * w, 9 * w)
 
 
 @inlined
