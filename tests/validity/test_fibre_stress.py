@@ -48,6 +48,9 @@ CASES = {
 """Section, force, torque, von Mises' stress and that of the fibres; of rectangles by Timoshenko and Goodier's table (three digits)."""
 
 
+GENERAL = 'kind = "general", area = 1e-3, I_y = 1e-7, I_z = 1e-7, J = 1e-7, I_p = 2e-7'
+
+
 def run(folder, section, force, torque, frames=1, **changes):
     text = FRAME.replace("SECTION", section) + changes.get("basis", "")
     (folder / "bar.toml").write_text(text)
@@ -89,7 +92,7 @@ def test_a_cut_bar_says_the_same_and_little_twist_says_nothing(tmp_path):
     ("section", "basis"),
     [
         (TUBE, 'basis = { kind = "craig-bampton", count = 2 }\n'),
-        ('kind = "general", area = 1e-3, I_y = 1e-7, I_z = 1e-7, J = 1e-7, I_p = 2e-7', ""),
+        (f"{GENERAL}, fibres = [[0.0, 0.02], [0.01, 0.0]]", ""),
     ],
     ids=["reduced", "general section"],
 )
@@ -97,3 +100,11 @@ def test_where_sections_are_not_known_that_is_said(section, basis, tmp_path):
     (caution,) = said(run(tmp_path, section, (0, 0, 1), (0, 9, 0), basis=basis))
     assert "not known" in caution.text
     assert not caution.doubt
+
+
+def test_a_section_that_names_no_fibres_has_no_stress_by_bending_and_that_is_said(tmp_path):
+    found = run(tmp_path, GENERAL, (0, 0, 1), (0, 0, 0))
+    assert found.values["stress"] == pytest.approx(0.0, abs=1e-3)
+    (caution,) = said(found)
+    assert "which bending does not reach" in caution.text
+    assert not found.verdict.trusted
