@@ -3,8 +3,10 @@ files of other programs are read."""
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator
 from io import BytesIO
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -26,12 +28,17 @@ LONG = 1000
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests in space come last, when their formulas are compiled; `make test` gives a file to one worker, for what its tests share."""
-    items.sort(key=lambda item: "spatial" in item.nodeid or "space" in item.nodeid)
+    """Tests in space come last, when their formulas are compiled; `make test` gives a file to one worker, for what its tests share.
+
+    Of these the long files come first, so that both workers end at about the same time.
+    """
+    size = {path: path.stat().st_size for path in {item.path for item in items}}
+    items.sort(key=lambda item: -size[item.path] if "spatial" in item.nodeid or "space" in item.nodeid else -inf)
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Compile this worker's share before the first test of a long run."""
+    """Compile this worker's share before the first test of a long run; what is there now stays, and is not looked through for garbage."""
+    gc.freeze()
     share = SHARES.get(getattr(session.config, "workerinput", {}).get("workerid"))
     if share and len(session.items) >= LONG:
         for scene in formulations(share):

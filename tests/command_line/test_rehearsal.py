@@ -43,7 +43,7 @@ def loaded():
     kernels = {each for names in ours for each in names if isinstance(each, CPUDispatcher)}
     return sorted(f"{x.py_func.__name__} {signature}" for x in kernels for signature in x.overloads)
 
-def answer(path, changes, kind, method, rehearsed):
+def answer(path, changes, kind, method, count, rehearsed):
     scene = read_scene(path, changes)
     with watched_compilation() as watch:
         if rehearsed:
@@ -53,7 +53,7 @@ def answer(path, changes, kind, method, rehearsed):
             solution = solve(prepare(scene), kind)
             evaluate_responses(solution)
         else:
-            solution = gradients_by(method, scene, list(scene.design)[:1], kind).solution
+            solution = gradients_by(method, scene, list(scene.design)[:count], kind).solution
         solution.verdict  # which holds what the commands print
     print(json.dumps([before, loaded(), watch.functions]), flush=True)
 
@@ -70,16 +70,16 @@ for request in sys.stdin:
 """Answers requests from its standard input, each by a process of its own that has the imports behind it and has loaded no formula."""
 SHORT = {"solver.end_time": "2e-4", "solver.step": "1e-4"}
 RUNS = {
-    "motion": ("four_bar_chain", SHORT | {"solver.formulation": "index-3"}, "transient", "none"),
-    "both levels": ("four_bar_chain", SHORT | {"solver.formulation": "ggl"}, "transient", "direct"),
-    "chosen steps and the force of a joint": ("pendulum", SHORT | {"solver.local_error": "1e-3"}, "transient", "none"),
-    "states that do not fit": ("morphing_wing", {"solver.end_time": "0.1", "solver.memory": "1e-6"}, "transient", "adjoint"),
-    "without inertia": ("morphing_wing", {"solver.end_time": "0.1", "solver.quasi_static": "true"}, "transient", "direct"),
-    "equilibrium": ("morphing_wing", {"solver.load_steps": "2"}, "static", "direct"),
-    "adjoint in space": ("spatial_bracket", SHORT, "transient", "adjoint"),
-    "both levels in space": ("spatial_bracket", SHORT | {"solver.formulation": "ggl"}, "transient", "none"),
+    "motion": ("four_bar_chain", SHORT | {"solver.formulation": "index-3"}, "transient", "none", 0),
+    "both levels": ("four_bar_chain", SHORT | {"solver.formulation": "ggl"}, "transient", "direct", 1),
+    "chosen steps and the force of a joint": ("pendulum", SHORT | {"solver.local_error": "1e-3"}, "transient", "none", 0),
+    "states that do not fit": ("morphing_wing", {"solver.end_time": "0.1", "solver.memory": "1e-6"}, "transient", "adjoint", 2),
+    "without inertia": ("morphing_wing", {"solver.end_time": "0.1", "solver.quasi_static": "true"}, "transient", "direct", 3),
+    "equilibrium": ("morphing_wing", {"solver.load_steps": "2"}, "static", "direct", 5),
+    "adjoint in space": ("spatial_bracket", SHORT, "transient", "adjoint", 2),
+    "both levels in space": ("spatial_bracket", SHORT | {"solver.formulation": "ggl"}, "transient", "none", 0),
 }
-"""Model, changed values, analysis, method for gradients."""
+"""Model, changed values, analysis, method for gradients, and by how many variables: one column lies in memory as several do not."""
 SMALL = ("revolute", "powers", "update_poses", "update_pose_designs")
 """The joint and the response of the rehearsal, and the energy balance, which a run in windows does without: a few seconds."""
 
@@ -91,9 +91,9 @@ def probe() -> Iterator[Callable[[str, bool], tuple[set[str], set[str]]]]:
     with subprocess.Popen(command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
 
         def ask(name: str, rehearsed: bool) -> tuple[set[str], set[str]]:
-            model, changes, kind, method = RUNS[name]
+            model, changes, kind, method, count = RUNS[name]
             while True:
-                request = json.dumps([str(MODELS / model / "scene.toml"), changes, kind, method, rehearsed])
+                request = json.dumps([str(MODELS / model / "scene.toml"), changes, kind, method, count, rehearsed])
                 print(request, file=process.stdin, flush=True)
                 found = json.loads(process.stdout.readline())
                 assert found is not None, name  # the reason stands in the standard error of the tests

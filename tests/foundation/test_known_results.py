@@ -6,13 +6,15 @@ import operator
 from collections.abc import Iterator
 
 import numba
+import numpy as np
 import pytest
 from numba.core import types
 from numba.core.errors import TypingError
 from numba.core.registry import cpu_target
 from numba.core.typing.context import Context
 
-from toolkit.foundation.compiled.formula_compiler import KnownResults
+from toolkit.foundation.compiled.formula_compiler import KnownOperators, KnownResults
+from toolkit.foundation.kernel import kernel
 
 FLOATS, COMPLEX = (types.float64, types.float64), (types.complex128, types.int64)
 
@@ -49,6 +51,43 @@ def test_numbas_own_functions_are_resolved_as_by_numba_and_once(numbas, asked, f
     found = [KnownResults(numbas).resolve_function_type(of_numba, args, {}) for _ in range(3)]
     assert found == [expected] * 3
     assert asked == [(of_numba, args)]  # by the first of three compilers, from which the others know it
+
+
+@pytest.mark.parametrize("function", [operator.add, operator.getitem])
+def test_code_is_written_by_what_was_resolved_before(numbas, asked, function):
+    """An operator gives the step that writes code what it gave the step that found the types, and leads to the same code."""
+    args = FLOATS if function is operator.add else (types.float64[::1], types.intp)
+    of_numba, known = numbas.resolve_value_type(function), KnownOperators(numbas)
+    expected = KnownResults(numbas).resolve_function_type(of_numba, args, {})
+    asked.clear()
+    found = known.resolve_value_type(function)
+    assert found.get_call_type(known, args, {}) is expected
+    assert not asked
+    assert found.get_impl_key(expected) == of_numba.get_impl_key(expected)
+
+
+@pytest.mark.usefixtures("asked")
+def test_written_entries_are_resolved_as_by_numba(numbas):
+    args = types.float64[::1], types.intp, types.int64
+    found = [KnownResults(numbas).resolve_setitem(*args) for _ in range(2)]
+    assert found == [numbas.resolve_setitem(*args)] * 2
+
+
+def test_formulas_with_functions_inside_are_compiled():
+    """Most have none, and are spared the step that looks for them."""
+
+    @kernel
+    def sums(x, found):
+        def part(k):
+            return x[k] + 1
+
+        for k in range(len(x)):
+            found[k] = part(k)
+
+    found = np.zeros(3)
+    sums(np.arange(3.0), found)
+    assert list(found) == [1, 2, 3]
+    assert sums.nopython_signatures
 
 
 @pytest.mark.usefixtures("asked")

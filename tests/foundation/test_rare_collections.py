@@ -15,9 +15,7 @@ def test_looks_are_rare_in_the_block_alone():
 
 
 def test_what_the_last_work_leaves_is_not_looked_through():
-    try:
-        with last_work():
-            left = [[] for _ in range(100)]
-        assert gc.get_freeze_count() > len(left)
-    finally:
-        gc.unfreeze()
+    before = gc.get_freeze_count()  # what was there before all tests
+    with last_work():
+        left = [[] for _ in range(100)]
+    assert gc.get_freeze_count() > before + len(left)

@@ -159,6 +159,10 @@ def test_a_body_that_cannot_be_cut_has_no_number_to_choose(tmp_path):
         ({"frames": "otto"}, 'is a whole number from 1 up, "auto", or a list of nodes'),
         ({"frames": "true"}, 'is a whole number from 1 up, "auto", or a list of nodes'),
         ({"frames": "2.5"}, 'is a whole number from 1 up, "auto", or a list of nodes'),
+        (
+            {"frames": "[3.5]"},
+            'skin.frames: is a whole number from 1 up, "auto", or a list of nodes and interface points where the body is cut.$',
+        ),
         ({"frames": "0"}, 'is a whole number from 1 up, "auto", or a list of nodes'),
         ({"frames": "auto", "geometric_error": "0"}, "greater than 0"),
         ({"frames": "4", "geometric_error": "0.01"}, 'is what frames = "auto" chooses a number for'),

@@ -10,6 +10,7 @@ import pytest
 
 import toolkit as ffrf
 from preprocessing import build
+from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.file import load, save
 from toolkit.render.plane.configuration import Configuration
@@ -21,8 +22,8 @@ WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 VARIABLES = ["t_w", "M_t", "x_A", "y_A", "bodies.skin.chord"]
 
 
-def wing(frames: Any, folder: Path = WING) -> Scene:
-    scene = ffrf.read_scene(WING / "scene.toml")
+def wing(frames: Any, folder: Path = WING, **more: Any) -> Scene:
+    scene = ffrf.read_scene(WING / "scene.toml", {f"bodies.skin.{key}": str(value) for key, value in more.items()})
     cut = scene.bodies["skin"].model_copy(update={"frames": frames})
     return scene.model_copy(update={"bodies": {**scene.bodies, "skin": cut}, "directory": folder})
 
@@ -73,6 +74,19 @@ def test_gradients_by_the_geometry_are_those_of_models_built_afresh(runs, tmp_pa
         assert slopes["bodies.skin.chord"] == pytest.approx(
             difference, rel=2e-5
         )  # the step's square, and statics to 1e-10 over it
+
+
+def test_the_tangent_of_the_geometry_is_followed_as_far_as_parts_keep_their_stiffness(runs):
+    """It differs from the exact gradient by what is of second order; beyond, the model is refused before anything is solved."""
+    tangent = {"extrapolation": '"first-order"'}
+    changes = []
+    for step in (2e-4, 1e-4):
+        near = ffrf.compile(wing(4, chord=550.0 * (1 + step), **tangent)).statics().values["drive_angle"]
+        linear = runs[4].values["drive_angle"] + runs[4].gradients["drive_angle"]["bodies.skin.chord"] * 550.0 * step
+        changes.append(near - linear)
+    assert changes[0] == pytest.approx(4 * changes[1], rel=0.05)
+    with pytest.raises(InputError, match=r"following the tangent in chord, the stiffness .* is no longer positive definite"):
+        ffrf.compile(wing(2, chord=1.05 * 550.0, **tangent)).statics()
 
 
 def test_reduced_parts_of_the_wing_bend_as_all_coordinates_do(runs):

@@ -46,11 +46,12 @@ def folder(tmp_path_factory, all_read_here):
     nodes = meshio.read(found / "bar.inp").points
     field = np.column_stack([0 * nodes[:, 0], 0.2 * nodes[:, 0] ** 2, nodes[:, 0] * nodes[:, 2]])
     np.save(found / "taper.npy", field)
-    save_bar(found, 4, cells=CELLS, more='[shape_variables]\ntaper.field = "taper.npy"\n')
+    save_bar(found, 4, cells=CELLS, more='[shape_variables]\ntaper.field = "taper.npy"\n' + TOP)
     return found
 
 
 CELLS = (8, 1, 1)
+TOP = f"[pressure_surfaces.top]\nbox = [0, {-LENGTHS[1]}, {LENGTHS[2] / 2}, 1, {LENGTHS[1]}, {LENGTHS[2] / 2}]\n"
 
 
 def pulled(force, side=0.0):
@@ -91,6 +92,44 @@ def test_a_solid_bends_as_the_elastica(folder):
     assert count == 4
     assert 0.15 < turn < 0.25  # a piece turns by up to 0.35 rad from end to end, not the same at both
     assert errors[4] < told < 3 * errors[4]  # a coarse mesh bends far a little otherwise than near, by 0.2 %
+
+
+def test_a_pressure_that_follows_bends_a_solid_as_it_bends_a_beam(tmp_path):
+    """E I theta'' = -V, T' = V theta', V' = -T theta' - p b from the free end on, where all but theta is zero; with one frame it is linear
+    theory, p b L^4 / 8 E I."""
+    load = 4 * STIFFNESS  # per length
+
+    def rate(_, y):
+        angle, curvature, along, across = y[:4]
+        return [curvature, -across / STIFFNESS, across * curvature, -along * curvature - load, np.cos(angle), np.sin(angle)]
+
+    back = solve_ivp(rate, (1, 0), np.zeros(6), rtol=1e-10, atol=1e-12).y[:, -1]
+    c, s = np.cos(back[0]), np.sin(back[0])
+    tip = np.array([[c, s], [s, -c]]) @ -back[4:]  # along the clamped end and across
+    save_bar(tmp_path, 4, cells=CELLS, ratio=0.0, more=TOP)
+    rest = f'[loads]\nwind = {{ type = "pressure", body = "bar", surface = "top", pressure = {load / LENGTHS[1]!r} }}\n[responses]\n{WHERE}'
+    found = {n: ffrf.compile(bar_scene(tmp_path, f'frame = "grounded", frames = {n}', rest)).statics() for n in (1, 2, 4)}
+    moved = {n: np.array([run.values["x"] + 1, run.values["z"]]) for n, run in found.items()}
+    off = {n: float(np.linalg.norm(place - tip)) for n, place in moved.items()}
+    assert moved[1][1] == pytest.approx(
+        -0.5, rel=3e-3
+    )  # two elements of the mesh to a piece are too stiff by 0.3 %, shear adds 0.1 %
+    assert off[1] > 0.1
+    assert off[2] < 0.01
+    assert off[4] < 0.5 * off[2]  # a quarter, but for the mesh and shear
+    assert [run.verdict.trusted for run in found.values()] == [False, True, True]
+
+
+def test_what_a_pressure_does_inside_of_pieces_is_said(folder):
+    """Between clamped ends stress lacks p l^2 / 12 of p L^2 / 12, a sixteenth with four pieces; their ends are where they should be."""
+    held = '[joints]\nwall = { type = "rigid", bodies = ["bar", "ground"], point = "tip" }\n'
+    load = '[loads]\nwind = { type = "pressure", body = "bar", surface = "top", pressure = 10.0 }\n'
+    asked = '[responses]\nstress = { type = "max-stress", body = "bar" }\n'
+    for frames in (1, 4):
+        run = ffrf.compile(bar_scene(folder, f'frame = "grounded", frames = {frames}', held + load + asked)).statics()
+        (said,) = [each.text for each in run.verdict.warnings if each.code == "weight-between-nodes"]
+        assert "lacks what pressures on it do between nodes" in said
+        assert "some 6% of the largest" in said
 
 
 def test_a_moment_rolls_a_solid_up(tmp_path):
@@ -168,7 +207,10 @@ hub = { type = "spherical", bodies = ["bar", "ground"], point = "root" }
 [loads]
 weight = { type = "gravity", acceleration = [0.0, 2.0, -9.81] }
 pull = { type = "point-force", body = "bar", point = "tip", force = [0.0, 1.3, 0.5], frame = "body" }
+wind = { type = "pressure", body = "bar", surface = "top", pressure = 40.0, curve = { type = "polynomial", coefficients = [1.0, 30.0] } }
 [design]
+p = "loads.wind.pressure"
+gust = "loads.wind.curve.coefficients.1"
 ratio = "bodies.bar.poisson_ratio"
 E = "bodies.bar.youngs_modulus"
 taper = "bodies.bar.taper"
@@ -187,7 +229,7 @@ rho_inf = 0.8
 def test_gradients_of_a_solid_that_swings_are_complex_steps(folder):
     """By Poisson's ratio, the modulus, the shape, which turns the chords, and the start; direct, adjoint and complex step."""
     scene = bar_scene(folder, "frames = 2, angular_velocity = [0.3, 0.5, 1.5]", SWING)
-    agree(ffrf.compile(scene, variables=["ratio", "E", "taper", "omega"]), "simulate")
+    agree(ffrf.compile(scene, variables=["p", "gust", "ratio", "E", "taper", "omega"]), "simulate")
 
 
 def test_gradients_are_those_of_models_that_are_built_anew(folder, tmp_path):
@@ -195,6 +237,7 @@ def test_gradients_are_those_of_models_that_are_built_anew(folder, tmp_path):
     the body in one frame."""
     rest = (
         pulled(0.5 * STIFFNESS, 0.4 * STIFFNESS)
+        + 'wind = { type = "pressure", body = "bar", surface = "top", pressure = 2e3 }\n'
         + f"[responses]\n{WHERE}"
         + 'stress = { type = "ks-stress", body = "bar", aggregation = 1e-5 }\n'
         + 'place = { type = "distance", bodies = ["bar", "bar"], points = ["tip", "root"], component = "y" }\n'
@@ -292,6 +335,8 @@ def test_pieces_are_the_same_in_other_units(folder):
     assert v @ other.invariants.stiffness @ v == pytest.approx(1e3 * (u @ model.invariants.stiffness @ u), rel=1e-12)  # J in N mm
     for one, its in zip(model.elements.stiffness, other.elements.stiffness, strict=True):
         assert v[:12] @ its @ v[:12] == pytest.approx(1e3 * (u[:12] @ one @ u[:12]), rel=1e-12)
+    pressed = [each.piece_loads["top"].moment @ np.append(1.0, state[:12]) for each, state in ((model, u), (other, v))]
+    np.testing.assert_allclose(pressed[1], 1e9 * pressed[0], rtol=1e-12, atol=1e-9)
     moved = [each.pieces.position @ np.append(1.0, state[:12]) for each, state in ((model, u), (other, v))]
     np.testing.assert_allclose(moved[1], 1e3 * moved[0], rtol=1e-12, atol=1e-9)
 

@@ -24,6 +24,15 @@ s = "points.mid.arc_length"
 [responses]
 y = { type = "displacement", body = "beam", point = "tip", component = "y" }
 """
+VIBRATING = """units = "m-kg-s"
+[bodies]
+beam = { type = "flexible", model = "beam.h5", frame = "grounded", frames = FRAMES }
+[responses]
+f1 = { type = "frequency", number = 1 }
+z1 = { type = "damping-ratio", number = 1 }
+f3 = { type = "frequency", number = 3 }
+z3 = { type = "damping-ratio", number = 3 }
+"""
 
 
 def loaded(folder, frames: int, arc: float = 0.47, damping: float = 0.0) -> ffrf.Run:
@@ -45,6 +54,21 @@ def test_a_point_at_a_node_has_no_derivative_along_a_cut_body_and_says_so(tmp_pa
     assert loaded(tmp_path, 1, arc=0.5).gradients["y"]["s"] > 0
     with pytest.raises(InputError, match=r"lies at a node of the body.*has no derivative there"):
         loaded(tmp_path, 2, arc=0.5)
+
+
+def test_damping_by_the_stiffness_is_what_it_is_with_one_frame(tmp_path):
+    """D = beta K damps a mode by beta omega / 2, however many frames the body has."""
+    section = Section(youngs_modulus=1e9, density=1e3, thickness=0.01, width=0.02, damping_stiffness=1e-3)
+    save_beam(tmp_path / "beam.h5", NODES, section, {"tip": 1.0})
+    for frames in (1, 3):
+        (tmp_path / "scene.toml").write_text(VIBRATING.replace("FRAMES", str(frames)))
+        run = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml")).statics()
+        for number in (1, 3):
+            expected = 1e-3 * np.pi * run.values[f"f{number}"]
+            assert run.values[f"z{number}"] == pytest.approx(
+                expected, rel=1e-8
+            )  # round-off of a slow vibration of a bar that is stiff along itself
+        assert run.verdict.trusted
 
 
 def test_mass_damping_that_frames_lose_is_doubted(tmp_path):

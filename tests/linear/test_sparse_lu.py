@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from toolkit.foundation.compiled.calls import call
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
 from toolkit.linear import dense_lu, sparse_lu
 from toolkit.linear.elimination_order import minimum_degree
 from toolkit.linear.linear_solver import linear_solver, solve_once, updates_of
 from toolkit.linear.sparse_analysis import analyse
-from toolkit.linear.sparse_block import AT_ONCE, solve_block
+from toolkit.linear.sparse_block import solve_block
 
 COMPILED = partial(partial, call)
 """A kernel as the program calls it, which compiles it once for both."""
@@ -58,7 +59,7 @@ def factorized(matrix, n_q, run=COMPILED):
     indptr, indices, values = csr(matrix)
     plan = analyse(indptr, indices, n_q)
     lu, work = np.full(plan.row_start[-1], np.nan, values.dtype), np.full(len(matrix), np.nan, values.dtype)
-    return run(sparse_lu.factor)(plan, values, lu, work, TOLERANCE), plan, lu
+    return run(sparse_lu.factor)(plan, values, lu, work, TOLERANCE, sparse_lu.still_pivots(plan, values.dtype)), plan, lu
 
 
 def solved(matrix, n_q, rhs, run=COMPILED):
@@ -67,9 +68,11 @@ def solved(matrix, n_q, rhs, run=COMPILED):
     x = rhs.astype(lu.dtype)
     if rhs.ndim == 1:
         run(sparse_lu.solve)(plan, lu, x, np.full_like(x, np.nan))
-    else:
-        run(solve_block)(plan, lu, x, np.full((len(x), max(x.shape[1], AT_ONCE)), np.nan, x.dtype))
-    return x
+        return x
+    filled = np.zeros((len(x), filled_up(x.shape[1])), x.dtype)
+    filled[:, : x.shape[1]] = x
+    run(solve_block)(plan, lu, filled, np.full_like(filled, np.nan))
+    return filled[:, : x.shape[1]]
 
 
 def dense_solved(matrix, rhs, run=COMPILED):
@@ -134,8 +137,51 @@ def test_a_wide_block_has_the_bits_of_narrow_ones():
     matrix, n_q = mechanism(rng)
     rhs = rng.normal(size=(len(matrix), 24))
     narrow = [solved(matrix, n_q, rhs[:, x : x + 4].copy()) for x in range(0, 24, 4)]
-    for columns in (5, 12, 24):  # by eight, by eight and four, by rows
+    for columns in (5, 12, 24):  # in one vector, two and three
         assert np.array_equal(solved(matrix, n_q, rhs[:, :columns].copy()), np.hstack(narrow)[:, :columns])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pivots_that_never_change_are_eliminated_once_and_serve_for_other_matrices(seed):
+    rng = np.random.default_rng(seed)
+    matrix, n_q = mechanism(rng, n_beam=20)
+    moving = np.arange(len(matrix)) >= n_q
+    moving[:24] = moving[39] = True  # the rigid bodies, the beam's first node, and one within it
+    indptr, indices, _ = csr(matrix)
+    plan = analyse(indptr, indices, n_q, moving)
+    still = int(plan.still[0])
+    assert still == np.count_nonzero(~moving)
+    assert not moving[plan.order[:still]].any()
+    solver, other = (linear_solver(plan, np.ones(n_q), 0, float) for _ in range(2))
+    rhs, nothing = rng.normal(size=len(matrix)), np.zeros((len(matrix), 0))
+    between = np.ix_(moving, moving)
+    for turn in range(4):
+        if turn == 2:  # what never changes does so after all: all is done anew
+            matrix[25, 25] *= 1.5
+        matrix[between] *= 1 + 0.1 * rng.normal(size=(np.count_nonzero(moving),) * 2) * (matrix[between] != 0)
+        eliminated = solver.kept.made[0] == 1 and turn != 2
+        kept, values = solver.lu[: plan.row_start[still]].copy(), csr(matrix)[2]
+        found, fresh = np.zeros((2, len(matrix)))
+        assert call(solve_once, solver, indptr, indices, values, rhs, found, nothing, nothing) == -1
+        assert np.array_equal(kept, solver.lu[: plan.row_start[still]]) == eliminated
+        assert error(found, np.linalg.solve(matrix, rhs)) < round_off(matrix)
+        other.kept.made[0] = 0
+        assert call(solve_once, other, indptr, indices, values, rhs, fresh, nothing, nothing) == -1
+        assert np.array_equal(found, fresh)
+
+
+def test_a_singular_pivot_among_those_that_never_change_is_found_every_time():
+    matrix, n_q = mechanism(np.random.default_rng(0))
+    moving = np.arange(len(matrix)) >= n_q
+    moving[:24] = True
+    matrix[40, :], matrix[:, 40] = np.where(matrix[40] != 0, 1e-300, 0), np.where(matrix[:, 40] != 0, 1e-300, 0)
+    matrix[40, 40] = 0.0
+    indptr, indices, values = csr(matrix)
+    plan = analyse(indptr, indices, n_q, moving)
+    lu, work, kept = np.zeros(plan.row_start[-1]), np.zeros(len(matrix)), sparse_lu.still_pivots(plan, float)
+    for _ in range(2):
+        assert COMPILED(sparse_lu.factor)(plan, values, lu, work, TOLERANCE, kept) == 40
+        assert kept.made[0] == 0
 
 
 def test_multiplications_of_a_factorisation_are_counted():

@@ -113,7 +113,6 @@ def test_what_are_no_pieces_is_refused(cells, pieces, groups, message):
         ("interface_points.grip.box = [1, -1.5, 0.5, 1, 1.5, 0.5]\n", r"group 'one' has 3 ends .* instead of two"),
         ("interface_points.again.group = 'left'\n", r"interface points 'root' and 'again' are at the same nodes, the clamp"),
         ('basis.kind = "static"\n', r"\[pieces\] keep all motions of their ends"),
-        ("pressure_surfaces.side.group = 'left'\n", r"\[pieces\] are those of a mesh without \[pressure_surfaces\]"),
     ],
 )
 def test_points_and_tables_that_pieces_cannot_have_are_refused(cells, more, message):

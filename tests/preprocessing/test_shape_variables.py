@@ -79,13 +79,13 @@ def test_responses_have_the_slopes_of_models_built_afresh(basis, tie, tmp_path):
         np.testing.assert_allclose(slope, expected, atol=1e-7 * np.abs(expected).max(), err_msg=str(k))
 
 
-@pytest.mark.parametrize("basis", ["static", "full"])
-def test_every_item_of_unique_shapes_has_the_derivative_of_models_built_afresh(basis, tmp_path):
+@pytest.mark.parametrize(("basis", "parameter"), [("static", "bulge"), ("full", "bulge"), ("static", "poisson_ratio")])
+def test_every_item_of_unique_shapes_has_the_derivative_of_models_built_afresh(basis, parameter, tmp_path):
     """Static shapes and nodal coordinates have no freedom in their span, so that all arrays can be compared themselves."""
     path, _ = built(tmp_path, basis, "averaged")
     model = build(path)
-    number = model.numbers["bulge"]
-    fresh = {s: build(path, values={"bulge": s}) for h in (2e-3, 1e-3) for s in (h, -h)}
+    number, own = model.numbers[parameter], model.nominal[parameter]
+    fresh = {s: build(path, values={parameter: own + s}) for h in (2e-3, 1e-3) for s in (h, -h)}
     items = [*vars(model.invariants), "spin.stiffening", "surface_loads.top.force", "surface_loads.top.moment"]
     items += [f"interfaces.{name}.{array}" for name in ("hub", "tip") for array in ("position", "rotation")]
     for item in items:

@@ -299,7 +299,7 @@ def with_another_frame(scene: Scene, folder: Path) -> Scene:
     [
         (renamed, r"'kept\.h5' keeps a run of another scene: it has no x of body 'leg'"),
         (with_another_model, r"'kept\.h5' keeps a run with another reduced model of body 'arm': 'beam\.h5' has another content"),
-        (in_other_units, r"'kept\.h5' is in m-kg-s, the scene in mm-t-s"),
+        (in_other_units, r"'kept\.h5' keeps a run in m-kg-s, the scene is in mm-t-s"),
         (with_another_frame, r"'kept\.h5' keeps a run of another scene: it has the x of body 'arm'"),
     ],
 )
@@ -308,6 +308,22 @@ def test_a_file_of_another_scene_is_refused(folder, other, message):
     kept(scene, folder)
     with pytest.raises(InputError, match=message):
         ffrf.compile(further(other(scene, folder))).simulate()
+
+
+@pytest.mark.parametrize(
+    ("other", "message"),
+    [
+        (with_another_model, "start is a run with another reduced model of body 'arm'"),
+        (in_other_units, "start is a run in m-kg-s, the scene is in mm-t-s"),
+    ],
+)
+def test_a_run_of_another_scene_is_refused_too(folder, other, message):
+    """Its coordinates have the same names; they would be taken for those of this scene."""
+    scene = pendulum(folder, 2)
+    run = ffrf.compile(scene).simulate()
+    kept(scene, folder)  # beside which the other units' models are written
+    with pytest.raises(InputError, match=message):
+        ffrf.compile(other(scene, folder)).simulate(start=run)
 
 
 def test_an_axis_of_another_direction_is_another_coordinate(folder):
@@ -329,6 +345,9 @@ def test_an_axis_of_another_direction_is_another_coordinate(folder):
     kept(wheel((0.0, 0.0, 1.0)), folder)
     with pytest.raises(InputError, match=r"bodies\.wheel\.axis was \[0\.0, 0\.0, 1\.0\] there and is \[0\.0, 1\.0, 0\.0\] here"):
         ffrf.compile(wheel((0.0, 1.0, 0.0), start="kept.h5")).simulate()
+    run = ffrf.compile(wheel((0.0, 0.0, 1.0))).simulate()
+    with pytest.raises(InputError, match=r"start is a run of another scene: bodies\.wheel\.axis was"):
+        ffrf.compile(wheel((0.0, 1.0, 0.0))).simulate(start=run)
 
 
 def test_what_is_no_results_file_is_refused(folder):

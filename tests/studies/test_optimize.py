@@ -140,6 +140,13 @@ def test_every_case_keeps_the_constraints(tmp_path):
     assert found.values["soft.rise"] == pytest.approx(-0.12, rel=1e-5)
     assert found.values["stiff.rise"] == pytest.approx(height(wanted) - 0.5, rel=1e-5)
     assert [each.active for each in found.prices] == [True, False]
+    assert "cases" not in found.verdict.codes  # one of them is the scene as it stands
+
+
+def test_a_study_whose_cases_leave_the_scene_itself_out_says_so(tmp_path):
+    found = optimized(only_load(tmp_path, CASES.replace("[cases.stiff]\n", "") + QUICK))
+    assert found.verdict.trusted
+    assert "the design is that for soft alone" in str(found.verdict)
 
 
 FALL = """
@@ -563,6 +570,11 @@ WRONG = {
         ),
         "1 paths but 2 factors",
         4,
+    ),
+    "the path of another number": (
+        PLAIN.replace(f"{LOAD} = {{ between", '"points.P.y" = { of = ["loads.push.force.y"], between'),
+        "variables.points.P.y: that is the path of a number, and the variable drives loads.push.force.y instead",
+        3,
     ),
     "one number twice": (
         PLAIN.replace("[objective]", f"k = {{ of = [{LOAD}], between = [0.0, 1.0] }}\n[objective]"),

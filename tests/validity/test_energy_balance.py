@@ -20,7 +20,9 @@ from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
+from toolkit.validity.motion.created_energy import energy_defects
 from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.motion.motion import ENERGY
 
 
 def linkage() -> Scene:
@@ -82,6 +84,20 @@ def test_the_papers_scheme_creates_energy_to_first_order_on_the_wing():
         assert balance.defect[-1] > 0
         defects.append(balance.relative_defect)
     assert defects[0] / defects[1] == pytest.approx(2.0, rel=0.1)
+
+
+def test_a_damper_without_inertia_creates_nothing_where_nothing_stores_energy():
+    """A rod that follows its torque against a spring and a damper, which take all that the torque does: the sum of the works is an error of
+    first order, and would be all of the largest energy."""
+    rod = linkage()
+    loads = {
+        "turn": Torque(body="crank", point="O", torque=3.0, curve=SmoothStep(duration=1.0)),
+        "brake": RotationalSpringDamper(bodies=("crank", "ground"), point="O", stiffness=9.0, damping=0.8),
+    }
+    alone = {"bodies": {"crank": rod.bodies["crank"]}, "joints": {"O": rod.joints["O"]}, "loads": loads}
+    options = RunOptions(end_time=1.2, step=0.02, quasi_static=True)
+    created, lost = energy_defects(simulate(compile_scene(rod.model_copy(update=alone)), options))
+    assert max(created, lost) < ENERGY / 2  # by first order some h / T = 1/60 of the damper's work
 
 
 def test_rest_has_no_defect():

@@ -154,6 +154,37 @@ def test_an_angle_that_is_zero_by_symmetry_is_not_doubted_for_its_round_off(seed
     assert "gradient-steps" not in found.verdict.codes
 
 
+TWINS = """units = "m-kg-s"
+points = { P = [0.0, 0.0], Q = [-0.36, 0.93] }
+[bodies]
+one = { type = "rigid", mass = 2.0, inertia = 0.5, center = "P" }
+two = { type = "rigid", mass = 2.0, inertia = 0.5, center = "Q" }
+[joints]
+first = { type = "slider", bodies = ["one", "ground"], point = "P", axis = [0.93, 0.36], lock_rotation = true }
+second = { type = "slider", bodies = ["two", "ground"], point = "Q", axis = [0.93, 0.36], lock_rotation = true }
+[loads]
+weight = { type = "gravity", acceleration = [-9.1, -3.6] }
+between = { type = "spring-damper", bodies = ["one", "two"], points = ["P", "Q"], stiffness = 100.0, damping = 3.0 }
+left = { type = "spring-damper", bodies = ["one", "ground"], points = ["P", "Q"], stiffness = 100.0, damping = 3.0 }
+right = { type = "spring-damper", bodies = ["two", "ground"], points = ["Q", "P"], stiffness = 100.0, damping = 3.0 }
+[responses]
+power = { type = "power", load = "between" }
+work = { type = "work", load = "between" }
+across = { type = "distance", bodies = ["one", "two"], points = ["P", "Q"], component = "x" }
+[solver]
+end_time = 1.0
+step = 0.01
+"""
+
+
+def test_works_that_are_zero_by_symmetry_are_not_doubted_for_their_round_off(tmp_path):
+    """Two blocks side by side: the spring between them is turned by round-off alone, some 1e-28 of works and powers of the others."""
+    (tmp_path / "scene.toml").write_text(TWINS)
+    found = direct(read_scene(tmp_path / "scene.toml"), ["bodies.one.mass"], "transient")
+    assert 0 < abs(found.values["work"]) < 1e-20
+    assert found.verdict.trusted, found.verdict
+
+
 def test_solutions_carry_a_verdict_too():
     found = simulate(compile_scene(read_scene(PENDULUM, WRONG)))
     assert {"energy", "coarse-steps"} <= set(found.verdict.codes)

@@ -115,7 +115,7 @@ def owners_of(scene: Scene, numbering: Numbering, affected: Affected | None = No
         "markers": range(len(numbering.markers)) if affected is None else sorted(affected.markers),
         "joints": chosen(("joints", name) for name in scene.joints),
         "loads": chosen(("loads", name) for name in named_loads(scene)),
-        "pressures": chosen(("loads", name) for name in pressures_of(scene)),
+        "pressures": chosen(("loads", name) for name, _ in pressures_on_pieces(scene)),
         "curves": chosen(item for item, _ in curves_of(scene)),
     }
 
@@ -124,7 +124,7 @@ def parts_of(scene: Scene, numbering: Numbering, owners: Owners) -> dict[str, di
     """What some owners have numbers from, by group and number."""
     everybody: Mapping[str, Any] = scene.all_bodies()
     bodies, joints, loads = list(everybody.values()), list(scene.joints.values()), loads_of(scene)
-    pressures = list(pressures_of(scene).values())
+    pressures = [pressure for _, pressure in pressures_on_pieces(scene)]
     curves = [curve for _, curve in curves_of(scene)] if owners["curves"] else []
     gravity, width = scene.gravity, scene.space.load_parameters
     heavy = tuple(each for each in scene.loads.values() if isinstance(each, UniformGravity))
@@ -196,6 +196,15 @@ def named_loads(scene: Scene) -> dict[str, Load]:
 def pressures_of(scene: Scene) -> dict[str, Pressure]:
     """Loads on surfaces of flexible bodies, by name."""
     return {name: load for name, load in scene.loads.items() if isinstance(load, Pressure)}
+
+
+def pressures_on_pieces(scene: Scene) -> list[tuple[str, Pressure]]:
+    """The same as the equations have them: on every part of a cut body one, with the name of the load."""
+    return [
+        (name, load if piece == load.body else load.model_copy(update={"body": piece}))
+        for name, load in pressures_of(scene).items()
+        for piece in scene.pieces([load.body])
+    ]
 
 
 def curves_of(scene: Scene) -> list[tuple[Item, Curve]]:

@@ -29,6 +29,7 @@ UNREAD = {
     "pieces": "for pictures",
     "surface": "for pictures",
     "surface_loads": "no load presses on a surface of the body",
+    "piece_loads": "no load presses on a surface of a body with several frames",
     "mesh": "for pictures, and after a run for the small-deformation meter",
 }
 
@@ -78,7 +79,7 @@ def _reason(system: System, path: str, group: str) -> str:
         return f"for {', '.join(asked)}" if asked else "a parameter is off its nominal value"
     if group == "shape":
         return f"for {', '.join(name for body in bodies for name in asking(scene, ShapeResponse, body))}"
-    if group == "surface_loads":
+    if group in ("surface_loads", "piece_loads"):
         return f"for {', '.join(name for name, load in pressures_of(scene).items() if load.body in bodies)}"
     return "equations of motion"
 

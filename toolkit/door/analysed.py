@@ -18,6 +18,7 @@ from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.preparation import Kind, check_kind
 from toolkit.solvers.start.continued import continued_start
+from toolkit.solvers.start.kept_scene import refuse_other_run
 from toolkit.system.model_files import refuse_changed
 
 
@@ -77,6 +78,7 @@ def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Ru
     system, known = (compiled.full if gradients else compiled.primal), start.solution
     if known.system.numbering.names != system.numbering.names:
         raise InputError("start is a run of a scene with other bodies or joints. Give one of the same scene, at any numbers.")
+    refuse_other_run(system, known.system)
     if kind == "static":
         return Run.of(evaluated(solve_statics(system, progress=progress, start=known), bool(gradients)))
     options = compiled.scene.solver.model_copy(update={"start": "given"})

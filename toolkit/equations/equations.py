@@ -67,7 +67,7 @@ class Work(NamedTuple):
     markers: Any  # MarkerState or SpatialMarkerState
     scratch: np.ndarray
     rest: np.ndarray  # (n,) zeros
-    rough: np.ndarray  # (1,) 1 where round-off of the elastic forces does not matter, set by the caller
+    care: np.ndarray  # (1,) EXACT, unless the caller sets ROUGH or LEFT_OUT, see `constant_kernel`
     halves: np.ndarray  # (2, n)
     joint: Any  # of the plan's joints
     load: LoadWork
@@ -90,11 +90,17 @@ class Inputs(NamedTuple):
 
 
 def allocate_terms(plan: Plan, dtype: type) -> Terms:
-    """Memory for the result."""
+    """Memory for the result, with two columns of derivatives by the design at least, see `of_variables`."""
     vectors: list[Any] = [np.zeros(plan.n, dtype) for _ in range(2)]
     entries: Any = np.zeros((4, len(plan.indices)), dtype)  # in one piece, of which a processor keeps track in larger pages
-    by_design: Any = [np.zeros((plan.n, plan.n_x), dtype, order="F") for _ in range(2)]  # a variable touches neighbouring rows
+    columns = max(plan.n_x, 2)  # a single one lies in both orders: another type, for which everything is compiled anew
+    by_design: Any = [np.zeros((plan.n, columns), dtype, order="F") for _ in range(2)]  # a variable touches neighbouring rows
     return Terms(*vectors, *entries, *by_design)
+
+
+def of_variables(plan: Plan, terms: Terms) -> Terms:
+    """The terms without the columns of memory that belong to no design variable."""
+    return terms._replace(I_x=terms.I_x[:, : plan.n_x], A_x=terms.A_x[:, : plan.n_x])
 
 
 def allocate_work(plan: Plan, dtype: type) -> Work:
@@ -103,7 +109,7 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
         markers=plan.markers.state(dtype),
         scratch=np.zeros((3, 3), dtype),
         rest=np.zeros(plan.n, dtype),
-        rough=np.zeros(1, np.int64),
+        care=np.zeros(1, np.int64),
         halves=np.zeros((2, plan.n), dtype),
         joint=plan.joints.work(dtype),
         load=load_work(plan.loads, plan.markers.start, len(plan.markers.pose), dtype),
@@ -128,7 +134,7 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
             values[:] = 0
     if not inputs.joints_only:
         constant_residual(
-            plan.constant, q, v, acceleration, inputs.scale, work.rough[0] == 1, work.halves, terms.inertial, terms.applied
+            plan.constant, q, v, acceleration, inputs.scale, work.care[0], work.halves, terms.inertial, terms.applied
         )
     if linearize and not inputs.joints_only:
         constant_jacobian(plan.constant, terms.I_acc, terms.A_q, terms.A_v)

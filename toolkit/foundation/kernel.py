@@ -7,20 +7,24 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 from types import FunctionType
 from typing import Any
 
 import numba
+from numba import config
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
 
 from toolkit.foundation.compiled.compiled_code import CompiledCode
 from toolkit.foundation.compiled.formula_compiler import FormulaCompiler
-from toolkit.foundation.compiled.inner_code import InnerCompiler
+from toolkit.foundation.compiled.inner_formula import InnerFormula
 from toolkit.foundation.compiled.packed import Formula
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.rare_collections import rare_collections
+
+SETTINGS = {"error_model": "numpy", "_nrt": False, "forceinline": False}
+"""Of numba, for all formulas; one that did not say whether it becomes part of its callers would take that from the first of them."""
 
 
 def kernel(function: Callable) -> CPUDispatcher:
@@ -56,21 +60,12 @@ def inlined(function: Callable) -> CPUDispatcher:
 
 
 def _inner(function: Callable, **options: bool) -> CPUDispatcher:
-    """A formula without an entrance: a call from Python, which would end the process, is refused."""
-    dispatcher = _compiled(function, InnerCompiler, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
-    if isinstance(dispatcher, CPUDispatcher):
-        dispatcher.__dict__.update(_insert=lambda *_found: None, _compile_for_args=partial(_refuse, dispatcher))
-    return dispatcher
+    made: Any = function if config.DISABLE_JIT else InnerFormula(function, SETTINGS | options)  # type: ignore[attr-defined]
+    return made
 
 
-def _refuse(dispatcher: CPUDispatcher, *_arguments: Any, **_named: Any) -> None:
-    name = dispatcher.py_func.__name__
-    raise TypeError(f"{name} is a formula that only other kernels call. Call plain({name}), or decorate it by kernel.")
-
-
-def _compiled(function: Callable, compiler: type = FormulaCompiler, **options: bool) -> CPUDispatcher:
-    options = {"forceinline": False} | options  # otherwise it is that of the formula whose call compiles this one first
-    dispatcher: Any = numba.njit(function, error_model="numpy", _nrt=False, pipeline_class=compiler, **options)  # type: ignore[call-overload]
+def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
+    dispatcher: Any = numba.njit(function, pipeline_class=FormulaCompiler, **SETTINGS | options)  # type: ignore[call-overload]
     if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
         dispatcher._cache = CompiledCode(dispatcher)  # type: ignore[attr-defined]
     return dispatcher

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import lru_cache, wraps
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -12,6 +14,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.joints.kernels.profile import DEGREE, PIECE
 from toolkit.joints.rows import Form
 
+R = TypeVar("R")
 TURN = 2 * np.pi
 WIDEST, OF_PERIOD = TURN / 16, 1 / 16
 """Longest piece, and longest as a part of a period of the curve."""
@@ -24,8 +27,35 @@ MOST = 2000
 NODES = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
 BETWEEN = np.append((NODES[:-1] + NODES[1:]) / 2, [-1 + 1e-6, 1 - 1e-6])
 """Where polynomials meet a piece, and where their error is looked at, from -1 to 1."""
+_AT_NODES, _AT_BETWEEN = (np.vander(places, DEGREE + 1, increasing=True) for places in (NODES, BETWEEN))
+KEPT = 64
+"""Curves of which it is remembered what was found: a scene asks its cams again and again, and a curve never changes."""
 
 
+class _Same:
+    """A curve by which one it is, and not by its numbers."""
+
+    def __init__(self, curve: Curve) -> None:
+        self.curve = curve
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.curve is other.curve
+
+    def __hash__(self) -> int:
+        return id(self.curve)
+
+
+def _remembered(function: Callable[[Curve], R]) -> Callable[[Curve], R]:
+    known = lru_cache(KEPT)(lambda same: function(same.curve))
+
+    @wraps(function)
+    def remembering(curve: Curve) -> R:
+        return known(_Same(curve))
+
+    return remembering
+
+
+@_remembered
 def profile_form(curve: Curve) -> Form:
     """The numbers of f(t) - f(0) for t from 0 to 2 pi, as `kernels.profile` reads them, real or complex.
 
@@ -55,10 +85,10 @@ def _pieces(curve: Curve, start: Any, begin: Any, end: Any, count: int) -> tuple
     values, between = (
         curve.evaluate((middles[:, None] + half * x).ravel())[:, 0].reshape(count, -1) - start for x in (NODES, BETWEEN)
     )
-    scaled = np.linalg.solve(np.vander(NODES, increasing=True), values.T).T
-    error = float(np.abs(np.real(scaled @ np.vander(BETWEEN, DEGREE + 1, increasing=True).T - between)).max())
+    scaled = np.linalg.solve(_AT_NODES, values.T).T
+    error = float(np.abs(np.real(scaled @ _AT_BETWEEN.T - between)).max())
     found = np.column_stack([middles - half, middles, scaled / half ** np.arange(DEGREE + 1)])
-    return list(found.ravel()), error
+    return found.ravel().tolist(), error
 
 
 def check_turn(curve: Curve, owner: str) -> None:
@@ -69,15 +99,20 @@ def check_turn(curve: Curve, owner: str) -> None:
     InputError
         Says by how much.
     """
-    inside = np.linspace(0, TURN, 721)[1:-1]
-    ends = np.real(curve.evaluate(np.array([0.0, TURN])))
-    largest = np.abs(np.real(curve.evaluate(inside))[:, :2]).max(axis=0)
+    ends, largest = _turn(curve)
     for k, what in enumerate(("value", "slope")):
         if abs(ends[1, k] - ends[0, k]) > CLOSE * largest[k]:
             raise InputError(
                 f"the curve of {owner} has the {what} {ends[0, k]:.9g} at the angle 0 and {ends[1, k]:.9g} after a turn, at 2 pi = "
                 f"{TURN:.9g}: a cam's follower would jump there. Let it end as it begins; its argument is the angle in rad."
             )
+
+
+@_remembered
+def _turn(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
+    """Values, slopes and more at both ends of one turn, (2, 3), and the largest value and slope inside of it, (2,)."""
+    largest = np.abs(np.real(curve.evaluate(np.linspace(0, TURN, 721)[1:-1]))[:, :2]).max(axis=0)
+    return np.real(curve.evaluate(np.array([0.0, TURN]))), largest
 
 
 def _bounds(curve: Curve) -> list[Any]:

@@ -222,4 +222,5 @@ def axes_along(direction: Any) -> np.ndarray:
     aside = np.eye(3)[first_smallest(np.abs(np.real(third)))]
     first = aside - third * (aside @ third)
     first = first / np.sqrt(first @ first)
-    return np.column_stack([first, np.cross(third, first), third])
+    (x, y, z), (a, b, c) = third.tolist(), first.tolist()
+    return np.column_stack([first, [y * c - z * b, z * a - x * c, x * b - y * a], third])

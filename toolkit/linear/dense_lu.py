@@ -53,6 +53,8 @@ def dense_factor(a, pivots, scale, tolerance):
         a[k, k] = 1.0 / a[k, k]
         source = a[k, k + 1 :]
         for i in range(k + 1, n):
+            if a[i, k] == 0.0:  # most of a matrix of bodies and joints
+                continue
             multiple = a[i, k] * a[k, k]
             a[i, k] = multiple
             target = a[i, k + 1 :]

@@ -4,11 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.foundation.compiled.rows import add_rows, filled_up
 from toolkit.foundation.kernel import copy, inner, kernel
 from toolkit.linear.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
 from toolkit.linear.sparse_analysis import LUPlan
-from toolkit.linear.sparse_block import AT_ONCE, solve_block
-from toolkit.linear.sparse_lu import factor, multiply, solve
+from toolkit.linear.sparse_block import solve_block
+from toolkit.linear.sparse_lu import StillPivots, factor, multiply, solve, still_pivots
 
 SPARSE_TOLERANCE, DENSE_TOLERANCE = 1e-12, 1e-14
 """Smallest pivots, relative to the terms they are made of; recommended where they are tested."""
@@ -25,10 +26,12 @@ class LinearSolver(NamedTuple):
 
     plan: LUPlan
     lu: np.ndarray
+    kept: StillPivots
     work: np.ndarray  # (n,)
     residual: np.ndarray  # (n,)
-    work_block: np.ndarray  # (n, n_x or AT_ONCE)
-    residual_block: np.ndarray  # (n, n_x)
+    work_block: np.ndarray  # (n, n_x filled up)
+    residual_block: np.ndarray
+    solution_block: np.ndarray
     weights: np.ndarray  # (n_q,) what makes coordinates comparable, see `numbering.weights`
     dense: np.ndarray  # (n, n), not touched unless needed
     pivots: np.ndarray
@@ -44,10 +47,12 @@ def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> L
     return LinearSolver(
         plan,
         np.zeros(int(plan.row_start[-1]), dtype),
+        still_pivots(plan, dtype),
         np.zeros(n, dtype),
         np.zeros(n, dtype),
-        np.zeros((n, max(n_x, AT_ONCE)), dtype),
-        np.zeros((n, n_x), dtype),
+        np.zeros((n, filled_up(n_x)), dtype),
+        np.zeros((n, filled_up(n_x)), dtype),
+        np.zeros((n, filled_up(n_x)), dtype),
         weights,
         np.empty((n, n), dtype),
         np.zeros(n, np.int64),
@@ -59,8 +64,8 @@ def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> L
 
 
 def updates_of(plan: LUPlan) -> int:
-    """Multiplications of a sparse factorisation: every entry right of a pivot meets all of them in each row below."""
-    beside = plan.row_start[1:] - plan.diagonal - 1
+    """Multiplications of a sparse factorisation: every entry right of a pivot that changes meets all of them in each row below."""
+    beside = (plan.row_start[1:] - plan.diagonal - 1)[plan.still[0] :]
     return int(beside @ (beside + 1))
 
 
@@ -68,16 +73,17 @@ def updates_of(plan: LUPlan) -> int:
 def cheaper_anew(solver, entries, n_x):
     """Whether new sparse factors cost less than the refinement of a block (n, n_x) with old ones; a matrix has `entries`.
 
-    Measured, one multiplication of the factorisation, whose places are looked up, takes as long as two of the refinement.
+    Measured, one multiplication of the factorisation, whose places are looked up, takes as long as 14 numbers of the refinement, which are
+    taken eight at a time, and an entry of it as long as 10 besides.
     """
-    return 2 * solver.updates < n_x * (len(solver.lu) + entries)
+    return 14 * solver.updates < (10 + n_x) * (len(solver.lu) + entries)
 
 
 @inner
 def factorize(solver, indptr, indices, values):
     """Factor a matrix; -1, or the number of the unknown that the equations do not determine."""
     solver.mode[0] = 0
-    if factor(solver.plan, values, solver.lu, solver.work, SPARSE_TOLERANCE) < 0:
+    if factor(solver.plan, values, solver.lu, solver.work, SPARSE_TOLERANCE, solver.kept) < 0:
         return -1
     return factorize_dense(solver, indptr, indices, values)
 
@@ -101,7 +107,7 @@ def apply_inverse(solver, vector):
 
 @inner
 def apply_inverse_block(solver, block):
-    """Solve for many right-hand sides, in place; block (n, n_x)."""
+    """Solve for many right-hand sides, in place; block (n, n_x filled up)."""
     if solver.mode[0] == 0:
         solve_block(solver.plan, solver.lu, block, solver.work_block)
     else:
@@ -145,29 +151,32 @@ def solve_checked(solver, indptr, indices, values, rhs, solution):
 
 @inner
 def solve_refined_block(solver, indptr, indices, values, fresh, block, solution):
-    """Solve for many right-hand sides, and refine once if the factors need it; block, solution (n, n_x).
+    """Solve for many right-hand sides, and refine once if the factors need it; block and solution (n, n_x), or filled up.
 
     `fresh`: the factors are those of `values`, and the last refinement of a vector tells how good they are.
     """
-    n_x = block.shape[1]
+    found, rest = solver.solution_block, solver.residual_block
+    copy_columns(block, found)
+    apply_inverse_block(solver, found)
+    if not (fresh and solver.quality[0] <= UNREFINED):
+        copy_columns(block, rest)
+        for i in range(len(rest)):
+            add_rows(rest[i], 1.0, -1.0, values, indices, indptr[i], indptr[i + 1], found)
+        apply_inverse_block(solver, rest)
+        for i in range(len(rest)):
+            for x in range(found.shape[1]):
+                found[i, x] += rest[i, x]
+    copy_columns(found, solution)
+
+
+@inner
+def copy_columns(block, target):
+    """As many columns as both have."""
+    columns = min(block.shape[1], target.shape[1])
     for i in range(len(block)):
-        for x in range(n_x):
-            solution[i, x] = block[i, x]
-    apply_inverse_block(solver, solution)
-    if fresh and solver.quality[0] <= UNREFINED:
-        return
-    for i in range(len(block)):
-        given, row = block[i], solver.residual_block[i]
-        for x in range(n_x):
-            row[x] = given[x]
-        for e in range(indptr[i], indptr[i + 1]):
-            value, known = values[e], solution[indices[e]]
-            for x in range(n_x):
-                row[x] -= value * known[x]
-    apply_inverse_block(solver, solver.residual_block)
-    for i in range(len(block)):
-        for x in range(n_x):
-            solution[i, x] += solver.residual_block[i, x]
+        source, row = block[i], target[i]
+        for x in range(columns):
+            row[x] = source[x]
 
 
 @kernel

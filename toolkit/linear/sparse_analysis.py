@@ -36,9 +36,13 @@ class LUPlan(NamedTuple):
     run_first: np.ndarray  # of each such run the place of its first entry among those behind the last of the pivots
     run_length: np.ndarray
     destination: np.ndarray  # place in `lu` that each update hits, in the order of `factor`; of a run only the first
+    still: np.ndarray  # (3,) how many pivots never change, and what they use of the updates and of the runs
+    still_value: np.ndarray  # CSR values in their rows and columns
+    later_value: np.ndarray  # all other CSR values
+    own_value: np.ndarray  # (n - still[0],) CSR values on the diagonal of the later pivots
 
 
-def analyse(indptr: np.ndarray, indices: np.ndarray, n_q: int) -> LUPlan:
+def analyse(indptr: np.ndarray, indices: np.ndarray, n_q: int, moving: np.ndarray | None = None) -> LUPlan:
     """Order of elimination, fill and list of updates for a pattern; once per model.
 
     Parameters
@@ -47,6 +51,9 @@ def analyse(indptr: np.ndarray, indices: np.ndarray, n_q: int) -> LUPlan:
         CSR pattern: symmetric, sorted, with a full diagonal (also where the value is zero, at the multipliers).
     n_q : int
         Number of coordinates; the unknowns after them are multipliers.
+    moving : (n,) bools
+        Unknowns whose entries between each other change from matrix to matrix, by default all; multipliers are among them. The others are
+        eliminated first, and as long as their values stay the same only once.
 
     Raises
     ------
@@ -55,11 +62,13 @@ def analyse(indptr: np.ndarray, indices: np.ndarray, n_q: int) -> LUPlan:
     """
     indptr, indices = np.asarray(indptr, dtype=np.int64), np.asarray(indices, dtype=np.int64)
     _check(indptr, indices)
-    order, below = minimum_degree(indptr, indices, n_q)
+    moving = np.ones(len(indptr) - 1, bool) if moving is None else moving
+    order, below = minimum_degree(indptr, indices, n_q, moving)
     position = np.empty_like(order)
     position[order] = np.arange(len(order))
     row_of_value = np.repeat(position, np.diff(indptr))
-    return _plan(order, [np.sort(position[neighbours]) for neighbours in below], row_of_value, position[indices])
+    still = int(np.count_nonzero(~moving))
+    return _plan(order, [np.sort(position[neighbours]) for neighbours in below], row_of_value, position[indices], still)
 
 
 def _check(indptr: np.ndarray, indices: np.ndarray) -> None:
@@ -78,14 +87,18 @@ def _check(indptr: np.ndarray, indices: np.ndarray) -> None:
         raise InputError(f"the pattern has the entry ({i}, {j}) but not ({j}, {i}); add it with value 0.")
 
 
-def _plan(order: np.ndarray, upper: list[np.ndarray], value_row: np.ndarray, value_column: np.ndarray) -> LUPlan:
-    """Storage of L + U and its updates, from the columns of each row of U and the place of each CSR value (all as positions)."""
+def _plan(order: np.ndarray, upper: list[np.ndarray], value_row: np.ndarray, value_column: np.ndarray, still: int) -> LUPlan:
+    """Storage of L + U and its updates, from the columns of each row of U and the place of each CSR value (all as positions).
+
+    The first pivots, so many as are `still`, never change.
+    """
     n = len(order)
     pivot = np.arange(n)
     row, column = np.repeat(pivot, [len(u) for u in upper]), np.concatenate([*upper, pivot[:0]])
     entry = np.sort(np.concatenate([row * n + column, column * n + row, pivot * n + pivot]))  # row * n + column, ascending
     row, column = np.divmod(entry, max(n, 1))
-    updates = _updates(upper)
+    updates, of_still = _updates(upper, still), np.minimum(value_row, value_column) < still
+    own, later = np.flatnonzero((value_row == value_column) & ~of_still), np.flatnonzero(~of_still)
     return LUPlan(
         order=order,
         row_start=np.searchsorted(row, np.arange(n + 1)),
@@ -98,6 +111,10 @@ def _plan(order: np.ndarray, upper: list[np.ndarray], value_row: np.ndarray, val
         run_first=updates.run_first,
         run_length=updates.run_length,
         destination=np.searchsorted(entry, updates.updated).astype(np.uint32),
+        still=np.array([still, *updates.of_still]),
+        still_value=np.flatnonzero(of_still),
+        later_value=later,
+        own_value=own[np.argsort(value_row[own])],
     )
 
 
@@ -109,15 +126,18 @@ class _Updates(NamedTuple):
     run_first: np.ndarray
     run_length: np.ndarray
     updated: np.ndarray
+    of_still: tuple[int, int]  # how many updates and runs the pivots that never change have
 
 
-def _updates(upper: list[np.ndarray]) -> _Updates:
-    """What each pivot, or each group of pivots, updates; from the columns of each row of U."""
+def _updates(upper: list[np.ndarray], still: int) -> _Updates:
+    """What each pivot, or each group of pivots, updates; from the columns of each row of U. A group ends with those that are `still`."""
     n, k, nothing = len(upper), 0, np.zeros(0, np.int64)
     run, together = np.zeros((2, n), np.int64)
-    first, length, updated = [nothing], [nothing], [nothing]
+    first, length, updated, of_still = [nothing], [nothing], [nothing], (0, 0)
     while k < n:
-        if _alike(upper, k):
+        if k == still:
+            of_still = sum(map(len, updated)), sum(map(len, first))
+        if _alike(upper, k) and not k < still < k + TOGETHER:
             behind = upper[k + TOGETHER - 1]
             starts = np.flatnonzero(np.diff(behind, prepend=-1) != 1)
             together[k] = len(starts)
@@ -129,7 +149,7 @@ def _updates(upper: list[np.ndarray]) -> _Updates:
             run[k] = _run_length(k, upper[k])
             updated.append(np.add.outer(upper[k] * n, _first_of_run(upper[k], run[k])).ravel())
             k += 1
-    return _Updates(run, together, np.concatenate(first), np.concatenate(length), np.concatenate(updated))
+    return _Updates(run, together, np.concatenate(first), np.concatenate(length), np.concatenate(updated), of_still)
 
 
 def _alike(upper: list[np.ndarray], pivot: int) -> bool:

@@ -22,14 +22,35 @@ later row. For that the caller refines a solution once and looks how much that c
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from toolkit.foundation.compiled.rows import subtract_multiples
 from toolkit.foundation.kernel import inlined, inner, kernel
-from toolkit.linear.sparse_analysis import TOGETHER
+from toolkit.linear.sparse_analysis import TOGETHER, LUPlan
+
+
+class StillPivots(NamedTuple):
+    """What the pivots that never change have left to the later ones, so that they are eliminated once for many matrices."""
+
+    made: np.ndarray  # (1,) 1 once they have been eliminated
+    values: np.ndarray  # of `plan.still_value`, which they belong to
+    lu: np.ndarray  # the rows of the later pivots, without values of their own
+    size: np.ndarray  # (n - still,) what is known of size_i
+
+
+def still_pivots(plan: LUPlan, dtype: type) -> StillPivots:
+    """Memory for them."""
+    later = len(plan.own_value)
+    rows = int(plan.row_start[-1] - plan.row_start[len(plan.order) - later]) if plan.still[0] else 0
+    return StillPivots(
+        np.zeros(1, np.int64), np.zeros(len(plan.still_value), dtype), np.zeros(rows, dtype), np.zeros(later, dtype)
+    )
 
 
 @kernel
-def factor(plan, values, lu, work, tolerance):
+def factor(plan, values, lu, work, tolerance, kept):
     """Factors of a matrix; -1, or the original index of the first unknown whose pivot is refused.
 
     Parameters
@@ -43,17 +64,84 @@ def factor(plan, values, lu, work, tolerance):
         Overwritten with size_i.
     tolerance : float
         Smallest pivot relative to the terms it is made of, see the head of this file.
+    kept : StillPivots
+        Of the last matrix, whose factors `lu` holds; overwritten.
     """
-    _load(plan, values, lu, work)
-    update = run = k = np.int64(0)  # a plain 0 would have what is called compiled for that number, and for others again
-    while k < plan.order.size:
+    still, nothing = (
+        plan.still[0],
+        np.int64(0),
+    )  # a plain 0 would have what is called compiled for that number, and for others again
+    if still == 0:
+        _load(plan, values, lu, work)
+        return _eliminate(plan, lu, work, tolerance, nothing, plan.order.size, nothing, nothing)
+    if not _unchanged(plan, values, kept):
+        kept.made[0] = 0
+        _load_still(plan, values, lu, work)
+        refused = _eliminate(plan, lu, work, tolerance, nothing, still, nothing, nothing)
+        if refused >= 0:
+            return refused
+        _keep(plan, values, lu, work, kept)
+    _load_later(plan, values, lu, work, kept)
+    return _eliminate(plan, lu, work, tolerance, still, plan.order.size, plan.still[1], plan.still[2])
+
+
+@inlined
+def _unchanged(plan, values, kept):
+    """Whether the first pivots meet what they met last time."""
+    changed = kept.made[0] == 0
+    for p in range(plan.still_value.size):
+        changed |= values[plan.still_value[p]] != kept.values[p]
+    return not changed
+
+
+@inlined
+def _load_still(plan, values, lu, work):
+    """As `_load`, without the values of the later pivots."""
+    for p in range(lu.size):
+        lu[p] = 0.0
+    for p in range(plan.still_value.size):
+        lu[plan.place[plan.still_value[p]]] = values[plan.still_value[p]]
+    for k in range(work.size):
+        work[k] = abs(lu[plan.diagonal[k]].real)
+
+
+@inlined
+def _keep(plan, values, lu, work, kept):
+    """What the first pivots have left."""
+    first, still = plan.row_start[plan.still[0]], plan.still[0]
+    for p in range(kept.lu.size):
+        kept.lu[p] = lu[first + p]
+    for k in range(kept.size.size):
+        kept.size[k] = work[still + k]
+    for p in range(kept.values.size):
+        kept.values[p] = values[plan.still_value[p]]
+    kept.made[0] = 1
+
+
+@inlined
+def _load_later(plan, values, lu, work, kept):
+    """The rows of the later pivots: what the first ones have left, and their own values."""
+    first, still = plan.row_start[plan.still[0]], plan.still[0]
+    for p in range(kept.lu.size):
+        lu[first + p] = kept.lu[p]
+    for p in range(plan.later_value.size):
+        lu[plan.place[plan.later_value[p]]] += values[plan.later_value[p]]
+    for k in range(kept.size.size):
+        work[still + k] = kept.size[k] + abs(values[plan.own_value[k]].real)
+
+
+@inner
+def _eliminate(plan, lu, work, tolerance, first, last, update, run):
+    """Pivots first ... last - 1, before which others have used so many updates and runs; as `factor`."""
+    k = first
+    while k < last:
         if plan.together[k] > 0:
             refused = _factor_together(plan, lu, work, tolerance, k)
             if refused >= 0:
                 return plan.order[refused]
             _eliminate_together(plan, lu, work, k, update, run)
-            last = plan.diagonal[k + TOGETHER - 1]
-            update += plan.together[k] * (plan.row_start[k + TOGETHER] - last - 1)
+            end = plan.diagonal[k + TOGETHER - 1]
+            update += plan.together[k] * (plan.row_start[k + TOGETHER] - end - 1)
             run += plan.together[k]
             k += TOGETHER
             continue
@@ -66,11 +154,8 @@ def factor(plan, values, lu, work, tolerance):
             lu[plan.mirror[p]] = multiple
             work[plan.column[p]] += abs((multiple * lu[p]).real)
             if length > 0:
-                first = plan.destination[update]
+                subtract_multiples(lu, (plan.destination[update],), (multiple,), (diagonal + 1,), length)
                 update += 1
-                target, source = lu[first : first + length], lu[diagonal + 1 : diagonal + 1 + length]
-                for s in range(length):
-                    target[s] -= multiple * source[s]
             for s in range(diagonal + 1 + length, end):
                 lu[plan.destination[update]] -= multiple * lu[s]
                 update += 1
@@ -86,15 +171,12 @@ def _factor_together(plan, lu, work, tolerance, first):
         if not abs(lu[diagonal].real) > tolerance * work[k].real:
             return k
         lu[diagonal] = 1.0 / lu[diagonal]
-        source = lu[diagonal + 1 : plan.row_start[k + 1]]
         for row in range(k + 1, first + TOGETHER):
             at = plan.diagonal[row] - (row - k)
             multiple = lu[at] * lu[diagonal]
             lu[at] = multiple
-            work[row] += abs((multiple * source[row - k - 1]).real)
-            target = lu[at + 1 : plan.row_start[row + 1]]
-            for s in range(len(source)):
-                target[s] -= multiple * source[s]
+            work[row] += abs((multiple * lu[diagonal + row - k]).real)
+            subtract_multiples(lu, (at + 1,), (multiple,), (diagonal + 1,), plan.row_start[k + 1] - diagonal - 1)
     return -1
 
 
@@ -119,30 +201,20 @@ def _eliminate_together(plan, lu, work, first, update, run):
         size = abs((m_a * row_a[r]).real) + abs((m_b * row_b[r]).real) + abs((m_c * row_c[r]).real) + abs((m_d * row_d[r]).real)
         work[column[r]] += size
     at, r = 0, 0
-    while r + 2 <= behind:
-        left, other = lu[mirror[r] : mirror[r] + 4], lu[mirror[r + 1] : mirror[r + 1] + 4]
-        m_a, m_b, m_c, m_d = left[0], left[1], left[2], left[3]
-        n_a, n_b, n_c, n_d = other[0], other[1], other[2], other[3]
+    while r < behind:
+        two = r + 2 <= behind
+        left, other = lu[mirror[r] : mirror[r] + 4], lu[mirror[r + two] : mirror[r + two] + 4]
+        m = left[0], left[1], left[2], left[3]
+        both = left[0], left[1], left[2], left[3], other[0], other[1], other[2], other[3]
         for k in range(count):
-            start, length = run_first[k], run_length[k]
-            target, next_one = lu[destination[at] :], lu[destination[at + count] :]
-            u_a, u_b, u_c, u_d = row_a[start:], row_b[start:], row_c[start:], row_d[start:]
-            at += 1
-            for s in range(length):
-                target[s] -= m_a * u_a[s] + m_b * u_b[s] + m_c * u_c[s] + m_d * u_d[s]
-                next_one[s] -= n_a * u_a[s] + n_b * u_b[s] + n_c * u_c[s] + n_d * u_d[s]
-        at += count
-        r += 2
-    if r < behind:
-        left = lu[mirror[r] : mirror[r] + 4]
-        m_a, m_b, m_c, m_d = left[0], left[1], left[2], left[3]
-        for k in range(count):
-            start, length = run_first[k], run_length[k]
-            target = lu[destination[at] :]
-            u_a, u_b, u_c, u_d = row_a[start:], row_b[start:], row_c[start:], row_d[start:]
-            at += 1
-            for s in range(length):
-                target[s] -= m_a * u_a[s] + m_b * u_b[s] + m_c * u_c[s] + m_d * u_d[s]
+            start, target = run_first[k], destination[at + k]
+            sources = a + 4 + start, b + 3 + start, c + 2 + start, d + 1 + start
+            if two:
+                subtract_multiples(lu, (target, destination[at + count + k]), both, sources, run_length[k])
+            else:
+                subtract_multiples(lu, (target,), m, sources, run_length[k])
+        at += (1 + two) * count
+        r += 1 + two
 
 
 @inner
@@ -161,23 +233,32 @@ def solve(plan, lu, rhs, work):
     """Solution of A x = rhs, in place; rhs and work (n,)."""
     n = plan.order.size
     for i in range(n):
-        total = rhs[plan.order[i]]
-        for p in range(plan.row_start[i], plan.diagonal[i]):
-            total -= lu[p] * work[plan.column[p]]
-        work[i] = total
+        work[i] = rhs[plan.order[i]] - row_product(lu, plan.column, plan.row_start[i], plan.diagonal[i], work)
     for i in range(n - 1, -1, -1):
-        total = work[i]
-        for p in range(plan.diagonal[i] + 1, plan.row_start[i + 1]):
-            total -= lu[p] * work[plan.column[p]]
-        work[i] = total * lu[plan.diagonal[i]]
+        known = row_product(lu, plan.column, plan.diagonal[i] + 1, plan.row_start[i + 1], work)
+        work[i] = (work[i] - known) * lu[plan.diagonal[i]]
         rhs[plan.order[i]] = work[i]
+
+
+@inlined
+def row_product(values, columns, first, last, x):
+    """Sum of values[p] x[columns[p]] over p = first ... last - 1, in four sums, none of which waits for another."""
+    a = b = c = d = 0.0 * values[0]
+    p = first
+    while p + 4 <= last:
+        a += values[p] * x[columns[p]]
+        b += values[p + 1] * x[columns[p + 1]]
+        c += values[p + 2] * x[columns[p + 2]]
+        d += values[p + 3] * x[columns[p + 3]]
+        p += 4
+    while p < last:
+        a += values[p] * x[columns[p]]
+        p += 1
+    return (a + b) + (c + d)
 
 
 @kernel
 def multiply(indptr, indices, values, x, y):
     """y = A x for a CSR matrix; x and y (n,)."""
     for i in range(y.size):
-        total = 0.0 * x[0]
-        for p in range(indptr[i], indptr[i + 1]):
-            total += values[p] * x[indices[p]]
-        y[i] = total
+        y[i] = row_product(values, indices, indptr[i], indptr[i + 1], x)

@@ -23,9 +23,10 @@ from toolkit.reduced_model.model import (
     Shape,
     StressPoints,
     generalized_mass,
+    of_elements,
 )
 from toolkit.reduced_model.parts.interior import Interior
-from toolkit.reduced_model.parts.pieces import Pieces
+from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
 from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
 from toolkit.reduced_model.spatial_model import (
     PAIRS,
@@ -51,7 +52,7 @@ MAGNITUDE = LARGEST**3
 
 HIGHEST_POWER = 20
 
-PARTS_WITH_ITEMS = ("interfaces", "shape", "surface", "surface_loads", "elements", "spin")
+PARTS_WITH_ITEMS = ("interfaces", "shape", "surface", "surface_loads", "elements", "spin", "piece_loads")
 """Parts of which arrays can depend on parameters, besides the invariants."""
 
 SHAPES: dict[Any, dict[str, str]] = {
@@ -82,6 +83,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     SurfaceLoad: {"force": "3", "moment": "33z"},
     Spin: {"stiffening": "gff"},
     Pieces: {"element": "p", "position": "p3y"},
+    PieceLoads: {"force": "e3", "moment": "e33y"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
 """One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u, in space v and y;
@@ -120,8 +122,9 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
         low, high = point.arc_length_range
         if not low <= point.arc_length <= high:
             _refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
-    for name, load in (model.surface_loads or {}).items():
-        _fit_all(path, f"surface_loads/{name}", load, sizes)
+    for group in ("surface_loads", "piece_loads"):
+        for name, load in (getattr(model, group) or {}).items():
+            _fit_all(path, f"{group}/{name}", load, sizes)
     for part in ("stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin", "pieces"):
         if getattr(model, part) is not None:
             _fit_all(path, part, getattr(model, part), sizes)
@@ -205,7 +208,7 @@ def _largest(array: np.ndarray) -> EntryScale:
 
 def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     for item, derivatives in {**(model.derivatives or {}), **(model.element_derivatives or {})}.items():
-        place = f"{'element_' * item.startswith('elements.')}derivatives/{item}"
+        place = f"{'element_' * of_elements(item)}derivatives/{item}"
         _fit_all(path, place, derivatives, sizes)
         _numbers_below(path, f"{place}/parameter", derivatives.parameter, len(model.nominal), "parameters")
         _numbers_below(path, f"{place}/entry", derivatives.entry, _size(model, path, place, item), "entries")
@@ -215,7 +218,7 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     """Polynomials of the parameters, which give the invariants at the nominal design."""
     p, sizes_of = np.array(list(model.nominal.values())), _sizes(model.invariants)
     for item, polynomial in {**(model.affine or {}), **(model.element_affine or {})}.items():
-        place = f"{'element_' * item.startswith('elements.')}affine/{item}"
+        place = f"{'element_' * of_elements(item)}affine/{item}"
         names = [
             *SHAPES[type(model.invariants)],
             SPIN_STIFFENING,
@@ -297,6 +300,9 @@ def _check_pieces(model: ReducedModel, path: Path) -> None:
             _numbers_below(path, "pieces/element", model.pieces.element, len(elements.connectivity), "elements")
         if model.stress is not None:
             _numbers_below(path, "stress/element", model.stress.element, len(elements.connectivity), "elements")
+    for name, load in (model.piece_loads or {}).items():
+        if isinstance(elements, SpatialElements) and len(load.force) != len(elements.connectivity):
+            _refuse(path, f"piece_loads/{name}/force", f"has {len(load.force)} rows instead of {len(elements.connectivity)}")
     if model.face_errors and not ({"least", "largest"} < model.face_errors.keys()):
         _refuse(path, "face_errors", 'lacks "least", "largest" or the errors by single forces')
     if model.pieces is not None and model.surface is not None and len(model.pieces.element) != len(model.surface.position):

@@ -68,6 +68,7 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
         element_affine=_each(model.element_affine, lambda item, found: _polynomial(found, scale.flat(item), parameter)),
         interfaces=_each(model.interfaces, lambda _, point: scale.part(point, point=True)),
         surface_loads=_each(model.surface_loads, lambda _, load: scale.part(load)),
+        piece_loads=_each(model.piece_loads, lambda _, load: scale.part(load)),
         **{name: part and scale.part(part) for name, part in _single_parts(model).items()},
     )
 

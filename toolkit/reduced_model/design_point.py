@@ -89,13 +89,24 @@ class DesignPoint:
         return kind(**dict(zip(names, self.some_invariants(*names), strict=True)))
 
     def some_invariants(self, *items: str) -> tuple[np.ndarray, ...]:
-        """Those of some names; errors as `invariants`."""
-        if self.first_order and (names := self.extrapolated()):
-            self._check_stiffness(np.real(self.value("stiffness")), names)
+        """Those of some names; errors as `invariants`, of a stiffness if it is among them."""
+        if self.first_order and "stiffness" in items:
+            self.check_stiffness(self.value("stiffness"))
         return tuple(map(self.value, items))
 
-    def _check_stiffness(self, stiffness: np.ndarray, names: list[str]) -> None:
-        """A skin is so much stiffer in tension than in bending that a small error of the one exceeds all of the other."""
+    def check_stiffness(self, stiffness: np.ndarray) -> None:
+        """Refuse a stiffness at this design, of the body or of a part of it, that a tangent has led to and that no body has.
+
+        A skin is so much stiffer in tension than in bending that a small error of the one exceeds all of the other.
+
+        Raises
+        ------
+        InputError
+            It is not positive definite.
+        """
+        if not (self.first_order and (names := self.extrapolated())):
+            return
+        stiffness = np.real(stiffness)
         diagonal = np.diag(stiffness)
         if not np.all(diagonal > 0) or np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(diagonal, diagonal)))[0] <= 0:
             raise InputError(

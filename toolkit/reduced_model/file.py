@@ -20,7 +20,7 @@ from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.parts.interior import Interior
-from toolkit.reduced_model.parts.pieces import Pieces
+from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -55,11 +55,12 @@ PARTS: dict[str, Any] = {
     "surface_loads": SurfaceLoad,
     "spin": Spin,
     "pieces": Pieces,
+    "piece_loads": PieceLoads,
 }
 """Groups of the file; those in `NAMED` hold several named objects."""
 SPATIAL_PARTS: dict[str, Any] = {"invariants": SpatialInvariants, "elements": SpatialElements}
 """What they hold in space instead."""
-NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine")
+NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine", "piece_loads")
 
 
 def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:

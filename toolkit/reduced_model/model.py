@@ -13,7 +13,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.parts.interior import Interior
-from toolkit.reduced_model.parts.pieces import Pieces
+from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -196,6 +196,7 @@ class ReducedModel:
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     spin: Spin | None = None  # of bodies whose file asks for it
     pieces: Pieces | None = None  # of solids in pieces, which are `elements`
+    piece_loads: dict[str, PieceLoads] | None = None  # of these: the same as `surface_loads`, piece by piece
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
     source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
     changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text
@@ -257,7 +258,7 @@ class ReducedModel:
 
     def dependence(self, item: str) -> tuple[dict[str, Derivatives] | None, dict[str, Polynomial] | None]:
         """The derivatives and polynomials that an item's are among; None where they were not loaded."""
-        own = item.startswith("elements.")
+        own = of_elements(item)
         return (self.element_derivatives, self.element_affine) if own else (self.derivatives, self.affine)
 
     def item(self, name: str) -> np.ndarray:
@@ -267,6 +268,11 @@ class ReducedModel:
             return getattr(self.invariants, name)
         owner = getattr(self, group)
         return getattr(owner[rest[0]] if len(rest) == 2 else owner, rest[-1])
+
+
+def of_elements(item: str) -> bool:
+    """Whether an item is told element by element, and so are its derivatives."""
+    return item.startswith(("elements.", "piece_loads."))
 
 
 def generalized_mass(inv: Invariants) -> np.ndarray:

@@ -27,12 +27,33 @@ class Largest(NamedTuple):
 def magnitude_that_counts(response: Response, solution: Solution, largest: Largest) -> float:
     """What an error of a response is compared with.
 
-    It is the largest magnitude in the motion; but of a place or an angle at least what Newton leaves undecided of it, so that one that
-    is zero by symmetry is not wrong by its own round-off.
+    It is the largest magnitude in the motion; but at least what Newton leaves undecided of it, so that a place, a force or a power that is
+    zero by symmetry is not wrong by its own round-off.
     """
-    scene, options = solution.system.scene, solution.options or solution.system.scene.solver
-    whole = {"angle": 1.0, "length": scene.size}.get(response.unit_quantity, 0.0)
-    return max(largest.magnitude, options.tolerance * whole)
+    options = solution.options or solution.system.scene.solver
+    return max(largest.magnitude, options.tolerance * _size_of_kind(response, solution))
+
+
+def _size_of_kind(response: Response, solution: Solution) -> float:
+    """The size of quantities of a response's kind in a motion: of lengths S the scene's, of angles 1 rad, and of what measures
+    mass^m length^k time^t, with the largest rate R and the largest joint force F,
+
+        F^m S^(k - m) R^(-t - 2 m)
+    """
+    system, (m, k, t) = solution.system, response.physical_dimension
+    if not (m or k or t):
+        return float(response.unit_quantity == "angle")
+    lengths, n_q = system.scene.size, system.n_q
+    speeds, changes, forces = (
+        float(np.abs(np.real(each) * by).max(initial=0.0))
+        for each, by in (
+            (solution.v, system.weights[:n_q]),
+            (solution.a, system.weights[:n_q]),
+            (solution.multipliers, 1 / system.weights[n_q:]),
+        )
+    )
+    rate = max(speeds, np.sqrt(changes), 1 / solution.whole_run[-1])
+    return float((forces / lengths) ** m * lengths ** (k - m) * rate ** (-t - 2 * m))
 
 
 @singledispatch

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.equations.equations import Plan, Terms, allocate_terms, allocate_work
+from toolkit.equations.equations import Plan, Terms, allocate_terms, allocate_work, of_variables
 from toolkit.foundation.compiled.calls import in_memory
 
 
@@ -22,7 +22,7 @@ class EvaluationMemory(threading.local):
     """
 
     def __init__(self, plan: Plan) -> None:
-        self._terms = allocate_terms(plan, float)
+        self._plan, self._terms = plan, allocate_terms(plan, float)
         self._state = np.zeros((3, plan.n))
         self._touched = plan.touched_variable * plan.n + plan.touched_row
         self.terms: Any = in_memory(self._terms)
@@ -37,14 +37,12 @@ class EvaluationMemory(threading.local):
 
     def found(self, linearized: bool, designed: bool) -> Terms:
         """What the last evaluation has found, for whoever asked; what it was not asked for is zero."""
-        copied = {"inertial", "applied", *(("I_acc", "I_q", "A_q", "A_v") if linearized else ())}
-        found = Terms(
-            *[
-                each.copy() if name in copied else np.zeros(each.shape, order="F")  # memory that nobody reads
-                for name, each in self._terms._asdict().items()
-            ]
-        )
+        known = self._terms
+        by_state = known.I_acc, known.I_q, known.A_q, known.A_v
+        I_acc, I_q, A_q, A_v = [each.copy() for each in by_state] if linearized else np.zeros((4, len(known.I_acc)))
+        by_design = np.zeros(known.I_x.shape, order="F"), np.zeros(known.A_x.shape, order="F")  # memory that nobody reads
+        found = Terms(known.inertial.copy(), known.applied.copy(), I_acc, I_q, A_q, A_v, *by_design)
         if designed:  # few entries by each variable
-            for to, known in ((found.I_x, self._terms.I_x), (found.A_x, self._terms.A_x)):
-                np.put(to.T, self._touched, np.take(known.T, self._touched))
-        return found
+            for to, of in ((found.I_x, known.I_x), (found.A_x, known.A_x)):
+                np.put(to.T, self._touched, np.take(of.T, self._touched))
+        return of_variables(self._plan, found)

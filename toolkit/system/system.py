@@ -17,11 +17,12 @@ from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
+from toolkit.compilation.patterns.moving import moving_unknowns
 from toolkit.compilation.plan import build_plan
 from toolkit.compilation.quantities import STEP, Asked, Quantities, loads_of, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
-from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
+from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
 from toolkit.foundation.kernel import plain, slots
 from toolkit.foundation.near_ties import first_largest
@@ -67,7 +68,7 @@ class System:
         """Number of coordinates."""
         return self.plan.n_q
 
-    @property
+    @cached_property
     def n_b(self) -> int:
         """Number of coordinates of bodies; behind them come the states of loads, which count among the forces of an equilibrium."""
         return self.n_q - len(self.numbering.states)
@@ -136,11 +137,18 @@ class System:
         if not self.compiled:
             terms = allocate_terms(self.plan, self.dtype)
             self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, self.work)
-            return terms
-        curves, curves_x, levels = (np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels))
-        inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
-        memory, own = self._memory, map(self._handed_on, (self.plan, self.functions))
-        given = *own, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
+            return of_variables(self.plan, terms)
+        curves, curves_x, scale, levels, inertia, joints_only = inputs
+        inputs = Inputs(
+            np.ascontiguousarray(curves, float),
+            np.ascontiguousarray(curves_x, float),
+            float(scale),
+            np.ascontiguousarray(levels, float),
+            bool(inertia),
+            bool(joints_only),
+        )
+        memory, plan, functions = self._memory, self._handed_on(self.plan), self._handed_on(self.functions)
+        given = plan, functions, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
         if memory.formula is None:
             memory.formula = entry_point(evaluate_all, *given)
         memory.formula(*given)
@@ -302,7 +310,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     sizes = weights(scene)
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
-    lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
+    lu_plan = analyse(plan.indptr, plan.indices, plan.n_q, moving_unknowns(numbering, values, plan.markers.coordinate))
     asked = seen.asked_by_components
     system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes, files, asked)
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

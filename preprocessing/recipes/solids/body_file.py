@@ -70,9 +70,8 @@ class BodyFile(Table):
     def _cut(self) -> str:
         if self.pieces is None:
             return ""
-        foreign = {"matrices": self.matrices is not None, "pressure_surfaces": bool(self.pressure_surfaces)}
-        if names := [f"[{name}]" for name, given in foreign.items() if given]:
-            return f"[pieces] are those of a mesh without {' and '.join(names)}; leave one of them out"
+        if self.matrices is not None:
+            return "[pieces] are those of a mesh without [matrices]; leave one of them out"
         if self.clamp is None:
             return (
                 "[pieces] begin at a clamp, to which the frame of the whole body is tied; add [clamp] with the nodes at one end"

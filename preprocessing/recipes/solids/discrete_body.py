@@ -123,7 +123,10 @@ def _changes(
     stepped: StressedSolid,
 ) -> Iterator[tuple[str, BodyChange]]:
     """What Poisson's ratio, of which there is a solid with a complex step, and the motions change, one after the other."""
-    yield "poisson_ratio", BodyChange(of_ratio.at(values), named.mesh, ties, {}, stepped)
+    normals = {
+        name: faces.normals() for name, faces in named.surfaces.items()
+    }  # the shapes that a pressure moves follow the ratio
+    yield "poisson_ratio", BodyChange(of_ratio.at(values), named.mesh, ties, normals, stepped)
     del of_ratio
     for name, motion in named.motions.items():
         yield name, _moved(named, blocks, motion, lame, values)

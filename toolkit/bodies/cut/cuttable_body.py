@@ -41,7 +41,8 @@ class CuttableBody(ModelBody):
     @classmethod
     def _number_or_nodes(cls, frames: object) -> object:
         if (
-            isinstance(frames, bool | float)
+            isinstance(frames, bool | float | dict)
+            or (isinstance(frames, list | tuple) and not all(type(place) in (int, str) for place in frames))
             or (isinstance(frames, str) and frames != "auto")
             or (isinstance(frames, int) and frames < 1)
         ):

@@ -66,14 +66,22 @@ class FramedPart(ModelBody):
         return self.first, self.last, self.gripped, self.modes_per_frame
 
     def part(self, scene: Placed) -> Part:
-        """The part at the scene's parameter values."""
+        """The part at the scene's parameter values.
+
+        Raises
+        ------
+        InputError
+            A tangent has led to a stiffness that no body has.
+        """
         design = whole_design(scene, self.whole)
         key = (Part, *self.own)
         if key not in design.kept:
             stress = design.model.stress
             owners = np.zeros(0, int) if stress is None else stress.element.astype(int)
             shapes = self.shapes(design.model)
-            design.kept[key] = self.assembled(elements_at(design), self.first, self.last, owners, shapes)
+            part = self.assembled(elements_at(design), self.first, self.last, owners, shapes)
+            design.check_stiffness(part.invariants.stiffness)
+            design.kept[key] = part
         found: Part = design.kept[key]
         return found
 

@@ -19,6 +19,11 @@ HALVES = 134217729.0
 """2^27 + 1: splits a number into two of 26 bits, whose products are exact."""
 
 
+EXACT, ROUGH, LEFT_OUT = range(3)
+"""How K q is summed, in the caller's `Work.care`: as above; as usual, where its round-off does not matter; or no residual of the constant
+part, where derivatives alone are asked for."""
+
+
 class Changes(NamedTuple):
     """Derivatives of the entries of a matrix by the design, apart from those that are zero; summed up run by run.
 
@@ -73,9 +78,11 @@ class Constant(NamedTuple):
 
 
 @inlined
-def constant_residual(part, q, v, acc, scale, rough, halves, inertial, applied):
-    """Residual of the constant part, K q with usual sums if `rough`; `halves` (2, n) is scratch memory."""
-    stiffness = part.stiffness if rough else part.soft
+def constant_residual(part, q, v, acc, scale, care, halves, inertial, applied):
+    """Residual of the constant part with as much `care`; `halves` (2, n) is scratch memory."""
+    if care == LEFT_OUT:
+        return
+    stiffness = part.stiffness if care == ROUGH else part.soft
     for s in range(len(part.segment_size)):
         first, last, n = part.segment_start[s], part.segment_start[s + 1], part.segment_size[s]
         if n > 0:
@@ -94,7 +101,7 @@ def constant_residual(part, q, v, acc, scale, rough, halves, inertial, applied):
                 by_rest += part.damping[e] * v[k] + stiffness[e] * q[k]
                 e += 1
             inertial[i], applied[i] = by_mass, by_rest
-    if len(part.stiff_row) > 0 and not rough:
+    if len(part.stiff_row) > 0 and care == EXACT:
         for k in range(len(q)):
             halves[0, k] = HALVES * q[k] - (HALVES * q[k] - q[k])
             halves[1, k] = q[k] - halves[0, k]

@@ -11,6 +11,7 @@ from pydantic import model_validator
 from toolkit.bodies.body import QUATERNION, Body, Placed
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.kinematics.spatial import angular_velocity, axes_along, matrix_of, quaternion_rate
 
 ORIENTATION = ("e0", "e1", "e2", "e3")
@@ -38,15 +39,19 @@ class SpatialFloatingNumbers(NamedTuple):
 
     @property
     def full(self) -> bool:
-        """Whether the matrices Q[a, b] are worked with whole, because at least half of their entries can differ from zero."""
-        return 2 * len(self.row) >= len(self.moment) ** 2
+        """Whether the matrices Q[a, b] are worked with whole, because at least half of their entries can differ from zero.
+
+        Those of a rigid body are single numbers, which whole rows would waste.
+        """
+        return len(self.moment) > 1 and 2 * len(self.row) >= len(self.moment) ** 2
 
     @property
     def whole(self) -> np.ndarray:
-        """Rows of all Q[a, b] as whole matrices, for each row the nine rows a, b."""
+        """Rows of all Q[a, b] as whole matrices, for each row the nine rows a, b and that of the sum of Q[a, a], filled up."""
         n = len(self.moment)
-        rows: np.ndarray = np.zeros((n, 9, n), self.second.dtype)
-        rows[self.row, :, self.column] = self.second
+        rows: np.ndarray = np.zeros((n, 10, filled_up(n)), self.second.dtype)
+        rows[self.row, :9, self.column] = self.second
+        rows[:, 9] = rows[:, 0] + rows[:, 4] + rows[:, 8]
         return rows.ravel()
 
     @property

@@ -14,7 +14,7 @@ from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, Spa
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
 from toolkit.kinematics.spatial import angular_velocity, matrix_of, quaternion_of
-from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments, spatial_lengths
+from toolkit.reduced_model.spatial_model import SpatialInvariants, SurfaceLoad, all_second_moments, spatial_lengths
 
 
 class SpatialFlexible(CuttableBody, SpatialBody):
@@ -149,6 +149,11 @@ class SpatialFlexible(CuttableBody, SpatialBody):
             mass[:m, m:], mass[m:, :m] = moment[:m, 1:], moment[:m, 1:].T
         row, column = np.nonzero((mass != 0) | (damping != 0) | (stiffness != 0))
         return ConstantNumbers(row, column, mass[row, column], damping[row, column], stiffness[row, column], force)
+
+    def surface_load(self, scene: Placed, surface: str) -> SurfaceLoad:
+        """A unit pressure on one of the surfaces that the reduced model names."""
+        design = self.design_point(scene, "surface_loads")
+        return SurfaceLoad(*(design.value(f"surface_loads.{surface}.{key}") for key in ("force", "moment")))
 
     def floating(self, scene: Placed) -> SpatialFloatingNumbers | None:
         """Invariants of a body whose frame turns; those of a turning frame in the undeformed configuration's axes."""

@@ -12,7 +12,7 @@ from toolkit.compilation.arrays.component_arrays import marker_changes
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering, grips_of
 from toolkit.compilation.patterns.pattern import Pattern, block
-from toolkit.compilation.quantities import Quantities, named_loads, pressures_of
+from toolkit.compilation.quantities import Quantities, named_loads, pressures_of, pressures_on_pieces
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.spatial import Frames
 from toolkit.loads.kernels.pressure_kernel import Pressures
@@ -147,25 +147,23 @@ def _with_axes(scene: Scene, numbering: Numbering) -> set[int]:
     """Markers whose axes something asks for."""
     components: dict[str, Component] = {**{f"joints.{name}": each for name, each in scene.joints.items()}}
     components |= {f"loads.{name}": each for name, each in named_loads(scene).items()}
-    used = {numbering.marker(grip): False for path, each in components.items() for grip in grips_of(path, each)}
-    for path, each in components.items():
-        for grip in grips_of(path, each):
-            used[numbering.marker(grip)] |= each.feels_axes
+    used = {numbering.marker(grip) for path, each in components.items() if each.feels_axes for grip in grips_of(path, each)}
     seen = {numbering.marker(grip) for grip in numbering.seen}
-    return seen | {m for m, felt in used.items() if felt}
+    return seen | used
 
 
 def pressure_part(
     scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
 ) -> Pressures:
     """Pressures on surfaces and their design derivatives."""
-    loads, number = pressures_of(scene), {name: f for f, name in enumerate(turning(scene))}
+    names, loads = zip(*pressures_on_pieces(scene), strict=True) if pressures_of(scene) else ((), ())
+    number, place = ({name: k for k, name in enumerate(each)} for each in (turning(scene), pressures_of(scene)))
     blocks = [(k, -1, part) for k, part in values.pressures.items()]
     for x, derivative in enumerate(derivatives):
         blocks += [(k, x, part) for k, part in derivative.pressures.items() if np.any(part.force) or np.any(part.moment)]
     before = sum(each.time_curve is not None for each in [*scene.joints.values(), *named_loads(scene).values()])
-    bodies: list[Any] = [scene.bodies[load.body] for load in loads.values()]
-    first = [numbering.first[load.body] for load in loads.values()]
+    bodies: list[Any] = [scene.body(load.body) for load in loads]
+    first = [numbering.first[load.body] for load in loads]
     n_f = [len(part.moment) - 1 for part in values.pressures.values()]
     positions = []
     for body, at, n in zip(bodies, first, n_f, strict=True):
@@ -173,8 +171,8 @@ def pressure_part(
     return Pressures(
         block_load=ints([[k for k, _, _ in blocks]]),
         block_variable=ints([[x for _, x, _ in blocks]]),
-        curve=ints([[before + k for k in range(len(loads))]]),
-        frame=ints([[number.get(load.body, len(number)) for load in loads.values()]]),
+        curve=ints([[before + place[name] for name in names]]),
+        frame=ints([[number.get(load.body, len(number)) for load in loads]]),
         first=ints([first]),
         moves=ints([[body.moves for body in bodies]]),
         turns=ints([[body.turns for body in bodies]]),

@@ -10,6 +10,7 @@ from numba import config, typeof
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
 
+from toolkit.foundation.compiled.inner_formula import InnerFormula
 from toolkit.foundation.compiled.packed import Formula, Packed, key_of
 from toolkit.foundation.rare_collections import rare_collections
 
@@ -62,8 +63,8 @@ def compiled_for(function: CPUDispatcher, given: list[Any]) -> Any:
         kinds = tuple(map(typeof, given))
         with warnings.catch_warnings(), rare_collections():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-            if "_compile_for_args" in vars(function):  # an inner formula, which refuses
-                function._compile_for_args(*given)  # type: ignore[attr-defined]
+            if isinstance(function, InnerFormula):  # which refuses
+                function(*given)
             function.compile(kinds)
         _COMPILED[key] = function.overloads[kinds]
     return _COMPILED[key]

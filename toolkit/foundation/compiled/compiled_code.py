@@ -73,7 +73,8 @@ class CompiledCode(NullCache):
             damaged = folder
         if damaged:
             _tell("damaged", f"compiled formulas in {str(damaged)!r} are damaged; they are compiled again, once.")
-        import_module("toolkit.foundation.compiled.packed_code")  # for the compiler alone
+        for part in ("packed_code", "rows_code", "each_row_code", "multiples_code"):  # for the compiler alone
+            import_module(f"toolkit.foundation.compiled.{part}")
         target.refresh()
         return None
 

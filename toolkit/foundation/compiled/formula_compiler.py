@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import operator
+from types import CodeType
 from typing import Any, ClassVar
 
 from numba.core.compiler import Compiler, Flags
 from numba.core.compiler_machinery import PassManager
-from numba.core.typed_passes import NopythonRewrites
+from numba.core.typed_passes import AnnotateTypes, IRLegalization, NopythonRewrites
 from numba.core.types import Function
 from numba.core.typing.context import Context
+from numba.core.untyped_passes import InlineClosureLikes
 
-NEEDLESS = (NopythonRewrites,)
-"""Steps that are left out: this one joins operations with whole arrays, whose results would have to be allocated."""
+NEEDLESS = (NopythonRewrites, IRLegalization, AnnotateTypes)
+"""Steps that are left out. The first joins operations with whole arrays, whose results would have to be allocated; the second marks where
+variables are needed no more, so that what is counted could be given back: formulas count nothing; the third words types for readers."""
+CLOSURES = (InlineClosureLikes,)
+"""Steps for functions inside of a function, of which most formulas have none."""
 
 
 class KnownFlags(Flags):
@@ -63,6 +69,36 @@ class KnownResults(Context):  # type: ignore[misc]
             self.results[call] = found
         return self.results[call]
 
+    def resolve_setitem(self, target: Any, index: Any, value: Any) -> Any:
+        """The signature of a written entry."""
+        return self.resolve_function_type(super().resolve_value_type(operator.setitem), (target, index, value), {})
+
+
+class KnownOperator(Function):
+    """An operator that asks the memory of the one who asks what it makes of types."""
+
+    known: Function
+
+    @classmethod
+    def of(cls, known: Function) -> KnownOperator:
+        """What numba knows of the operator; no type of its own among those of numba."""
+        found: KnownOperator = object.__new__(cls)
+        found.__dict__ = {**vars(known), "known": known}
+        return found
+
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+        """The signature for types of arguments."""
+        return context.resolve_function_type(self.known, args, kws)
+
+
+class KnownOperators(KnownResults):
+    """The same for the step that writes code: for every operation it asks the operator anew."""
+
+    def resolve_value_type(self, val: Any) -> Any:
+        """The type of an operator."""
+        found = super().resolve_value_type(val)
+        return KnownOperator.of(found) if type(found) is Function else found
+
 
 class FormulaCompiler(Compiler):
     """numba's compiler, for formulas.
@@ -75,11 +111,20 @@ class FormulaCompiler(Compiler):
     def __init__(self, typing: Any, target: Any, library: Any, arguments: Any, result: Any, flags: Flags, names: Any) -> None:
         known = _KNOWN.setdefault(flags.summary(), KnownFlags(flags))
         super().__init__(KnownResults(typing), target, library, arguments, result, known, names)
+        own = self.state.targetctx  # a copy, for this formula alone
+        own.typing_context = KnownOperators(typing)
+        own.refresh = _nothing  # it has just looked for what is new, and would do so again for every array
 
     def define_pipelines(self) -> list[PassManager]:
         """Those of numba, without what is needless."""
         pipelines: list[PassManager] = super().define_pipelines()
+        inside = any(isinstance(each, CodeType) for each in self.state.func_id.code.co_consts)
+        left_out = NEEDLESS if inside else NEEDLESS + CLOSURES
         for each in pipelines:
-            each.passes = [step for step in each.passes if step[0] not in NEEDLESS]
+            each.passes = [step for step in each.passes if step[0] not in left_out]
             each.finalize()
         return pipelines
+
+
+def _nothing() -> None:
+    """Done already."""

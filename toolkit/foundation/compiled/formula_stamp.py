@@ -6,13 +6,22 @@ import dis
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
-from types import BuiltinFunctionType, CodeType, ModuleType
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 from numba.core import types
 from numba.core.registry import CPUDispatcher
 
+from toolkit.foundation.compiled.rows import add_rows, add_to_each, subtract_multiples
+
+WRITTEN: dict[Any, tuple[str, ...]] = {
+    add_rows: ("rows_code.py",),
+    add_to_each: ("rows_code.py", "each_row_code.py"),
+    subtract_multiples: ("rows_code.py", "multiples_code.py"),
+}
+"""Functions of which formulas take code that is written for the compiler, and the files that it stands in."""
 LIBRARIES = ("numpy", "math", "cmath", "numba")
 """Modules whose names always mean the same; a number of another module may change."""
 
@@ -87,6 +96,8 @@ def _defaults(kernel: CPUDispatcher) -> list[tuple[Any, Any]]:
 def _meaning(name: Any, used: Any) -> str:
     if isinstance(used, CPUDispatcher):
         return "a kernel"
+    if isinstance(used, FunctionType) and used in WRITTEN:
+        return _written(*WRITTEN[used])
     if used is None or isinstance(used, bool | int | float | complex | str | np.generic) or _is_plain(used):
         return f"{type(used).__name__} {used!r}"
     if isinstance(used, np.ndarray) and not used.dtype.hasobject:
@@ -98,6 +109,11 @@ def _meaning(name: Any, used: Any) -> str:
     if isinstance(used, BuiltinFunctionType | np.ufunc) or (isinstance(used, type) and used.__module__ == "builtins"):
         return f"{getattr(used, '__module__', 'numpy')}.{used.__name__}"
     raise UnknownNameError(repr(name))
+
+
+@cache
+def _written(*files: str) -> str:
+    return sha256(b"".join(Path(__file__).with_name(file).read_bytes() for file in files)).hexdigest()
 
 
 def _is_plain(used: Any) -> bool:

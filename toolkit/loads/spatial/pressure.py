@@ -25,7 +25,8 @@ class PressureNumbers(NamedTuple):
 
 
 class Pressure(AnySpatialLoad):
-    """Pressure p s(t) on a surface that the body's reduced model names; it follows the body's frame, not the deformation.
+    """Pressure p s(t) on a surface that the body's reduced model names; it follows the body's frame, not the deformation: on a solid in
+    pieces with several frames each of these.
 
     Attributes
     ----------
@@ -48,22 +49,20 @@ class Pressure(AnySpatialLoad):
     curve: Annotated[Curve, Quantity("none")] = Constant()
 
     def numbers_on(self, scene: Placed, body: SpatialFlexible) -> PressureNumbers:
-        """What the equations need of it.
+        """What the equations need of it on its body, or on a part of that.
 
         Raises
         ------
         InputError
             The body's reduced model has no such surface; lists those that it has.
         """
-        design = body.design_point(scene, "surface_loads")
-        known = design.model.surface_loads or {}
+        model = scene.model(body.model, "surface_loads")
+        known = model.surface_loads or {}
         if self.surface not in known:
             raise InputError(
-                f"reduced model {design.model.label} has no surface {self.surface!r} to press on{meant(self.surface, known)}; it has: "
+                f"reduced model {model.label} has no surface {self.surface!r} to press on{meant(self.surface, known)}; it has: "
                 f"{listed(known)}. Name it in [pressure_surfaces] of the file that the model is built from, and run preprocessing again."
             )
-        force = design.value(f"surface_loads.{self.surface}.force")
-        moment = design.value(f"surface_loads.{self.surface}.moment")
-        A = np.eye(3) if body.frame == "moving" else body.placement
-        turned = np.einsum("ac,bd,cdj->jab", A, A, moment)
-        return PressureNumbers(self.pressure * (A @ force), self.pressure * turned.reshape(len(turned), 9))
+        load, A = body.surface_load(scene, self.surface), np.eye(3) if body.frame == "moving" else body.placement
+        turned = np.einsum("ac,bd,cdj->jab", A, A, load.moment)
+        return PressureNumbers(self.pressure * (A @ load.force), self.pressure * turned.reshape(len(turned), 9))

@@ -15,8 +15,8 @@ from toolkit.kinematics.spatial import axes_along, skew
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, curve_at, part_nodes, symmetric
 from toolkit.reduced_model.elements import SpatialElements
-from toolkit.reduced_model.parts.pieces import Pieces
-from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface
+from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
+from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface, SurfaceLoad
 
 
 class SpatialPart(Part):
@@ -94,6 +94,17 @@ def spatial_part(
         stress_operator=_stress(sums, elements.stress_operator, stress_elements, rows),
     )
     return SpatialPart(first, last, nodes, sums.recovery, invariants, rows)
+
+
+def pressed(part: SpatialPart, loads: PieceLoads) -> SurfaceLoad:
+    """A unit pressure on a part, on its own coordinates."""
+    force, every = loads.force[part.first : part.last].sum(axis=0), loads.moment[part.first : part.last]
+    blocks, n = np.moveaxis(every.reshape(len(every), 9, -1), 1, 0), SpatialPart.per_node
+    on_nodes: np.ndarray = np.zeros((9, len(part.recovery)), every.dtype)
+    for k in range(len(every)):
+        on_nodes[:, n * k : n * (k + 2)] += blocks[:, k, 1:]
+    moment = np.column_stack([blocks[:, :, 0].sum(axis=1), on_nodes @ part.recovery[:, 1:]])
+    return SurfaceLoad(force, moment.reshape(3, 3, -1))
 
 
 def _stress(sums: Sums, operator: np.ndarray, elements: np.ndarray, rows: np.ndarray) -> np.ndarray:

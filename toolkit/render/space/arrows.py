@@ -44,6 +44,20 @@ def arrows(moment: SpatialConfiguration) -> list[Arrow]:
 
 
 def _resultant(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
+    """Of a pressure; on a cut body the sum over its parts, in the middle of theirs."""
+    found = [
+        arrow
+        for piece in moment.scene.pieces([load.body])
+        for arrow in _on_piece(moment, load.model_copy(update={"body": piece}))
+    ]
+    if len(found) < 2:
+        return found
+    weights = [float(np.linalg.norm(each.vector)) for each in found]
+    point = np.average([each.point for each in found], axis=0, weights=weights) if any(weights) else found[0].point
+    return [Arrow("force", point, np.sum([each.vector for each in found], axis=0))]
+
+
+def _on_piece(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
     """f of a pressure at c_b = f_a L[a, b] [1; q_f] / (f . f), where it acts on a flat surface; none of a closed surface."""
     body = moment.spatial_body(load.body)
     assert isinstance(body, SpatialFlexible)

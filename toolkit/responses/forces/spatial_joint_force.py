@@ -17,6 +17,9 @@ from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, change_spatial_
 from toolkit.system.marker_states import marker_states
 from toolkit.system.system import System
 
+_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
+"""Of every component the two others, in the order of a vector product."""
+
 
 def spatial_joint_force(
     system: System, j: int, q: np.ndarray, lam: np.ndarray
@@ -44,7 +47,8 @@ def spatial_joint_force(
 
 def _wrench(z: np.ndarray, f: np.ndarray) -> np.ndarray:
     """(F, M) of f (24,) at the poses z (24,)."""
-    torque = sum((np.cross(z[3 * i : 3 * i + 3], f[3 * i : 3 * i + 3]) for i in range(1, 4)), np.zeros(3))
+    e, g = z[3:12].reshape(3, 3), f[3:12].reshape(3, 3)
+    torque = (e[:, _NEXT] * g[:, _LAST] - e[:, _LAST] * g[:, _NEXT]).sum(axis=0)
     return -np.concatenate([f[:3], torque])
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate_all
+from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.foundation.kernel import plain
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
 from toolkit.system.solution import Solution
@@ -80,4 +80,4 @@ def plain_terms(solution: Solution, q: np.ndarray, v: np.ndarray, acc: np.ndarra
     inputs = inputs or system.inputs(solution.times[-1], LEVELS)
     arrays = [np.asarray(each, complex) for each in (q, v, acc)]
     plain(evaluate_all)(system.plan, functions, inputs, *arrays, True, system.n_x > 0, terms, work)
-    return terms
+    return of_variables(system.plan, terms)

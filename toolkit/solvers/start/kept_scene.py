@@ -1,11 +1,12 @@
-"""Whether the state that a results file keeps is one of this scene: of its bodies, its coordinates and its reduced models."""
+"""Whether the state of another run, kept in a results file or at hand, is one of this scene: of its bodies, coordinates and models."""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import InputError
@@ -17,38 +18,73 @@ READ_ANEW = ("model", "extrapolation")
 """Words of a body that may differ from those of the kept run: its reduced model is compared by its content."""
 
 
+class _Known(NamedTuple):
+    """What a run that a scene starts in says of itself: in words, units, coordinates, tables of its bodies, content of its models."""
+
+    what: str
+    units: str
+    coordinates: tuple[str, ...]
+    bodies: Mapping[str, Mapping[str, Any]]
+    models: Mapping[str, str]
+    again: str
+
+
 def refuse_other_scene(system: System, end: EndState) -> None:
-    """Refuse a state of other bodies, coordinates or reduced models.
+    """Refuse a kept state of other bodies, coordinates or reduced models.
 
     Raises
     ------
     InputError
         Names what differs.
     """
-    scene, name = system.scene, end.path.name
     again = "Give a file of the same bodies, or run this scene first to make one."
-    if end.units != scene.units:
-        raise InputError(f"solver.start: {name!r} is in {end.units}, the scene in {scene.units}. {again}")
-    ours = system.numbering.names[: system.n_q]
-    if end.coordinates != ours:
-        foreign = next((each for each in end.coordinates if each not in ours), None)
-        missing = next((each for each in ours if each not in end.coordinates), None)
+    what = f"solver.start: {end.path.name!r} keeps a run"
+    _refuse(system, _Known(what, end.units, end.coordinates, end.bodies, end.models, again))
+
+
+def refuse_other_run(system: System, known: System) -> None:
+    """The same of a run that is at hand.
+
+    Raises
+    ------
+    InputError
+        Names what differs.
+    """
+    scene = written(known.scene)
+    tables = {name: _words(body) | {"model": getattr(body, "model", None)} for name, body in scene.bodies.items()}
+    files = {body.model: _digest(scene.directory / body.model) for body in scene.bodies.values() if isinstance(body, ModelBody)}
+    names = known.numbering.names[: known.n_q]
+    again = "Give one of the same scene, at any numbers."
+    _refuse(system, _Known("start is a run", known.scene.units, names, tables, files, again))
+
+
+def _refuse(system: System, known: _Known) -> None:
+    scene, ours = system.scene, system.numbering.names[: system.n_q]
+    if known.units != scene.units:
+        raise InputError(f"{known.what} in {known.units}, the scene is in {scene.units}. {known.again}")
+    if known.coordinates != ours:
+        foreign = next((each for each in known.coordinates if each not in ours), None)
+        missing = next((each for each in ours if each not in known.coordinates), None)
         which = f"it has no {missing}" if missing else f"it has the {foreign}" if foreign else "its bodies are in another order"
-        raise InputError(f"solver.start: {name!r} keeps a run of another scene: {which}. {again}")
-    for body_name, body in written(scene).bodies.items():
-        there = end.bodies.get(body_name, {})
-        here = {"type": body.kind, **{key: _plain(value) for key, value in body if key not in READ_ANEW and _is_word(key, value)}}
-        for key, word in here.items():
+        raise InputError(f"{known.what} of another scene: {which}. {known.again}")
+    for name, body in written(scene).bodies.items():
+        there = known.bodies.get(name, {})
+        for key, word in _words(body).items():
             if there.get(key) != word:
                 raise InputError(
-                    f"solver.start: {name!r} keeps a run of another scene: bodies.{body_name}.{key} was {there.get(key)!r} there and is "
-                    f"{word!r} here, so that the coordinates of the body mean something else. {again}"
+                    f"{known.what} of another scene: bodies.{name}.{key} was {there.get(key)!r} there and is {word!r} here, so that the "
+                    f"coordinates of the body mean something else. {known.again}"
                 )
-        if isinstance(body, ModelBody) and end.models.get(str(there.get("model"))) != _digest(scene.directory / body.model):
+        if isinstance(body, ModelBody) and known.models.get(str(there.get("model"))) != _digest(scene.directory / body.model):
             raise InputError(
-                f"solver.start: {name!r} keeps a run with another reduced model of body {body_name!r}: {body.model!r} has another "
-                f"content now, and its elastic coordinates mean something else. {again}"
+                f"{known.what} with another reduced model of body {name!r}: {body.model!r} has another content now, and its elastic "
+                f"coordinates mean something else. {known.again}"
             )
+
+
+def _words(body: Any) -> dict[str, Any]:
+    """What says what the coordinates of a body mean."""
+    return {"type": body.kind, **{key: _plain(value) for key, value in body if key not in READ_ANEW and _is_word(key, value)}}
 
 
 def _is_word(key: str, value: Any) -> bool:

@@ -30,23 +30,23 @@ class GrowingLoads:
 
     def __init__(self, system: System, options: RunOptions) -> None:
         self._none, self._full = (inputs_at(system, options, factor) for factor in (0.0, 1.0))
+        self._growth = self._full.curves - self._none.curves
         self._leading = leading_curves(system)
 
     def at(self, factor: float) -> Inputs:
         """What acts at a factor."""
-        none, full = self._none, self._full
-        return none._replace(curves=none.curves + factor * (full.curves - none.curves), scale=float(factor))
+        return self._none._replace(curves=self._none.curves + factor * self._growth, scale=float(factor))
 
     def more(self, factor: float) -> Inputs:
         """All loads once more."""
         found = self.at(factor)
-        curves = found.curves.copy()
-        curves[self._leading] += (self._full.curves - self._none.curves)[self._leading]
-        return found._replace(curves=curves, scale=found.scale + 1.0)
+        curves = found.curves  # made for this one
+        curves[self._leading] += self._growth[self._leading]
+        return found._replace(scale=found.scale + 1.0)
 
     def driven(self, _factor: float) -> np.ndarray:
         """The way of the drivers."""
-        found: np.ndarray = np.real(self._full.curves - self._none.curves)[:, 0]
+        found: np.ndarray = np.real(self._growth)[:, 0]
         return found
 
 

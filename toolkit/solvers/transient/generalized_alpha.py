@@ -4,6 +4,7 @@ Per step: predict, iterate to convergence, then (with design variables) solve wi
 derivatives in one block (staggered direct differentiation, paper eqs. 40-46). Nothing here allocates.
 """
 
+from toolkit.bodies.kernels.constant_kernel import EXACT, LEFT_OUT
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.kernel import inlined, loop
 from toolkit.linear.linear_solver import cheaper_anew
@@ -116,7 +117,9 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, away
     still = not control.modified and away == 0
     if plan.n_x > 0 or carries(scheme):
         linearize = plan.n_x > 0 and (ggl is not None or not still)
+        memory.work.care[0] = EXACT if carries(scheme) else LEFT_OUT
         evaluator(plan, functions, inputs, q, v, acc, linearize, plan.n_x > 0, memory.terms, memory.work)
+        memory.work.care[0] = EXACT
     if plan.n_x > 0 and not still:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
         changed = 2 * memory.learnt[BEND] * away  # of the Jacobian

@@ -4,7 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.bodies.kernels.constant_kernel import EXACT, ROUGH
 from toolkit.foundation.kernel import copy, inlined
+from toolkit.linear.linear_solver import UNREFINED as UNREFINED_BLOCK
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
 from toolkit.solvers.transient.extrapolation import AWAY, BEND, BEST, EXPECTED, QUALITY, UNCHECKED, UNREFINED
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
@@ -72,6 +74,18 @@ def newton_matrix(plan, scheme, terms, jacobian):
         for e in range(len(jacobian)):
             if plan.indices[e] < plan.n_q:
                 jacobian[e] -= w_i * terms.I_acc[e]
+
+
+@inlined
+def mix(frames, plan, scheme, ggl, memory):
+    """Let large blocks of bodies in space be summed as `newton_matrix` does anyway; gradients and other formulations need their parts."""
+    if frames is not None:
+        (c_q, c_v), mixed = by_acceleration(scheme), memory.work.floating.mixed
+        if plan.n_x == 0 and ggl is None and scheme.inertia:
+            part = scheme.weight_inertial / scheme.weight_applied
+            mixed[0], mixed[1], mixed[2] = part / c_q, part, c_v / c_q
+        else:
+            mixed[:] = 0
 
 
 @inlined
@@ -170,6 +184,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     """
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
+    mix(plan.markers.frames, plan, scheme, ggl, memory)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
     learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
     steady = ggl is None and not control.modified
@@ -179,9 +194,9 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         rough_before = rough
         # a first correction that is not the last is far larger than its round-off
         rough = stiff and iteration == 0 and not 0 < learnt[EXPECTED] <= FAR
-        memory.work.rough[0] = int(rough)
+        memory.work.care[0] = ROUGH if rough else EXACT
         evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
-        memory.work.rough[0] = 0
+        memory.work.care[0] = EXACT
         for i in range(plan.n):
             total = scheme.weight_inertial * memory.terms.inertial[i] + scheme.weight_applied * memory.terms.applied[i]
             memory.residual[i] = total + memory.carried[i]
@@ -193,7 +208,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             blind = (
                 iteration == 0
                 and not (control.thorough or control.modified)
-                and plan.n_x == 0
+                and (plan.n_x == 0 or memory.solver.quality[0] > UNREFINED_BLOCK)
                 and needs_no_refinement(learnt)
                 and moves_gently(plan, scheme, weights, v)
             )
@@ -244,7 +259,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
 def needs_no_refinement(learnt):
     """Whether new factors leave nothing of the correction that is expected, judged by the last ones that were looked at.
 
-    Gradients are not so patient: they take every digit of the factors.
+    Gradients are not so patient: they take every digit of the factors, and are refined themselves unless these are known to be good.
     """
     if learnt[QUALITY] == 0 or learnt[UNREFINED] >= OFTEN:
         return False

@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths, time_grid
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
-from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
+from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes, zeros_in_large_pages
 from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
 from toolkit.solvers.transient.generalized_alpha import integrate
 from toolkit.solvers.transient.ggl.ggl_step import Ggl, allocate_ggl
@@ -100,7 +100,8 @@ def check_memory(system: System, options: RunOptions, n_t: int, start: tuple) ->
 
 def empty_history(system: System, n_t: int, start: tuple) -> History:
     """Memory for n_t states, the first filled in."""
-    arrays = [np.zeros((n_t, *item.shape), system.dtype if item.ndim == 1 else float) for item in start]
+    arrays: list[np.ndarray] = [np.zeros((n_t, *item.shape), system.dtype) for item in start[:3]]
+    arrays += [*zeros_in_large_pages(3, n_t, *start[3].shape)]  # together, so that they have few pages
     for array, item in zip(arrays, start, strict=True):
         array[0] = item
     return History(*arrays, *(array.reshape(n_t, -1) for array in arrays[3:]))

@@ -1,31 +1,28 @@
 """Sensitivities of one converged step (staggered direct differentiation, paper eqs. 40-46), and the terms that a step carries over."""
 
+from toolkit.foundation.compiled.rows import add_rows
 from toolkit.foundation.kernel import inner
-from toolkit.linear.linear_solver import solve_refined_block
+from toolkit.linear.linear_solver import copy_columns, solve_refined_block
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict
 from toolkit.solvers.transient.scheme import by_acceleration
 
 
 @inner
-def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, out):
-    """out += factor_i (I_q dq + I_acc dacc) + factor_a (A_q dq + A_v dv), the term with I_acc only on request; blocks (n, n_x)."""
-    I_q, A_q, A_v, I_acc, n_x = terms.I_q, terms.A_q, terms.A_v, terms.I_acc, out.shape[1]
+def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, memory, out):
+    """out += factor_i (I_q dq + I_acc dacc) + factor_a (A_q dq + A_v dv), the term with I_acc only on request; dq, dv, dacc (n, n_x)."""
+    I_q, A_q, mixed, moved, rate = terms.I_q, terms.A_q, memory.mixed, memory.moved, memory.rate
+    for e in range(len(mixed)):
+        mixed[e] = factor_i * I_q[e] + factor_a * A_q[e]
+    copy_columns(dq, moved)
+    copy_columns(dv, rate)
     for i in range(plan.n):
-        total = out[i]
-        for e in range(plan.indptr[i], plan.indptr[i + 1]):
-            by_q, by_v, k = factor_i * I_q[e] + factor_a * A_q[e], factor_a * A_v[e], plan.indices[e]
-            if by_v != 0:
-                moved, rate = dq[k], dv[k]
-                for x in range(n_x):
-                    total[x] += by_q * moved[x] + by_v * rate[x]
-            elif by_q != 0:
-                moved = dq[k]
-                for x in range(n_x):
-                    total[x] += by_q * moved[x]
-            if with_acc and I_acc[e] != 0:
-                by_acc, growth = factor_i * I_acc[e], dacc[k]
-                for x in range(n_x):
-                    total[x] += by_acc * growth[x]
+        first, last = plan.indptr[i], plan.indptr[i + 1]
+        add_rows(out[i], 1.0, 1.0, mixed, plan.indices, first, last, moved)
+        add_rows(out[i], 1.0, factor_a, terms.A_v, plan.indices, first, last, rate)
+    if with_acc:
+        copy_columns(dacc, moved)
+        for i in range(plan.n):
+            add_rows(out[i], 1.0, factor_i, terms.I_acc, plan.indices, plan.indptr[i], plan.indptr[i + 1], moved)
 
 
 @inner
@@ -48,11 +45,9 @@ def sensitivity_step(plan, scheme, history, step, fresh, memory):
         history.flat_dq[after], history.flat_dv[after],
     )  # fmt: skip
     load = memory.pseudo_load
-    for i in range(plan.n):
-        for x in range(plan.n_x):
-            load[i, x] = memory.dcarried[i, x]
+    copy_columns(memory.dcarried, load)
     add_design_change(plan, terms, w_i, w_a, load)
-    add_state_change(plan, terms, w_i, w_a, dq, dv, dacc, False, load)
+    add_state_change(plan, terms, w_i, w_a, dq, dv, dacc, False, memory, load)
     solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.jacobian, fresh, load, dacc)
     c_q, c_v = by_acceleration(scheme)
     flat_dq, flat_dv, flat_dacc = history.flat_dq[after], history.flat_dv[after], history.flat_dacc[after]
@@ -81,4 +76,4 @@ def carry_over(plan, scheme, memory, dq, dv, dacc):
             memory.dcarried[i, x] = 0
     if plan.n_x > 0:
         add_design_change(plan, terms, c_i, c_a, memory.dcarried)
-        add_state_change(plan, terms, c_i, c_a, dq, dv, dacc, True, memory.dcarried)
+        add_state_change(plan, terms, c_i, c_a, dq, dv, dacc, True, memory, memory.dcarried)

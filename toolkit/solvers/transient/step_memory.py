@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.linear.linear_solver import LinearSolver, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
 
@@ -30,8 +31,10 @@ class Memory(NamedTuple):
     daux: np.ndarray  # (n, n_x)
     flat_daux: np.ndarray  # (n n_x,) the same memory
     carried: np.ndarray  # (n,) carried part of the residual
-    dcarried: np.ndarray  # (n, n_x)
-    pseudo_load: np.ndarray  # (n, n_x)
+    dcarried: np.ndarray  # (n, n_x filled up)
+    pseudo_load: np.ndarray
+    moved: np.ndarray  # scratch memory of `add_state_change`, as the next one
+    rate: np.ndarray
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
     trend: np.ndarray  # (2, n) differences of [a; lam] behind the last step, see `extrapolation`
@@ -42,6 +45,7 @@ class Memory(NamedTuple):
     residual: np.ndarray
     correction: np.ndarray
     jacobian: np.ndarray  # (n_entries,)
+    mixed: np.ndarray  # (n_entries,) scratch memory of `add_state_change`
     terms: Terms
     work: Work
     solver: LinearSolver
@@ -74,8 +78,7 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         daux=daux,
         flat_daux=daux.reshape(-1),
         carried=zeros(n),
-        dcarried=zeros(n, n_x),
-        pseudo_load=zeros(n, n_x),
+        **{name: zeros(n, filled_up(n_x)) for name in ("dcarried", "pseudo_load", "moved", "rate")},
         span=np.zeros(1),
         kept=np.zeros(1),
         trend=zeros(2, n),
@@ -86,6 +89,7 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         residual=zeros(n),
         correction=zeros(n),
         jacobian=zeros(len(plan.indices)),
+        mixed=zeros(len(plan.indices)),
         terms=allocate_terms(plan, dtype),
         work=allocate_work(plan, dtype),
         solver=linear_solver(lu_plan, weights[: plan.n_q], n_x, dtype),

@@ -86,7 +86,7 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
                 break
         assert again is not None
     first = next(iter(store.of(0)), None)
-    cautions = [*_cautions(problem, chosen, again, searches), *_idle(problem, store), *said_of_runs(again)]
+    cautions = [*_cautions(problem, chosen, again, searches), *_idle(problem, store), *_cases(problem), *said_of_runs(again)]
     if options.certify and not again.refusal and chosen.best is not None:
         cautions += certified(problem, chosen.best, again)
     robust: list[Compared] = []
@@ -221,6 +221,18 @@ def _idle(problem: Problem, store: Store) -> Iterator[Caution]:
     idle = [name for k, name in enumerate(problem.variables) if not any(np.any(each[:, :, k]) for each in slopes)]
     if idle:
         yield Caution("idle", f"nothing that the study asks for depends on {', '.join(idle)}.", doubt=False)
+
+
+def _cases(problem: Problem) -> Iterator[Caution]:
+    """That the scene as it stands does not count, where all cases have other numbers."""
+    if problem.study.cases and all(problem.study.cases.values()):
+        listed = ", ".join(problem.study.cases)
+        yield Caution(
+            "cases",
+            f"the design is that for {listed} alone: the scene as it stands is none of the cases. If it is to count too, write a table "
+            "without numbers, such as [cases.normal].",
+            doubt=False,
+        )
 
 
 def _flat(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:

@@ -4,8 +4,9 @@ Shear makes the deflection of a cantilever by a force at its end larger, in part
 
     3 E I / (kappa G A L^2) = SHEAR r^2 / L^2,    r^2 = I / A
 
-Weight less inertia, p per length, bends an element of length l by moments of up to p l^2 / 12 more than its shape functions say;
-displacements of the nodes are those of the exact beam. In parts of the largest strain of a fibre at sqrt(3) r, as of a rectangle,
+Weight less inertia, and pressure on the side of a piece of a solid, p per length, bend an element of length l by moments of up to
+p l^2 / 12 more than its shape functions say; displacements of the nodes are those of the exact beam. In parts of the
+largest strain of a fibre at sqrt(3) r, as of a rectangle,
 
     (sqrt(3) p l^2 / (12 E A r)) / max (|N| / E A + sqrt(3) |M| / (E A r))
 
@@ -33,6 +34,7 @@ from toolkit.validity.bodies.chains.planar_chain import PlanarChain
 from toolkit.validity.bodies.chains.sides import sides_of
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
 from toolkit.validity.bodies.element_accelerations import has_inertia, pull_on_elements
+from toolkit.validity.bodies.pressed_pieces import is_pressed, pressure_on_elements
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
@@ -83,20 +85,23 @@ def sheared(scene: Scene) -> Iterator[Caution]:
 def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
     """Bodies of whose stress, where it is asked for, weight and inertia between their nodes are a part that counts."""
     scene, moving = solution.system.scene, has_inertia(solution)
-    for body in whole_bodies(scene) if moving or np.real(scene.gravity).any() else ():
+    pressed, heavy = is_pressed(scene), moving or bool(np.real(scene.gravity).any())
+    for body in whole_bodies(scene) if pressed or heavy else ():
         parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
         found = [_strains(solution, name) for name in parts] if body in bodies_of_stress(scene) else []
-        known = [each for each in found if each is not None]
-        across, along, largest = (max((each[k] for each in known), default=0.0) for k in range(3))
+        told = [each for each in found if each is not None]
+        across, along, largest = (max((each[k] for each in told), default=0.0) for k in range(3))
         lacking = across + along
         part = lacking / (largest + lacking) if lacking else 0.0
         if part > LIMIT:
             allowed = LIMIT * (largest + lacking)  # across / factor^2 + along / factor
             factor = (along + np.sqrt(along**2 + 4 * across * allowed)) / (2 * allowed)
-            forces = "its weight and forces of inertia do" if moving else "its weight does"
+            known = {"its weight": heavy, "pressures on it": pressed, "forces of inertia": moving}
+            forces = " and ".join(words for words, there in known.items() if there)
+            named = f"{forces} {'does' if forces == 'its weight' else 'do'}"
             yield Caution(
                 "weight-between-nodes",
-                f"the stress of {body} lacks what {forces} between nodes, or what no shape of its basis knows of that: some "
+                f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that: some "
                 f"{part:.0%} of the largest, while interface points are where they should be. Build the model with "
                 f"{factor:.1f} times as many {elements_of(scene, body)}, or with more modes.",
             )
@@ -114,6 +119,7 @@ def _strains(solution: Solution, name: str) -> tuple[float, float, float] | None
     (mass,) = body.some_invariants(scene, "mass")
     density = float(np.real(mass)) * found.axial / (found.axial @ found.lengths)
     pull = density[:, None] * pull_on_elements(solution, name, behind, instants)
+    pull = pull + pressure_on_elements(solution, name, behind, instants)
     along = np.einsum("tei,ei->te", pull, found.along)
     normal = pull - along[:, :, None] * found.along
     fibre = FIBRE / (found.axial * np.sqrt(found.gyration))

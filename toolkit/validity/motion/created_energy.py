@@ -7,6 +7,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import coo_array
 
+from toolkit.compilation.quantities import named_loads
+from toolkit.foundation.spread import spread
+from toolkit.responses.balance.power_of_load import power_of_load
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
 
@@ -23,6 +26,8 @@ def created_energy(solution: Solution) -> float:
     return energy_defects(solution)[0]
 
 
+LOOKED_AT = 200
+"""Instants, evenly spread over the motion, from which works are summed whose size alone counts."""
 ROUND_OFF = 1e-12
 """Part of `held_energy` that is no energy of a motion: positions are exact to 1e-16 of the scene's size, over some thousand steps."""
 
@@ -40,7 +45,8 @@ def energy_defects(solution: Solution) -> tuple[float, float]:
     every_second = replace(solution, **{name: getattr(solution, name)[::2] for name in states})
     balance, coarse = energy_balance(solution), energy_balance(every_second)
     parts = (balance.kinetic + balance.strain, balance.work)
-    largest = max(unresolved_energy(solution), ROUND_OFF * held_energy(solution), *(np.abs(part).max() for part in parts))
+    sizes = (unresolved_energy(solution), ROUND_OFF * held_energy(solution), largest_work(solution))
+    largest = max(*sizes, *(np.abs(part).max() for part in parts))
     created = _beyond(_surplus(solution, balance), _surplus(every_second, coarse))
     lost = _beyond(-balance.defect, -coarse.defect)
     return _part(created, largest), _part(lost, largest)
@@ -68,6 +74,23 @@ def held_energy(solution: Solution) -> float:
     """Largest force of a joint times the scene's size, or moment times 1 rad: round-off of positions works against it where all rests."""
     weights = solution.system.weights[solution.system.n_q :]
     return float((np.abs(np.real(solution.multipliers)) / weights).max(initial=0.0))
+
+
+def largest_work(solution: Solution) -> float:
+    """What the busiest load has turned over in a run without inertia: there the works of all loads cancel but for what bodies store.
+
+    Zero with inertia, where the sum of the works is a size itself.
+    """
+    scene = solution.system.scene
+    if not (solution.options or scene.solver).quasi_static:
+        return 0.0
+    steps = np.array(spread(len(solution.times) - 1, LOOKED_AT))
+    lengths, largest = np.diff(solution.times[steps]), 0.0
+    for name in named_loads(scene):
+        look = power_of_load(solution, name)
+        each = np.abs([float(np.real(look(int(step)).value)) for step in steps])
+        largest = max(largest, float(lengths @ (each[1:] + each[:-1]) / 2))
+    return largest
 
 
 def unresolved_energy(solution: Solution) -> float:

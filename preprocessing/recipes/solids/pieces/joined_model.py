@@ -19,8 +19,17 @@ from preprocessing.recipes.solids.pieces.piece_ends import (
     numbers_of_points,
     places_of_ends,
 )
+from preprocessing.recipes.solids.pieces.piece_pressures import pressed_body
 from preprocessing.recipes.solids.pieces.piece_surface import piece_surface
-from preprocessing.recipes.solids.pieces.placed_items import LEFT_OUT, Placed, Placement, letters_of_items, placed, placement
+from preprocessing.recipes.solids.pieces.placed_items import (
+    LEFT_OUT,
+    Placed,
+    Placement,
+    in_row,
+    letters_of_items,
+    placed,
+    placement,
+)
 from preprocessing.recipes.solids.pieces.uncut_mesh import judged_by_uncut
 from preprocessing.recipes.solids.reduced_body import reduced_body
 from toolkit.reduced_model.elements import SPATIAL_LOCAL, SpatialElements
@@ -39,7 +48,7 @@ def joined_model(found: PieceBodies) -> dict[str, Any]:
     stress = [{"s": rows if n_stress else rows[:0]} for rows in surface.rows]  # where the stress points of every piece go
     whole, every = _in_body(pieces, stress, n_stress), _in_row(pieces, stress, n_stress)
     invariants, nodes = _invariants(whole, len(pieces), n_stress), places_of_ends(pieces)
-    width = invariants.first_moment.shape[1]
+    width, pressed = invariants.first_moment.shape[1], pressed_body(pieces)
     return {
         **{name: pieces[0][name] for name in ("dimension", "units", "nominal", "nominal_units", "writers")},
         "reference_condition": clamped_in_tangent_frame(f"the nodes of {cut.named.file.clamp and cut.named.file.clamp.words}"),
@@ -48,12 +57,13 @@ def joined_model(found: PieceBodies) -> dict[str, Any]:
             "interface": min(piece["left_out"]["interface"] for piece in pieces)
         },  # what each leaves out moves none of its ends
         "invariants": invariants,
-        "derivatives": whole.derivatives | derivatives_of_points(cut, nodes, width),
+        "derivatives": whole.derivatives | derivatives_of_points(cut, nodes, width) | pressed.pop("derivatives"),
         "affine": whole.affine,
         "interfaces": interfaces_of_ends(cut, nodes.arrays["nodes"], width),
         "elements": _elements(every, nodes, len(pieces), n_stress),
-        "element_derivatives": _of_elements({**every.derivatives, **nodes.derivatives}),
+        "element_derivatives": _of_elements({**every.derivatives, **nodes.derivatives}) | pressed.pop("element_derivatives"),
         "element_affine": _of_elements(every.affine),
+        **pressed,
         **surface.fields(pieces, width, n_stress),
         **judged_by_uncut(found.whole, dict(numbers_of_points(cut)), invariants.stiffness),
     }
@@ -86,7 +96,7 @@ def _in_row(pieces: Sequence[Mapping[str, Any]], stress: Rows, n_stress: int) ->
         inv, own = piece["invariants"], dict[str, Placement]()
         for item, letters in letters_of_items(inv).items():
             array = getattr(inv, item)
-            own[item] = Placement(k * array.size + np.arange(array.size), len(pieces) * array.size)
+            own[item] = in_row(k, array.size, len(pieces))
             if item == "stress_operator":
                 own[item] = placement(array, letters, stress[k], {"s": n_stress})
         places.append(own)

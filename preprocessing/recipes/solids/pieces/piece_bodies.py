@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from preprocessing.input.at_key import at_key
-from preprocessing.mesh.faces import faces_of
+from preprocessing.mesh.faces import BoundaryFaces, faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.solids.discrete_body import DiscreteBody, discretised
 from preprocessing.recipes.solids.named_mesh import NamedMesh
@@ -56,5 +56,12 @@ def _named(cut: CutMesh, piece: Piece) -> NamedMesh:
         boundary=faces_of(mesh.nodes, blocks),
         clamped=np.zeros(0, int),
         tied={name: np.searchsorted(piece.nodes, end.nodes) for name, end in ends.items()},
+        surfaces={name: _on_piece(faces, piece, mesh) for name, faces in whole.surfaces.items()},
         motions={name: motion[piece.nodes] for name, motion in whole.motions.items()},
     )
+
+
+def _on_piece(faces: BoundaryFaces, piece: Piece, mesh: SolidMesh) -> BoundaryFaces:
+    """Those faces of a surface of the body that are the piece's, in the numbers of its own mesh."""
+    own = {kind: np.searchsorted(piece.nodes, each) for kind, each in faces.between(piece.nodes).faces.items()}
+    return BoundaryFaces(mesh.nodes, own)

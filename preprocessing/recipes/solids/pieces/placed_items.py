@@ -42,6 +42,11 @@ def placement(array: np.ndarray, letters: str, numbers: Mapping[str, np.ndarray]
     return Placement(np.where(kept.ravel(), flat.ravel(), LEFT_OUT), int(np.prod(shape)))
 
 
+def in_row(number: int, size: int, count: int) -> Placement:
+    """Of an item with so many entries of the piece with a number, one piece after the other."""
+    return Placement(number * size + np.arange(size), count * size)
+
+
 def placed(pieces: Sequence[Mapping[str, Any]], places: Sequence[Mapping[str, Placement]]) -> Placed:
     """Sums of the pieces' items in their places.
 
@@ -71,7 +76,7 @@ def letters_of_items(invariants: Any) -> dict[str, str]:
 
 def _item(piece: Mapping[str, Any], item: str) -> np.ndarray:
     group, *rest = item.split(".")
-    found: np.ndarray = getattr(piece["interfaces"][rest[0]], rest[1]) if rest else getattr(piece["invariants"], group)
+    found: np.ndarray = getattr(piece[group][rest[0]], rest[1]) if rest else getattr(piece["invariants"], group)
     return found
 
 

@@ -5,7 +5,7 @@ dW/dbeta_k' = 2 V_k and dX/dbeta_k'' = A_k.
 """
 
 from toolkit.bodies.kernels.spatial.floating_kernel import add_spatial_block
-from toolkit.bodies.kernels.spatial.products import multiply_spatial_block
+from toolkit.bodies.kernels.spatial.products import multiply_spatial_block, row_length
 from toolkit.bodies.kernels.spatial.small_matrices import (
     add_matrix,
     add_nine_rows,
@@ -17,6 +17,7 @@ from toolkit.bodies.kernels.spatial.small_matrices import (
     transposed_product,
 )
 from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_jacobian
+from toolkit.foundation.compiled.rows import add_to_each
 from toolkit.foundation.kernel import inlined
 from toolkit.kinematics.spatial import second_products
 
@@ -166,25 +167,48 @@ def add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v):
 
 @inlined
 def add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v):
-    """The same from whole matrices, three of the nine at a time."""
+    """The same from whole matrices."""
     n, size = 1 + part.n_f[b], part.moves[b] + part.turns[b]
+    w, matrix, factors = row_length(n), part.matrix, work.factors
+    for k in range(9):
+        i, j = k // 3, k % 3
+        factors[0, k], factors[1, k], factors[2, k] = work.turned[i, j], work.bent[i, j], 2 * work.rate[i, j]
     for i in range(1, n):
-        place, at = border[size + i - 1] + size, part.matrix_start[b] + 9 * n * i + 1
-        mass, by_acc = I_acc[place : place + n - 1], I_q[place : place + n - 1]
-        by_q, by_v = A_q[place : place + n - 1], A_v[place : place + n - 1]
-        x, y, z = part.matrix[at : at + n - 1], part.matrix[at + 4 * n : at + 5 * n - 1], part.matrix[at + 8 * n : at + 9 * n - 1]
+        place, at = border[size + i - 1] + size, part.matrix_start[b] + 10 * w * i
+        add_bent_row(n, w, matrix, at, work, I_acc[place:], I_q[place:], A_q[place:], A_v[place:])
+
+
+@inlined
+def add_bent_row(n, w, matrix, at, work, mass, by_acc, by_q, by_v):
+    """One row of them."""
+    one, two, three = work.lines[0, :w], work.lines[1, :w], work.lines[2, :w]
+    work.lines[:3, :] = 0
+    add_to_each((one, two, three), work.factors, 9, matrix, at, w)
+    for j in range(n - 1):
+        mass[j] += matrix[at + 9 * w + 1 + j]
+    for j in range(n - 1):
+        by_acc[j] += one[1 + j]
+    for j in range(n - 1):
+        by_q[j] += two[1 + j]
+    for j in range(n - 1):
+        by_v[j] += three[1 + j]
+
+
+@inlined
+def add_mixed_matrices(part, b, work, border, A_q):
+    """The same, all derivatives mixed in A_q as a step's matrix needs them, see `SpatialFloatingWork.mixed`."""
+    n, size = 1 + part.n_f[b], part.moves[b] + part.turns[b]
+    w, factors, line = row_length(n), work.factors, work.lines[0, : row_length(n)]
+    for k in range(9):
+        i, j = k // 3, k % 3
+        factors[0, k] = work.mixed[1] * work.turned[i, j] + work.bent[i, j] + 2 * work.mixed[2] * work.rate[i, j]
+    factors[0, 9] = work.mixed[0]
+    for i in range(1, n):
+        line[:] = 0
+        add_to_each((line,), factors, 10, part.matrix, part.matrix_start[b] + 10 * w * i, w)
+        by_q = A_q[border[size + i - 1] + size :]
         for j in range(n - 1):
-            mass[j] += x[j] + y[j] + z[j]
-        for a in range(3):
-            x, y, z = part.matrix[at : at + n - 1], part.matrix[at + n : at + 2 * n - 1], part.matrix[at + 2 * n : at + 3 * n - 1]
-            t_x, t_y, t_z = work.turned[a, 0], work.turned[a, 1], work.turned[a, 2]
-            b_x, b_y, b_z = work.bent[a, 0], work.bent[a, 1], work.bent[a, 2]
-            r_x, r_y, r_z = 2 * work.rate[a, 0], 2 * work.rate[a, 1], 2 * work.rate[a, 2]
-            for j in range(n - 1):
-                by_acc[j] += t_x * x[j] + t_y * y[j] + t_z * z[j]
-                by_q[j] += b_x * x[j] + b_y * y[j] + b_z * z[j]
-                by_v[j] += r_x * x[j] + r_y * y[j] + r_z * z[j]
-            at += 3 * n
+            by_q[j] += line[1 + j]
 
 
 @inlined
@@ -201,7 +225,9 @@ def spatial_linearized(part, frames, state, q, v, acc, scale, work, inertial, ap
             add_bent_rows(part, state, b, acc, part.gravity, scale, work, border, I_acc, I_q, A_q, A_v)
         if part.stiffened_start[b + 1] > part.stiffened_start[b]:
             add_stiffened_jacobian(part, state, b, work, border, I_q, A_q, A_v)
-        if part.full[b] == 1:
+        if part.full[b] == 1 and work.mixed[0] != 0:
+            add_mixed_matrices(part, b, work, border, A_q)
+        elif part.full[b] == 1:
             add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v)
         else:
             add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v)

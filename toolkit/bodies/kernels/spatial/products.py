@@ -6,6 +6,7 @@ time, which is seven times faster than a list of entries. Those of bodies with m
 
 from toolkit.bodies.kernels.spatial.small_matrices import by_transpose, transposed_product
 from toolkit.bodies.kernels.spatial.stiffening import multiply_stiffened
+from toolkit.foundation.compiled.rows import LANES, add_to_each
 from toolkit.foundation.kernel import inlined
 
 
@@ -22,8 +23,7 @@ def multiply_spatial_block(part, frames, block, q, v, acc, work):
         z[i], dz[i], ddz[i] = q[elastic + i - 1], v[elastic + i - 1], acc[elastic + i - 1]
     first_moments(part, block, n, work)
     for rows in (work.q, work.v, work.acc):
-        for k in range(9):
-            rows[k, :n] = 0
+        rows[:] = 0
     if part.full[body] == 1:
         multiply_matrices(part.matrix, part.matrix_start[block], n, work)
     else:
@@ -61,32 +61,18 @@ def first_moments(part, block, n, work):
 
 
 @inlined
+def row_length(n):
+    """Of a matrix of n columns, filled up."""
+    return -(-n // LANES) * LANES
+
+
+@inlined
 def multiply_matrices(matrix, first, n, work):
-    """Q[a, b] z^ and so on from whole matrices, four of their rows at a time: column i of Q[b, a] is row i of Q[a, b]."""
+    """Q[a, b] z^ and so on from whole matrices: column i of Q[b, a] is row i of Q[a, b]."""
+    w = row_length(n)
     for k in range(9):
         to = 3 * (k % 3) + k // 3
-        sums, d_sums, dd_sums = work.q[to], work.v[to], work.acc[to]
-        z, dz, ddz, at, i = work.z[0], work.z[1], work.z[2], first + k * n, 0
-        while i + 4 <= n:
-            a, b = matrix[at : at + n], matrix[at + 9 * n : at + 10 * n]
-            c, d = matrix[at + 18 * n : at + 19 * n], matrix[at + 27 * n : at + 28 * n]
-            z_a, z_b, z_c, z_d = z[i], z[i + 1], z[i + 2], z[i + 3]
-            v_a, v_b, v_c, v_d = dz[i], dz[i + 1], dz[i + 2], dz[i + 3]
-            w_a, w_b, w_c, w_d = ddz[i], ddz[i + 1], ddz[i + 2], ddz[i + 3]
-            for j in range(n):
-                sums[j] += a[j] * z_a + b[j] * z_b + c[j] * z_c + d[j] * z_d
-                d_sums[j] += a[j] * v_a + b[j] * v_b + c[j] * v_c + d[j] * v_d
-                dd_sums[j] += a[j] * w_a + b[j] * w_b + c[j] * w_c + d[j] * w_d
-            at += 36 * n
-            i += 4
-        while i < n:
-            a = matrix[at : at + n]
-            for j in range(n):
-                sums[j] += a[j] * z[i]
-                d_sums[j] += a[j] * dz[i]
-                dd_sums[j] += a[j] * ddz[i]
-            at += 9 * n
-            i += 1
+        add_to_each((work.q[to, :w], work.v[to, :w], work.acc[to, :w]), work.z, n, matrix, first + k * w, 10 * w)
 
 
 @inlined

@@ -7,11 +7,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from toolkit.bodies.body import Placed
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part
-from toolkit.reduced_model.cut.spatial_part import spatial_part
+from toolkit.reduced_model.cut.spatial_part import SpatialPart, pressed, spatial_part
+from toolkit.reduced_model.parts.pieces import PieceLoads
+from toolkit.reduced_model.spatial_model import SurfaceLoad
 
 
 class SpatialFramedPart(FramedPart, SpatialFlexible):
@@ -25,6 +28,13 @@ class SpatialFramedPart(FramedPart, SpatialFlexible):
     def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None) -> Part:
         """As `spatial_part`."""
         return spatial_part(elements, first, last, stress_elements, shapes)
+
+    def surface_load(self, scene: Placed, surface: str) -> SurfaceLoad:
+        """Of its own pieces."""
+        design = scene.bodies[self.whole].design_point(scene, "elements", "piece_loads")
+        part, loads = self.part(scene), PieceLoads(*(design.value(f"piece_loads.{surface}.{key}") for key in ("force", "moment")))
+        assert isinstance(part, SpatialPart)
+        return pressed(part, loads)
 
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
         """The ends turn across the chord and twist against each other, and the last one moves along it."""

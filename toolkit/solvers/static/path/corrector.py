@@ -39,14 +39,21 @@ class Crossing(NamedTuple):
             There is no such x, or more than one.
         """
         n, scale = len(self.scale), self.scale
-        found = self.bordered.solve(np.append(scale * rhs[:n], rhs[n] / self.high))
+        found = self.bordered.solve(_joined(scale * rhs[:n], rhs[n] / self.high))
         if found is None or not np.all(np.isfinite(found)):
             raise ConvergenceError("the path has no single direction here")
-        return np.append(scale * found[:n], found[n] / self.wide)
+        return _joined(scale * found[:n], found[n] / self.wide)
 
     def ahead(self) -> np.ndarray:
         """The direction t (n + 1,) of the path, [A, f; b^T] t = [0; 1]; errors as `solve`."""
-        return self.solve(np.append(np.zeros(len(self.scale)), 1.0))
+        return self.solve(_joined(np.zeros(len(self.scale)), 1.0))
+
+
+def _joined(many: np.ndarray, last: float) -> np.ndarray:
+    """[many; last] (n + 1,), sooner than numpy's `append` for the few of a small scene."""
+    found = np.empty(len(many) + 1)
+    found[:-1], found[-1] = many, last
+    return found
 
 
 class Corrected(NamedTuple):
@@ -79,7 +86,7 @@ def correct(
     for iteration in range(1, options.max_iterations + 1):
         residual, matrix = equations.linearised(z)
         crossing = crossed(equations, matrix, equations.load(z, residual), border)
-        correction = crossing.solve(np.append(residual, border @ (z - predicted)))
+        correction = crossing.solve(_joined(residual, border @ (z - predicted)))
         z = z - correction
         before, size = size, measure(equations, correction)
         if not np.isfinite(size) or measure(equations, z - predicted) > allowed + options.tolerance:
@@ -104,7 +111,7 @@ def first_point(equations: PathEquations, z: np.ndarray) -> PathPoint:
     """The equilibrium z = [q; lam; factor] as the beginning of a path on which the factor grows."""
     equations.begin(z)
     residual, matrix = equations.linearised(z)
-    border = np.append(np.zeros(equations.n), 1.0)
+    border = _joined(np.zeros(equations.n), 1.0)
     crossing = crossed(equations, matrix, equations.load(z, residual), border)
     return complete(equations, Corrected(z, matrix, crossing, 0), None)
 
@@ -112,7 +119,7 @@ def first_point(equations: PathEquations, z: np.ndarray) -> PathPoint:
 def complete(equations: PathEquations, found: Corrected, known: PathPoint | None) -> PathPoint:
     """The point with the direction of the path and its stability; `known` is a point near by."""
     system, direction = equations.system, found.crossing.ahead()
-    saddle = factorised(system, found.matrix, equations.scale)
+    saddle = factorised(system, found.matrix, equations.scale, found.crossing.bordered.matrix)
     soft = softest(saddle, free_count(system), system.n_b, known.soft if known else None)
     ahead = CLOSE / max(measure(equations, direction), CLOSE)
     difference = equations.linearised(found.z + ahead * direction)[1] - equations.linearised(found.z)[1]

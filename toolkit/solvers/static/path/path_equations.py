@@ -19,6 +19,10 @@ class PathEquations:
         self.system, self.options, self.acting = system, options, acting
         self.n, self.n_q = system.n, system.n_q
         self.scale = np.ones(system.n)
+        self._rest: np.ndarray = np.zeros(system.n, system.dtype)
+        joints = system.plan.joints
+        driven = joints.curve >= 0
+        self._drivers, self._driven = joints.curve[driven], joints.row[driven] + joints.n_rows[driven] - 1
 
     def begin(self, z: np.ndarray) -> None:
         """Take the sizes of the equations' terms from a point, for the whole path."""
@@ -42,13 +46,12 @@ class PathEquations:
 
     def _terms(self, z: np.ndarray, inputs: Inputs, linearize: bool = True) -> Terms:
         q, acc = self.padded(z)
-        return self.system.evaluate(inputs, q, np.zeros_like(q), acc, linearize=linearize)
+        return self.system.evaluate(inputs, q, self._rest, acc, linearize=linearize)
 
     def _driven_rows(self, factor: float) -> np.ndarray:
         """- df / d factor in the last row of every driver."""
-        joints, rows = self.system.plan.joints, np.zeros(self.n)
-        drivers = np.flatnonzero(joints.curve >= 0)
-        if len(drivers):
-            rows[joints.row[drivers] + joints.n_rows[drivers] - 1] = -self.acting.driven(factor)[joints.curve[drivers]]
+        rows = np.zeros(self.n)
+        if len(self._drivers):
+            rows[self._driven] = -self.acting.driven(factor)[self._drivers]
         rows[self.system.plan.dropped] = 0.0
         return rows

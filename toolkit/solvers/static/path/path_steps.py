@@ -231,7 +231,9 @@ def _check_between(box: Box, arc: Arc, error: float) -> None:
     if arc.turns or arc.part < RESOLVED:
         return
     cubic = arc.cubic
-    slopes = [cubic.slope(p)[-1] for p in np.linspace(0, arc.length, 9)]
+    begin, begin_slope, end, end_slope = (each[-1:] for each in (cubic.begin, cubic.begin_slope, cubic.end, cubic.end_slope))
+    load = Cubic(begin, begin_slope, end, end_slope, cubic.length)
+    slopes = [load.slope(p)[0] for p in np.linspace(0, arc.length, 9)]
     ends = min(abs(slopes[0]), abs(slopes[-1]))
     margin = 4 * error * (box.high[-1] - box.low[-1]) / arc.length
     if min(np.array(slopes) * np.sign(slopes[0])) < min(margin, 0.9 * ends):

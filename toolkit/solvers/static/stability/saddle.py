@@ -69,8 +69,8 @@ def balanced(system: System, matrix: StaticArray, scale: np.ndarray) -> StaticAr
     return csr_array(found @ diags_array(kept) - diags_array(1.0 - kept))
 
 
-def factorised(system: System, matrix: StaticArray, scale: np.ndarray | None = None) -> Saddle:
-    """Factors of the matrix (n, n); `scale` is the diagonal of D, where it is known from one near by.
+def factorised(system: System, matrix: StaticArray, scale: np.ndarray | None = None, scaled: StaticArray | None = None) -> Saddle:
+    """Factors of the matrix (n, n); `scale` is the diagonal of D, where it is known from one near by, `scaled` that matrix, `balanced`.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def factorised(system: System, matrix: StaticArray, scale: np.ndarray | None = N
         Something is free to move, joints repeat each other, or numbers are not finite.
     """
     scale = balance(system, matrix) if scale is None else scale
-    scaled = balanced(system, matrix, scale)
+    scaled = balanced(system, matrix, scale) if scaled is None else scaled
     largest = largest_entry(scaled)
     if not np.isfinite(largest):
         raise SingularSystemError("the static equations hold values that are not finite")

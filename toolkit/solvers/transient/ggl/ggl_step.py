@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import inner
 from toolkit.linear.linear_solver import (
     LinearSolver,
@@ -47,7 +48,7 @@ class Ggl(NamedTuple):
     residual: np.ndarray  # (n_all,)
     correction: np.ndarray  # (n_all,)
     moved: np.ndarray  # (n_q,) S times a correction of eta
-    pseudo_load: np.ndarray  # (n_all, n_x)
+    pseudo_load: np.ndarray  # (n_all, n_x filled up)
     change: np.ndarray  # (n_all, n_x) total derivative of [a; lam; eta]
     terms: Terms  # of the joints alone
     solver: LinearSolver
@@ -72,7 +73,7 @@ def allocate_ggl(plan: Plan, weights: np.ndarray, dtype: type) -> Ggl:
         residual=zeros(n_all),
         correction=zeros(n_all),
         moved=zeros(plan.n_q),
-        pseudo_load=zeros(n_all, plan.n_x),
+        pseudo_load=zeros(n_all, filled_up(plan.n_x)),
         change=zeros(n_all, plan.n_x),
         terms=allocate_terms(plan, dtype),
         solver=linear_solver(analyse(pattern.indptr, pattern.indices, plan.n_q), weights, plan.n_x, dtype),
@@ -183,7 +184,7 @@ def ggl_sensitivity_step(evaluator, plan, functions, inputs, scheme, history, st
     add_turned(plan, c_q, history.dq[step], ggl, dq)
     load[:] = 0
     add_design_change(plan, terms, 1.0, 1.0, load)
-    add_state_change(plan, terms, 1.0, 1.0, dq, dv, dacc, False, load)
+    add_state_change(plan, terms, 1.0, 1.0, dq, dv, dacc, False, memory, load)
     evaluator(plan, functions, known, history.q[after], history.v[after], history.acc[after], False, True, ggl.terms, memory.work)
     for e in range(len(plan.touched_row)):
         i, x = plan.touched_row[e], plan.touched_variable[e]
