@@ -1,4 +1,4 @@
-"""What pictures of spatial beams show: every fibre whose stress is told, as a line."""
+"""What pictures of spatial beams show: every fibre whose stress is told, as a line, and how it follows the sizes of the sections."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from preprocessing.assembly.invariants import polynomial_of
 from preprocessing.elements.kinds.spatial_beam import SpatialBeam
+from preprocessing.elements.section import Monomial
 from preprocessing.elements.section_shape import SectionShape, value_of
+from toolkit.reduced_model.dependence import Polynomial
 from toolkit.reduced_model.spatial_model import Surface
 
 
@@ -26,6 +29,32 @@ def fibre_lines(beams: SpatialBeam, z: np.ndarray, values: Mapping[str, Any]) ->
     return Surface(position, np.zeros((0, 3), int), np.arange(len(position)).reshape(-1, 2))
 
 
+def fibre_polynomial(beams: SpatialBeam, z: np.ndarray, parameters: list[str]) -> Polynomial:
+    """The positions of the ends of the lines as a polynomial of the sizes of the sections, in which they are linear, at a fixed Z."""
+    first, triad = beams.first_rows, beams.axes
+    found: dict[Monomial, list[tuple[np.ndarray, np.ndarray]]] = {}
+    for each in beams.patches:
+        shares = _shares(each.shape, each.patch.parameters)
+        for element in each.patch.elements:
+            ends = ((k, node) for k in range(len(each.shape.fibres)) for node in beams.connectivity[element])
+            for number, (k, node) in enumerate(ends, first[element]):
+                rows = _rows(z, node)
+                for monomial, offsets in shares.items():
+                    part = _beside(rows, offsets[k] @ triad[element, 1:]) + (0 if monomial else rows[:3])
+                    here = np.flatnonzero(part)
+                    found.setdefault(monomial, []).append((number * part.size + here, part.ravel()[here]))
+    terms = [(monomial, *map(np.concatenate, zip(*entries, strict=True))) for monomial, entries in found.items()]
+    return polynomial_of(terms, parameters)
+
+
+def _shares(shape: SectionShape, parameters: Mapping[str, str]) -> dict[Monomial, np.ndarray]:
+    """Offsets of all fibres (n_fibres, 2) that are the same at all sizes, and what each size adds per unit, by its parameter."""
+    none = dict.fromkeys(parameters, 0.0)
+    fixed = _offsets(shape, none)
+    slopes = {name: _offsets(shape, {**none, quantity: 1.0}) - fixed for quantity, name in parameters.items()}
+    return {(): fixed, **{((name, 1),): slope for name, slope in slopes.items() if slope.any()}}
+
+
 def _offsets(shape: SectionShape, dimensions: Mapping[str, Any]) -> np.ndarray:
     """y_2, y_3 of every fibre, (n_fibres, 2)."""
     return np.array([[value_of(fibre.second, dimensions), value_of(fibre.third, dimensions)] for fibre in shape.fibres])
@@ -33,7 +62,17 @@ def _offsets(shape: SectionShape, dimensions: Mapping[str, Any]) -> np.ndarray:
 
 def _moved(z: np.ndarray, node: int, offset: np.ndarray) -> np.ndarray:
     """Place (3, 1 + n_f) of a point beside a node, at the offset (3,) when undeformed."""
-    rows = z[SpatialBeam.per_node * node : SpatialBeam.per_node * (node + 1)]
-    place = rows[:3] + np.cross(rows[3:], offset[:, None], axis=0)
-    place[:, 0] += offset
-    return place
+    rows = _rows(z, node)
+    return np.asarray(rows[:3] + _beside(rows, offset))
+
+
+def _rows(z: np.ndarray, node: int) -> np.ndarray:
+    """Displacements and rotations of a node, (6, 1 + n_f)."""
+    return z[SpatialBeam.per_node * node : SpatialBeam.per_node * (node + 1)]
+
+
+def _beside(rows: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """What an offset (3,) from a node, which turns with it, adds to its place, (3, 1 + n_f)."""
+    found = np.cross(rows[3:], offset[:, None], axis=0)
+    found[:, 0] += offset
+    return found

@@ -25,16 +25,17 @@ def cut(folder: Any, where: str, responses: dict[str, Response]) -> Scene:
     return scene.model_copy(update={"bodies": {**scene.bodies, "strip": strip}, "responses": responses, "solver": options})
 
 
-@pytest.mark.parametrize("where", CASES)
-def test_gradients_are_complex_steps(tmp_path, where):
-    """Of a motion, and those of vibrations of an equilibrium."""
-    told = {name: each for name, each in CASES[where][1].items() if not isinstance(each, Deflection)}
-    vibrations = {name: each for name, each in told.items() if isinstance(each, Frequency | DampingRatio)}
-    others = {name: each for name, each in told.items() if name not in vibrations}
-    for responses, kind in ((others, "transient"), (vibrations, "static")):
-        found = disagreement(cut(tmp_path, where, responses), kind, ("direct", "adjoint"))
-        assert found.keys() == responses.keys()
-        assert {name: gap for name, gap in found.items() if not gap < AGREEMENT} == {}
+@pytest.mark.parametrize(("where", "kind"), [("plane", "transient"), ("space", "transient"), ("plane", "static")])
+def test_gradients_are_complex_steps(tmp_path, where, kind):
+    """Of a motion, and of the vibrations of an equilibrium."""
+    responses = {
+        name: each
+        for name, each in CASES[where][1].items()
+        if not isinstance(each, Deflection) and isinstance(each, Frequency | DampingRatio) == (kind == "static")
+    }
+    found = disagreement(cut(tmp_path, where, responses), kind, ("direct", "adjoint"))
+    assert found.keys() == responses.keys()
+    assert {name: gap for name, gap in found.items() if not gap < AGREEMENT} == {}
 
 
 def test_the_deflection_in_the_one_frame_is_refused_with_what_to_ask_for(tmp_path):

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from toolkit.foundation.compiled.calls import call
-from toolkit.foundation.compiled.rows import add_rows, filled_up
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.kernel import kernel, plain
+from toolkit.foundation.kernel import plain
 from toolkit.linear import dense_lu, sparse_lu
 from toolkit.linear.elimination_order import minimum_degree
 from toolkit.linear.linear_solver import linear_solver, solve_once, updates_of
@@ -139,27 +139,6 @@ def test_a_wide_block_has_the_bits_of_narrow_ones():
     narrow = [solved(matrix, n_q, rhs[:, x : x + 4].copy()) for x in range(0, 24, 4)]
     for columns in (5, 12, 24):  # in one vector, two and three
         assert np.array_equal(solved(matrix, n_q, rhs[:, :columns].copy()), np.hstack(narrow)[:, :columns])
-
-
-@kernel
-def add_to_all(target, scale, factor, entries, numbers, starts, source):
-    """`add_rows` with run number i for every row i of the target."""
-    for i in range(len(target)):
-        add_rows(target[i], scale, factor, entries, numbers, starts[i], starts[i + 1], source)
-
-
-@pytest.mark.parametrize("width", [0, 8, 16, 24, 32, 40, 72, 136])
-@pytest.mark.parametrize("kind", [np.uint32, np.int64])
-def test_rows_are_added_as_plain_python_does(width, kind):
-    rng = np.random.default_rng(width)
-    starts = np.append(0, np.cumsum(rng.integers(0, 6, 9)))
-    entries, numbers = rng.normal(size=starts[-1]), rng.integers(0, 20, starts[-1]).astype(kind)
-    target, source = rng.normal(size=(9, width)), rng.normal(size=(20, width))
-    found, expected = target.copy(), target.copy()
-    COMPILED(add_to_all)(found, 0.3, -2.0, entries, numbers, starts, source)
-    plain(add_to_all)(expected, 0.3, -2.0, entries, numbers, starts, source)
-    assert abs(found - expected).max(initial=0) < 1e-14  # sums of up to six terms of order one
-    assert width == 0 or not np.array_equal(found, target)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -89,6 +89,9 @@ def test_an_equilibrium_is_wound_by_its_torque_over_its_stiffness(torque):
     run = ffrf.compile(wound).statics()
     assert run.solution.q[0, -1] == pytest.approx(torque / STIFFNESS, rel=1e-12)
     assert run.verdict.trusted
+    folded = [each.text for each in run.verdict.warnings if each.code == "rotation-folded"]
+    assert len(folded) == (abs(torque / STIFFNESS) > np.pi)  # the response tells no turns, the remark does
+    assert all(f"it is {torque / STIFFNESS:.5g} rad" in text for text in folded)
 
 
 def test_counted_turns_take_nothing_from_the_modes():

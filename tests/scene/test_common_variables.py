@@ -289,7 +289,7 @@ def test_a_tradeoff_measures_its_gradients(tmp_path):
 WRONG = {
     "an unknown path": (
         'w = { of = ["points.Q.x", "points.A.y"] }',
-        r"the path 'points\.Q\.x' of design variable 'w' leads nowhere",
+        r"design\.w: the path 'points\.Q\.x' of design variable 'w' leads nowhere",
     ),
     "a path in two variables": (
         'w = { of = ["bodies.skin.thickness"] }',
@@ -320,6 +320,10 @@ WRONG = {
     "a misspelt key": (
         'w = { off = ["points.B.x"] }',
         r"design\.w\.off: unknown key, did you mean 'of'; possible here: of, factors",
+    ),
+    "the path of another number": (
+        '"points.A.y" = "loads.drive.torque"',
+        r"design\.points\.A\.y: that is the path of a number, and the variable drives loads\.drive\.torque instead",
     ),
     "a number": ("w = 3.0", r"design\.w: a design variable is the path of a number, .* or a table"),
 }

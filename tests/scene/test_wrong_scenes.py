@@ -35,6 +35,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import compile_scene
+from toolkit.validity.description.scene_cautions import cautions_of_scene
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 TEXT = """
@@ -584,6 +585,13 @@ def test_loads_without_effect_are_refused():
         RotationalSpringDamper(bodies=("rod", "ground"), point="A", rest_angle=0.1)
     with pytest.raises(ValidationError, match="a bushing has no effect without stiffness, damping, rotational_stiffness or rot"):
         Bushing(bodies=("rod", "ground"), point="A")
+
+
+def test_a_spring_within_a_rigid_body_is_doubted():
+    spring = SpringDamper(bodies=("rod", "rod"), points=("A", "O"), stiffness=1.0)
+    (caution,) = cautions_of_scene(pendulum(loads={"spring": spring}))
+    assert (caution.code, caution.doubt) == ("load-within-body", True)
+    assert cautions_of_scene(pendulum(loads={"spring": spring.model_copy(update={"bodies": ("rod", "ground")})})) == []
 
 
 @pytest.mark.parametrize(

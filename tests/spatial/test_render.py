@@ -41,7 +41,7 @@ from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.reduced_model.file import save
 from toolkit.render.pictures import render_solution
 from toolkit.render.space.arrows import arrows
-from toolkit.render.space.body_shape import body_shape
+from toolkit.render.space.body_shape import body_shape, drawn_as_built
 from toolkit.render.space.camera import ISOMETRIC, Camera, natural_aspect
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.curves import counted_angle, stress_extremes
@@ -383,6 +383,37 @@ def test_a_surface_that_has_not_the_size_of_the_scene_says_so(folder, number, to
     moved = scene.model_copy(update={"bodies": tangent}).with_number(path, 1.01 * scene.number(path))
     solution = rest(moved, 0)
     assert _scale(SpatialConfiguration(solution, 0), choose_spatial_look(solution, [0], View())) == told
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+def test_a_surface_follows_the_sizes_of_its_sections(tmp_path, frames):
+    """A frame at other sizes is drawn as the one that is built with them: at rest, and with elastic coordinates that turn its nodes."""
+    other = FRAME.replace("diameter = 0.05", "diameter = 0.07").replace(
+        "thickness = 0.01, width = 0.04", "thickness = 0.02, width = 0.05"
+    )
+    for name, text in (("frame", FRAME), ("other", other)):
+        (tmp_path / f"{name}.toml").write_text(text.replace('"static"', '"full"'))
+        save(build(tmp_path / f"{name}.toml"), tmp_path / f"{name}.h5")
+    sizes = {"diameter_leg": 0.07, "thickness_arm": 0.02, "width_arm": 0.05}
+    bodies = [{"model": "frame.h5", **sizes}, {"model": "other.h5"}]
+    found = []
+    for body in bodies:
+        one = SpatialFlexible.model_validate({**body, "frame": "grounded", "frames": frames})
+        scene = Scene(
+            units="m-kg-s",
+            dimension=3,
+            directory=tmp_path,
+            points={"T": BodyPoint(body="frame", interface="tip")},
+            bodies={"frame": one},
+            loads={"push": SpatialPointForce(body="frame", point="T", force=(3.0, 0.0, 4.0))},
+        )
+        solution = rest(scene, 1)
+        if frames == 1:
+            bent(solution, "frame")
+        moment = SpatialConfiguration(solution, 1)
+        assert not drawn_as_built(moment.scene, "frame")
+        found.append(body_shape(moment, "frame").points)
+    np.testing.assert_allclose(*found, atol=1e-15)
 
 
 def test_a_rigid_motion_has_no_stress_whatever_its_round_off_is(folder):

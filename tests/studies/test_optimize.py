@@ -571,6 +571,11 @@ WRONG = {
         "1 paths but 2 factors",
         4,
     ),
+    "the path of another number": (
+        PLAIN.replace(f"{LOAD} = {{ between", '"points.P.y" = { of = ["loads.push.force.y"], between'),
+        "variables.points.P.y: that is the path of a number, and the variable drives loads.push.force.y instead",
+        3,
+    ),
     "one number twice": (
         PLAIN.replace("[objective]", f"k = {{ of = [{LOAD}], between = [0.0, 1.0] }}\n[objective]"),
         "are the same number",

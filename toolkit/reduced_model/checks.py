@@ -28,7 +28,14 @@ from toolkit.reduced_model.model import (
 from toolkit.reduced_model.parts.interior import Interior
 from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
 from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
-from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface, SurfaceLoad, spatial_generalized_mass
+from toolkit.reduced_model.spatial_model import (
+    PAIRS,
+    SURFACE_POSITION,
+    SpatialInvariants,
+    Surface,
+    SurfaceLoad,
+    spatial_generalized_mass,
+)
 from toolkit.reduced_model.thin_arrays import listed, places, sparing
 
 RIGID = 1e-12
@@ -45,7 +52,7 @@ MAGNITUDE = LARGEST**3
 
 HIGHEST_POWER = 20
 
-PARTS_WITH_ITEMS = ("interfaces", "shape", "surface_loads", "elements", "spin", "piece_loads")
+PARTS_WITH_ITEMS = ("interfaces", "shape", "surface", "surface_loads", "elements", "spin", "piece_loads")
 """Parts of which arrays can depend on parameters, besides the invariants."""
 
 SHAPES: dict[Any, dict[str, str]] = {
@@ -215,6 +222,7 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
         names = [
             *SHAPES[type(model.invariants)],
             SPIN_STIFFENING,
+            SURFACE_POSITION,
             *(f"elements.{name}" for kind in (Elements, SpatialElements) for name in SHAPES[kind]),
         ]
         if item not in names:
@@ -224,7 +232,8 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
         _numbers_below(path, f"{place}/power", np.abs(polynomial.power), HIGHEST_POWER + 1, "powers")
         _numbers_below(path, f"{place}/term", polynomial.term, len(polynomial.factor), "terms")
         _numbers_below(path, f"{place}/entry", polynomial.entry, _size(model, path, place, item), "entries")
-        if (item.startswith("elements.") and model.elements is None) or (item == SPIN_STIFFENING and model.spin is None):
+        part = item.split(".")[0]
+        if part in PARTS_WITH_ITEMS and getattr(model, part) is None:
             continue
         nominal = model.item(item)
         here = places(nominal, polynomial.entry)

@@ -43,6 +43,10 @@ class SpatialInvariants:
         return (np.einsum("aaij->ij", Q) - np.einsum("a,b,abij->ij", axis, axis, Q))[1:, 1:]
 
 
+SURFACE_POSITION = "surface.position"
+"""Item of the model that is where the points of its surface are."""
+
+
 @dataclass(frozen=True)
 class Surface:
     """The surface of a body, for pictures: points are `position @ [1; q_f]`.

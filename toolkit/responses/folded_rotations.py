@@ -1,13 +1,15 @@
-"""Rotations in space that have gone round: an angle about an axis is known up to whole turns only."""
+"""Angles in space that have gone round: an angle about an axis is known up to whole turns only."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
+from toolkit.responses.kinematics.relative_angle import RelativeAngle
 from toolkit.responses.motion import Rotation
 from toolkit.system.solution import Solution
 
@@ -28,3 +30,25 @@ def folded_rotations(solution: Solution) -> Iterator[Caution]:
                     "The response relative-angle counts them.",
                     doubt=False,
                 )
+
+
+def folded_equilibria(solution: Solution) -> Iterator[Caution]:
+    """A remark for every angle of an equilibrium in space that has gone round on the way there: it is told without whole turns."""
+    path = solution.path
+    asked = solution.system.scene.responses if path is not None and len(path.q) > 1 else {}
+    angles = {f: each for f, each in asked.items() if isinstance(each, Rotation | RelativeAngle) and each.axis is not None}
+    if path is None or not angles:
+        return
+    still = np.zeros_like(path.q)
+    along = replace(solution, times=np.arange(len(path.q)), q=path.q, v=still, a=still, multipliers=path.multipliers)
+    for name, response in angles.items():
+        look = response.instants(along)
+        here = float(np.real(response.instants(solution)(0).value))
+        turned = np.unwrap([float(np.real(look(step).value)) for step in range(len(path.q))])[-1]
+        if abs(turned - here) > np.pi:
+            yield Caution(
+                "rotation-folded",
+                f"{name} = {here:.5g} passed half a turn on the way from the unloaded state: in an equilibrium it is an angle in "
+                f"(-pi, pi], without whole turns. With those of the way it is {turned:.5g} rad.",
+                doubt=False,
+            )

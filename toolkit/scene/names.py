@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.description.design import DesignEntry
 from toolkit.description.point import BodyPoint
 from toolkit.description.validation_messages import SHORT
 from toolkit.foundation.errors import InputError
@@ -13,6 +14,7 @@ from toolkit.foundation.listed_names import meant
 from toolkit.loads.spatial.pressure import Pressure
 from toolkit.markers.component import Component
 
+TABLES = ("points", "bodies", "joints", "loads", "responses", "solver")
 PLURAL = {"body": "bodies", "point": "points", "joint": "joints", "load": "loads"}
 
 
@@ -55,6 +57,23 @@ def check_names(
         for kind, names in existing.items():
             for used in _named(response, kind):
                 known(used, names, f"responses.{name}", kind)
+
+
+def check_design_names(design: Mapping[str, DesignEntry], where: str = "design") -> None:
+    """Check that no design variable is called like a number that it leaves alone: who set that number would move others.
+
+    Raises
+    ------
+    InputError
+        Names the variable.
+    """
+    for name, entry in design.items():
+        own = (entry,) if isinstance(entry, str) else entry.of
+        if name.partition(".")[0] in TABLES and "." in name and name not in own:
+            raise InputError(
+                f"{where}.{name}: that is the path of a number, and the variable drives {', '.join(own)} instead. Give it a name without "
+                "dots."
+            )
 
 
 def _named(response: Any, kind: str) -> list[str]:

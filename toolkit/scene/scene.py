@@ -26,7 +26,7 @@ from toolkit.loads.load import AnyLoad
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.design_variables import variables_of
-from toolkit.scene.names import check_dimension, check_names, known
+from toolkit.scene.names import check_design_names, check_dimension, check_names, known
 from toolkit.scene.space import SPACES, Space
 
 T = TypeVar("T")
@@ -74,6 +74,7 @@ class Scene(Description):
     def _names(self) -> Self:
         check_names(self.points, self.bodies, self.joints, self.loads, self.responses)
         check_dimension(self.dimension, self.points, {"bodies": self.bodies, "joints": self.joints, "loads": self.loads})
+        check_design_names(self.design)
         return self
 
     @property

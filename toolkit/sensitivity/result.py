@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.verdict import Caution, Verdict
-from toolkit.responses.folded_rotations import folded_rotations
+from toolkit.responses.folded_rotations import folded_equilibria, folded_rotations
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
 from toolkit.responses.over_time.missed_peaks import missed_peaks
@@ -127,7 +127,8 @@ class Result:
         """The same without what frames do to gradients."""
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
-            return Verdict.of([*found.warnings, *self._of_vibrations(), *self._undefined()], found.measures)
+            folded = folded_equilibria(self.solution) if self.values and not self.solution.steps else ()
+            return Verdict.of([*found.warnings, *self._of_vibrations(), *folded, *self._undefined()], found.measures)
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:

@@ -12,6 +12,7 @@ from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, sheared
 from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
+from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
@@ -97,6 +98,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from unseen_tension(scene)
     yield from sheared(scene)
     yield from bent_between_nodes(solution)
+    yield from fibres_alone(solution)
     yield from turning(solution)
     for body, names in scene.extrapolated().items():
         yield Caution(

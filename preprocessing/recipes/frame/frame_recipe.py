@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from preprocessing.discretisation.discretisation import DesignSpace
-from preprocessing.discretisation.fibre_lines import fibre_lines
 from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.kinds.spatial_beam import SpatialBeam
+from preprocessing.recipes.beam_surface import beam_surface
 from preprocessing.recipes.frame.frame_design import frame_beams, frame_space, node_number, places
 from preprocessing.recipes.frame.frame_file import FrameFile
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
@@ -57,7 +57,7 @@ class FrameRecipe(Recipe[FrameFile]):
 def _picture(found: Reduced, beams: SpatialBeam | PlanarBeam, line: np.ndarray) -> dict[str, Any]:
     """In the plane the mesh, in space the surface."""
     if isinstance(beams, SpatialBeam):
-        return {"surface": fibre_lines(beams, found.basis.z, found.space.values)}
+        return beam_surface(found, beams)
     return {"mesh": Mesh(beams.nodes, beams.connectivity, found.basis.z, line, np.zeros((0, 2)))}
 
 

@@ -8,10 +8,10 @@ from typing import Any
 
 from preprocessing.airfoil.table import LARGEST_FILE
 from preprocessing.discretisation.discretisation import DesignSpace
-from preprocessing.discretisation.fibre_lines import fibre_lines
 from preprocessing.elements.kinds.spatial_beam import SpatialBeam
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.gmsh_session import load_gmsh
+from preprocessing.recipes.beam_surface import beam_surface
 from preprocessing.recipes.checked_file import validated
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
 from preprocessing.recipes.skin.changed_design import put_value
@@ -95,5 +95,5 @@ def _shape_and_pictures(found: Reduced, geometry: Geometry) -> dict[str, Any]:
     z, mesh, elements = found.basis.z, geometry.mesh, found.space.nominal()
     shape = Shape(elements.positions(z)[:, :2], geometry.target, geometry.arc_lengths)
     if isinstance(elements.element, SpatialBeam):
-        return {"shape": shape, "surface": fibre_lines(elements.element, z, found.space.values)}
+        return {"shape": shape, **beam_surface(found, elements.element)}
     return {"shape": shape, "mesh": Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, ClassVar
 
@@ -19,6 +20,7 @@ from toolkit.reduced_model.cut.part_model import part_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.spatial_model import SURFACE_POSITION
 
 MANY = 1000
 """Parts whose shapes are remembered: every complex step asks for them again."""
@@ -100,7 +102,7 @@ class FramedPart(ModelBody):
         design = whole_design(scene, self.whole)
         key = (DesignPoint, *self.own)
         if key not in design.kept:
-            design.kept[key] = DesignPoint(part_model(self.part(scene), design.model))
+            design.kept[key] = DesignPoint(part_model(self.part(scene), _with_surface(design)))
         found: DesignPoint = design.kept[key]
         return found
 
@@ -169,6 +171,14 @@ def whole_design(scene: Placed, whole: str) -> DesignPoint:
     """The reduced model of a cut body at the scene's parameter values, with its elements."""
     design: DesignPoint = scene.bodies[whole].design_point(scene, "elements", "stress", "mesh", "surface", "pieces")
     return design
+
+
+def _with_surface(design: DesignPoint) -> ReducedModel:
+    """The model of a design with the surface that it has there."""
+    model = design.model
+    if model.surface is None or not design.moves(SURFACE_POSITION):
+        return model
+    return replace(model, surface=replace(model.surface, position=np.real(design.value(SURFACE_POSITION))))
 
 
 def connectivity_of(scene: Placed, whole: str) -> np.ndarray:

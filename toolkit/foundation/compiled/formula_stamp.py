@@ -16,7 +16,7 @@ from numba.core.registry import CPUDispatcher
 
 from toolkit.foundation.compiled.rows import add_rows, add_to_each, subtract_multiples
 
-WRITTEN = {
+WRITTEN: dict[Any, tuple[str, ...]] = {
     add_rows: ("rows_code.py",),
     add_to_each: ("rows_code.py", "each_row_code.py"),
     subtract_multiples: ("rows_code.py", "multiples_code.py"),

@@ -13,7 +13,7 @@ from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.reduced_model.cut.spatial_part import rows_of_pieces
 from toolkit.reduced_model.model import StressPoints
 from toolkit.reduced_model.parts.pieces import Pieces
-from toolkit.reduced_model.spatial_model import Surface
+from toolkit.reduced_model.spatial_model import SURFACE_POSITION, Surface
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.responses.stress.stress import stress_components
 from toolkit.scene.scene import Scene
@@ -47,8 +47,16 @@ def drawn_as_built(scene: Scene, body: str) -> bool:
     found = scene.body(body)
     assert isinstance(found, SpatialFlexible)
     nominal = scene.model(found.model).nominal
-    sizes = {name: value for name, value in found.model_values().items() if not name.startswith(UNSEEN)}
-    return any(np.real(value) != nominal.get(name) for name, value in sizes.items())
+    changed = [
+        name
+        for name, value in found.model_values().items()
+        if not name.startswith(UNSEEN) and np.real(value) != nominal.get(name)
+    ]
+    if not changed:
+        return False
+    model = found.design_point(scene, "surface").model
+    told = (model.affine or {}).get(SURFACE_POSITION)
+    return told is None or not all(told.depends_on(model.numbers[name]) for name in changed)
 
 
 def body_shape(moment: SpatialConfiguration, body: str) -> BodyShape:
@@ -73,7 +81,8 @@ def _points(moment: SpatialConfiguration, body: str, surface: Surface) -> np.nda
     """The surface's points in space, (n, 3); of a cut body from the fibres of its parts."""
     found, scene = moment.scene.body(body), moment.scene
     if not isinstance(found, CutBody):
-        return moment.place(body, surface.position @ np.append(1.0, moment.elastic(body)))
+        position = np.real(found.design_point(scene, "surface").value(SURFACE_POSITION))
+        return moment.place(body, position @ np.append(1.0, moment.elastic(body)))
     points = np.full(surface.position.shape[:2], np.nan)
     for name, part in found.parts(body).items():
         assert isinstance(part, FramedPart)

@@ -90,15 +90,16 @@ def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found
 
 def end_sweep(state: Sweep) -> np.ndarray:
     """The start's part added: the gradient (n_x, n_r)."""
-    system, bars = state.system, state.memory.bars
+    system, n_r = state.system, state.gradient.shape[1]
+    q_bar, v_bar, acc_bar = (each[:, :n_r] for each in state.memory.bars[:3])
     start = run_motion(system, state.options)
     if isinstance(start, State):
-        parts = [(bars.q, start.dq), (bars.v, start.dv), (bars.acc, start.dacc)]
+        parts = [(q_bar, start.dq), (v_bar, start.dv), (acc_bar, start.dacc)]
     else:
         levels = run_levels(state.options)
-        state.gradient[:] += through_accelerations(system, levels, start, bars.acc, state.transposition)
+        state.gradient[:] += through_accelerations(system, levels, start, acc_bar, state.transposition)
         _, dv = rates_of_states(system, start.q, start.dq, start.v, start.dv, 0.0)  # those of the loads' own states too
-        parts = [(bars.q, start.dq), (bars.v, dv)]
+        parts = [(q_bar, start.dq), (v_bar, dv)]
     for bar, change in parts:
         if np.any(change):
             state.gradient[:] += change.T @ bar

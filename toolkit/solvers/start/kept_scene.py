@@ -19,7 +19,7 @@ READ_ANEW = ("model", "extrapolation")
 
 
 class _Known(NamedTuple):
-    """What a run that a scene starts in says of itself: in words, its units and coordinates, tables of bodies, content of its models."""
+    """What a run that a scene starts in says of itself: in words, units, coordinates, tables of its bodies, content of its models."""
 
     what: str
     units: str

@@ -6,6 +6,7 @@ import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import LEFT_OUT
 from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
+from toolkit.foundation.compiled.rows import add_rows, filled_up
 from toolkit.foundation.kernel import inner, loop
 from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
 from toolkit.linear.sparse_analysis import LUPlan
@@ -15,7 +16,7 @@ from toolkit.solvers.transient.staggered import carries
 
 
 class Bars(NamedTuple):
-    """Derivatives of the responses by what one step leaves to the next; blocks (n, n_r), n_r responses."""
+    """Derivatives of the responses by what one step leaves to the next; blocks (n, n_r filled up), n_r responses."""
 
     q: np.ndarray
     v: np.ndarray
@@ -27,10 +28,11 @@ class AdjointMemory(NamedTuple):
     """Memory of the backward loop."""
 
     bars: Bars
-    multiplier: np.ndarray  # (n, n_r) mu of the step above
-    load: np.ndarray  # (n, n_r)
+    multiplier: np.ndarray  # (n, n_r filled up) mu of the step above
+    load: np.ndarray
     jacobian: np.ndarray  # (n_entries,)
     transposed: np.ndarray  # (n_entries,) its transpose on the same, symmetric pattern
+    mixed: np.ndarray  # (n_entries,) scratch memory of `add_transposed`
     terms: Terms
     work: Work
     solver: LinearSolver
@@ -40,12 +42,13 @@ def adjoint_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, n_r: int) -
     """Reserve it for n_r responses."""
 
     def block() -> np.ndarray:
-        return np.zeros((plan.n, n_r))
+        return np.zeros((plan.n, filled_up(n_r)))
 
     return AdjointMemory(
         Bars(block(), block(), block(), block()),
         block(),
         block(),
+        np.zeros(len(plan.indices)),
         np.zeros(len(plan.indices)),
         np.zeros(len(plan.indices)),
         allocate_terms(plan, float),
@@ -55,27 +58,13 @@ def adjoint_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, n_r: int) -
 
 
 @inner
-def add_transposed(plan, values, factor, block, out):
-    """out += factor A^T block for values of A on the pattern; blocks (n, n_r)."""
-    if factor == 0:
-        return
+def add_transposed(plan, transposition, one, factor_one, two, factor_two, block, memory, out):
+    """out += (factor_one A + factor_two B)^T block for values `one` of A and `two` of B on the pattern; blocks (n, n_r filled up)."""
+    mixed = memory.mixed
+    for e in range(len(mixed)):
+        mixed[e] = factor_one * one[transposition[e]] + factor_two * two[transposition[e]]
     for i in range(plan.n):
-        for e in range(plan.indptr[i], plan.indptr[i + 1]):
-            value = factor * values[e]
-            if value != 0:
-                for r in range(block.shape[1]):
-                    out[plan.indices[e], r] += value * block[i, r]
-
-
-@inner
-def add_transposed_q(plan, terms, factor_i, factor_a, block, out):
-    """out += (factor_i I_q + factor_a A_q)^T block."""
-    for i in range(plan.n):
-        for e in range(plan.indptr[i], plan.indptr[i + 1]):
-            value = factor_i * terms.I_q[e] + factor_a * terms.A_q[e]
-            if value != 0:
-                for r in range(block.shape[1]):
-                    out[plan.indices[e], r] += value * block[i, r]
+        add_rows(out[i], 1.0, 1.0, mixed, plan.indices, plan.indptr[i], plan.indptr[i + 1], block)
 
 
 @inner
@@ -84,17 +73,17 @@ def add_design(plan, factor_i, factor_a, terms, block, gradient):
     for e in range(len(plan.touched_row)):
         i, x = plan.touched_row[e], plan.touched_variable[e]
         change = factor_i * terms.I_x[i, x] + factor_a * terms.A_x[i, x]
-        for r in range(block.shape[1]):
+        for r in range(gradient.shape[1]):
             gradient[x, r] += change * block[i, r]
 
 
 @inner
-def add_carried(plan, scheme, memory, gradient):
+def add_carried(plan, scheme, transposition, memory, gradient):
     """What the residual of the step above took from this state."""
     c_i, c_a, terms, bars, above = scheme.carried_inertial, scheme.carried_applied, memory.terms, memory.bars, memory.multiplier
-    add_transposed_q(plan, terms, c_i, c_a, above, bars.q)
-    add_transposed(plan, terms.A_v, c_a, above, bars.v)
-    add_transposed(plan, terms.I_acc, c_i, above, bars.acc)
+    add_transposed(plan, transposition, terms.I_q, c_i, terms.A_q, c_a, above, memory, bars.q)
+    add_transposed(plan, transposition, terms.I_acc, 0.0, terms.A_v, c_a, above, memory, bars.v)
+    add_transposed(plan, transposition, terms.I_acc, c_i, terms.A_v, 0.0, above, memory, bars.acc)
     add_design(plan, c_i, c_a, terms, above, gradient)
 
 
@@ -102,7 +91,7 @@ def add_carried(plan, scheme, memory, gradient):
 def add_partials(plan, step, by_q, by_v, by_acc, bars):
     """The responses' own derivatives by the state of a step."""
     for i in range(plan.n):
-        for r in range(bars.q.shape[1]):
+        for r in range(by_q.shape[2]):
             bars.q[i, r] += by_q[step, i, r]
             bars.v[i, r] += by_v[step, i, r]
             bars.acc[i, r] += by_acc[step, i, r]
@@ -128,12 +117,13 @@ def solve_step(plan, scheme, transposition, memory):
 
 
 @inner
-def step_back(plan, scheme, ratio, memory):
+def step_back(plan, scheme, ratio, transposition, memory):
     """Bars of the state before from those of this one; `ratio` is that of the lengths of this step and the one before."""
     bars, terms, mu = memory.bars, memory.terms, memory.multiplier
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
-    add_transposed_q(plan, terms, scheme.weight_inertial, scheme.weight_applied, mu, bars.q)
-    add_transposed(plan, terms.A_v, scheme.weight_applied, mu, bars.v)
+    w_i, w_a = scheme.weight_inertial, scheme.weight_applied
+    add_transposed(plan, transposition, terms.I_q, w_i, terms.A_q, w_a, mu, memory, bars.q)
+    add_transposed(plan, transposition, terms.I_acc, 0.0, terms.A_v, w_a, mu, memory, bars.v)
     for i in range(plan.n):
         for r in range(mu.shape[1]):
             if i < plan.n_q:
@@ -176,14 +166,14 @@ def integrate_backwards(
         if carries(scheme) or not is_start:
             evaluator(plan, functions, inputs, q[step], v[step], acc[step], True, True, memory.terms, memory.work)
         if carries(scheme) and not (ends and step == len(q) - 1):
-            add_carried(plan, scheme, memory, gradient)
+            add_carried(plan, scheme, transposition, memory, gradient)
         add_partials(plan, step, by_q, by_v, by_acc, memory.bars)
         if not is_start:
             failed = solve_step(plan, now, transposition, memory)
             if failed >= 0:
                 return failed
             add_design(plan, scheme.weight_inertial, scheme.weight_applied, memory.terms, memory.multiplier, gradient)
-            step_back(plan, now, ratios[step], memory)
+            step_back(plan, now, ratios[step], transposition, memory)
     if begins:
         for i in range(plan.n_q):
             for r in range(gradient.shape[1]):

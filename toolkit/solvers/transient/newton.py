@@ -77,9 +77,9 @@ def newton_matrix(plan, scheme, terms, jacobian):
 
 
 @inlined
-def mix(plan, scheme, ggl, memory):
+def mix(frames, plan, scheme, ggl, memory):
     """Let large blocks of bodies in space be summed as `newton_matrix` does anyway; gradients and other formulations need their parts."""
-    if plan.markers.frames is not None:
+    if frames is not None:
         (c_q, c_v), mixed = by_acceleration(scheme), memory.work.floating.mixed
         if plan.n_x == 0 and ggl is None and scheme.inertia:
             part = scheme.weight_inertial / scheme.weight_applied
@@ -184,7 +184,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     """
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
-    mix(plan, scheme, ggl, memory)
+    mix(plan.markers.frames, plan, scheme, ggl, memory)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
     learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
     steady = ggl is None and not control.modified

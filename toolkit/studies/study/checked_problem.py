@@ -9,7 +9,7 @@ from toolkit.description.design import CommonVariable
 from toolkit.foundation.errors import InputError
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.scene.changed_numbers import with_numbers
-from toolkit.scene.names import check_names
+from toolkit.scene.names import check_design_names, check_names
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.frames_for_gradients import with_frames_for_gradients
@@ -112,6 +112,7 @@ def _with_several(scene: Scene, named: Mapping[str, StudyVariable | Uncertain], 
     """The scene with the variables that move several numbers."""
     several = {name: CommonVariable(of=each.of, factors=each.factors) for name, each in named.items() if each.of}
     _refuse_known(table, several, scene.design, "there is a variable of that name already.")
+    check_design_names(several, table)
     return scene.model_copy(update={"design": {**scene.design, **several}})
 
 

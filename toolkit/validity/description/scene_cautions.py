@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from toolkit.bodies.model_body import ModelBody
 from toolkit.compilation.frame_hints import floats_with_its_clamp
 from toolkit.foundation.verdict import Caution
 from toolkit.joints.joint import Joint
@@ -21,7 +22,21 @@ from toolkit.validity.description.unit_cautions import cautions_of_units
 def cautions_of_scene(scene: Scene) -> list[Caution]:
     """All cautions that follow from what is written, in the scene and beside its models, before anything runs."""
     found = [*cautions_of_joints(scene), *_held_by_nothing(scene), *cautions_of_units(scene), *stale_models(scene)]
+    found += _between_points_of_one(scene)
     return [*found, *choices_of_frames(scene), *frames_that_damp_less(scene), *cautions_of_meshes(scene)]
+
+
+def _between_points_of_one(scene: Scene) -> Iterator[Caution]:
+    """Loads along a line between two points of one body that does not deform."""
+    for name, load in scene.loads.items():
+        if isinstance(load, BetweenPoints) and load.bodies[0] == load.bodies[1]:
+            body = load.bodies[0]
+            if not isinstance(scene.body(body), ModelBody):
+                yield Caution(
+                    "load-within-body",
+                    f"loads.{name} acts between two points of {body!r}, which stay as far apart as they are: it has no effect. Name two "
+                    "bodies.",
+                )
 
 
 def _held_by_nothing(scene: Scene) -> Iterator[Caution]:

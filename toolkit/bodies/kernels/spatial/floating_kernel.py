@@ -66,7 +66,9 @@ class SpatialFloating(NamedTuple):
     def work(self, dtype: type) -> "SpatialFloatingWork":
         """Scratch memory."""
         n = filled_up(1 + int(max(self.n_f, default=0)))
-        shapes = [(3, 3), (3, n), (3, 9)] + [(9, n)] * 3 + [(3, 3)] * 8 + [(12, 3, 3)] + [(4, 4)] * 2 + [(5, n)] + [(9, n)] * 2
+        shapes: list[tuple[int, ...]] = (
+            [(3, 3), (3, n), (3, 9)] + [(9, n)] * 3 + [(3, 3)] * 8 + [(12, 3, 3)] + [(4, 4)] * 2 + [(5, n)] + [(9, n)] * 2
+        )
         shapes += [(3, 10), (3,)]
         return SpatialFloatingWork(*(np.zeros(shape, dtype) for shape in shapes))
 

@@ -1,0 +1,1 @@
+"""What the stress along fibres of beams in space leaves out."""

@@ -1,0 +1,109 @@
+"""What the stress of beams in space, which is that along their fibres, lacks of von Mises': shear by twist, and bending between fibres.
+
+With the torque T, bending moments M and the normal force N of an element, and the shear stress tau of `spatial_sections`,
+
+    round, outer radius R:                          sigma = |N| / A + |M| R / I
+    rectangle, in the middle of its long side a:    sigma = |N| / A + |M_b| b / (2 I_b),   I_b, M_b of bending about that side
+
+and von Mises' stress sqrt(sigma^2 + 3 tau^2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.foundation.units import unit
+from toolkit.foundation.verdict import Caution
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
+from toolkit.validity.bodies.fibres.spatial_sections import SAME, sections_of
+from toolkit.validity.description.mesh_cautions import bodies_of_stress
+
+ROUND_OFF = 1e-9
+"""Part of von Mises' stress below which fibres tell none."""
+
+
+def fibres_alone(solution: Solution) -> Iterator[Caution]:
+    """Doubts about bodies of beams in space whose stress, where it is asked for, lacks a part that counts."""
+    scene = solution.system.scene
+    for body in whole_bodies(scene):
+        if body in bodies_of_stress(scene) and not is_in_pieces(scene, body) and is_of_fibres(scene, body):
+            yield from _lacking(solution, body)
+
+
+def is_of_fibres(scene: Scene, body: str) -> bool:
+    """Whether the stress of a body is that of beams in space: one component at every point, where solids have six."""
+    _, *components, _ = flexible_body(scene, body).design_point(scene).model.invariants.stress_operator.shape
+    return components == [1]
+
+
+def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
+    scene = solution.system.scene
+    parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
+    found = [_stresses(solution, body, name) for name in parts]
+    known = [each for each in found if each is not None]
+    if any(np.isinf(each).any() for each in known):
+        yield Caution(
+            "fibre-stress",
+            f"the stress of {body} is that along the middle of its sections, which bending does not reach: some of them name no other "
+            "fibres. Write where they are: fibres = [[y_2, y_3], ...] in their tables of the frame file.",
+        )
+        return
+    told, whole = (max((each[k] for each in known), default=0.0) for k in range(2))
+    part = 1 - told / whole if whole else 0.0
+    if part > LIMIT:
+        label, told = unit(scene.units, "stress"), told if told > ROUND_OFF * whole else 0.0
+        yield Caution(
+            "fibre-stress",
+            f"the stress of {body} is that along its fibres, {told:.4g} {label} at most. With the shear of its twist, and with what bends "
+            f"it between the fibres, von Mises' is {whole:.4g} {label}: the fibres lack {part:.0%} of that. Keep that much below what its "
+            "material bears, or make a body of solid elements of it.",
+        )
+    elif len(known) < len(found):
+        yield Caution(
+            "fibre-stress",
+            f"the stress of {body} is that along its fibres: the shear of its twist is not in it, and not known of its basis or sections.",
+            doubt=False,
+        )
+
+
+def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] | None:
+    """The largest stress that fibres tell, and von Mises' largest; None where elements or sections are not known, infinite where a section
+    has no fibre but its middle."""
+    scene = solution.system.scene
+    behind = chain(scene, name)
+    if behind is None:
+        return None
+    operator, owner = _rows(scene, body, name, len(behind.forms.dofs))
+    found = sections_of(behind, operator, owner)
+    if np.any(found.radius**2 * found.area < SAME * found.least):
+        return np.inf, np.inf
+    if np.isnan(found.shear).any():
+        return None
+    elastic = np.real(solution.q[:, elastic_coordinates(solution, name)])
+    u = behind.displacements(elastic[largest_instants(elastic)])
+    told = np.abs(np.einsum("sp,tsp->ts", operator, u[:, behind.forms.dofs[owner]])).max(initial=0.0)
+    forces = behind.forms.forces(u)
+    tension, moments = np.abs(forces[:, :, 0]) / found.area, forces[:, :, 1:].reshape(*forces.shape[:2], 2, 3)
+    torque = np.einsum("tei,ei->te", moments[:, :, 1], found.along)
+    aside = moments - np.einsum("teni,ei->ten", moments, found.along)[..., None] * found.along[:, None]
+    whole = np.linalg.norm(aside, axis=3).max(axis=2) * found.radius
+    flat = np.abs(np.einsum("teni,ei->ten", aside, found.weak_axis)).max(axis=2) * np.sqrt(3 * found.least / found.area)
+    sigma = tension + np.where(found.round, whole, flat) / found.least
+    mises = np.sqrt(sigma**2 + 3 * (torque * found.shear) ** 2).max(initial=0.0)
+    return float(told), max(float(told), float(mises))
+
+
+def _rows(scene: Scene, body: str, name: str, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Rows (n_s, 12) of the stress operator on the coordinates of their elements, and the numbers of these among those of a part."""
+    design = flexible_body(scene, body).design_point(scene, "elements", "stress", "element_derivatives", "element_affine")
+    places, first = design.model.stress, getattr(scene.body(name), "first", 0)
+    assert places is not None
+    owner = places.element.astype(int) - first
+    mine = (owner >= 0) & (owner < count)
+    return np.real(design.value("elements.stress_operator"))[mine], owner[mine]
