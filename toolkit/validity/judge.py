@@ -11,8 +11,8 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, sheared
 from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
+from toolkit.validity.bodies.chosen.outgrown_choices import outgrown_choices
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
-from toolkit.validity.bodies.cut.outgrown_choices import outgrown_choices
 from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed

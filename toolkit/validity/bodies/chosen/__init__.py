@@ -1,0 +1,1 @@
+"""Whether what was chosen for a body by runs of the scene still suffices."""
