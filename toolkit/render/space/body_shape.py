@@ -81,6 +81,7 @@ def _points(moment: SpatialConfiguration, body: str, surface: Surface) -> np.nda
     """The surface's points in space, (n, 3); of a cut body from the fibres of its parts."""
     found, scene = moment.scene.body(body), moment.scene
     if not isinstance(found, CutBody):
+        assert isinstance(found, SpatialFlexible)
         position = np.real(found.design_point(scene, "surface").value(SURFACE_POSITION))
         return moment.place(body, position @ np.append(1.0, moment.elastic(body)))
     points = np.full(surface.position.shape[:2], np.nan)
