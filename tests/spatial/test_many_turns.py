@@ -20,6 +20,7 @@ from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpri
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.responses.kinematics.relative_angle import RelativeAngle
 from toolkit.responses.motion import Rotation
+from toolkit.responses.over_time.means import TimeMean
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
@@ -64,8 +65,10 @@ def test_a_driver_turns_as_often_as_its_curve_says(solve, angle):
 @pytest.mark.parametrize(("angle", "folded"), [(3.0, False), (3.5, True), (-9.0, True)])
 def test_a_rotation_that_is_folded_is_told(angle, folded):
     turn = Rotation(body="arm", point="O", axis=Z)
-    found = direct(driven(angle).model_copy(update={"responses": {"turn": turn}}), [], "transient")
-    assert ("rotation-folded" in found.verdict.codes) == folded
+    responses = {"turn": turn, "mean": TimeMean(of=turn)}
+    found = direct(driven(angle).model_copy(update={"responses": responses}), [], "transient")
+    told = [(each.doubt, each.text.partition(" passed")[0]) for each in found.verdict.warnings if each.code == "rotation-folded"]
+    assert told == [(True, "the rotation that mean is made of"), (False, "turn")] * folded
     assert found.values["turn"] == pytest.approx((angle + np.pi) % (2 * np.pi) - np.pi, abs=1e-4)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import toolkit as ffrf
 from toolkit import plane
-from toolkit.responses.over_time.extremes import TimeMax
+from toolkit.responses.over_time.extremes import TimeKS, TimeMax
 from toolkit.responses.over_time.missed_peaks import MISSED, missed_part
 
 
@@ -39,6 +39,14 @@ def test_a_point_of_a_wheel_that_is_seen_at_few_angles_is_doubted(per_turn, code
     assert run.values["farthest"] < 1.82
     assert code in run.verdict.codes
     assert not run.verdict.trusted
+
+
+def test_a_smooth_largest_value_misses_the_peak_too():
+    whole = wheel(5)
+    smooth = TimeKS(of=whole.responses["farthest"].of, measure="absolute", aggregation=100.0)
+    run = ffrf.compile(whole.model_copy(update={"responses": {"farthest": smooth}})).simulate()
+    assert run.values["farthest"] < 1.82 + np.log(42) / 100  # of twice 21 values, where it comes 2 m far
+    assert "missed-peak" in run.verdict.codes
 
 
 def test_a_wheel_whose_angle_nothing_depends_on_may_turn_as_far_as_it_likes():

@@ -29,6 +29,7 @@ responses.stress = { type = "max-stress", body = "bar", measure = "absolute" }
 TUBE = 'kind = "tube", diameter = 0.05, wall = 0.004'
 SECOND = np.pi / 64 * (0.05**4 - 0.042**4)
 RECTANGLE = 'kind = "rectangle", thickness = 0.02, width = 0.04'
+STRIP = 'kind = "rectangle", thickness = 0.002, width = 0.2'
 MIDDLE = 0.02 * 0.04**2 * 0.02 / 0.04  # a b^2
 PULL, BENT = 3e2 / (np.pi / 4 * (0.05**2 - 0.042**2)), 4.0 * 0.025 / SECOND
 DIAGONAL = np.pi / 8
@@ -43,9 +44,13 @@ CASES = {
     ),
     "circle, twisted": ('kind = "circle", diameter = 0.03', (0, 0, 0), (0, 9, 0), np.sqrt(3) * 16 * 9 / np.pi / 0.03**3, 0.0),
     "rectangle, twisted": (RECTANGLE, (0, 0, 0), (0, 9, 0), np.sqrt(3) * 9 / (0.246 * MIDDLE), 0.0),
+    "strip, twisted": (
+        STRIP, (0, 0, 0), (0, 9, 0), np.sqrt(3) * 9 * 3 / (0.2 * 0.002**2) / (1 - 0.0063), 0.0,
+    ),
     "square, twisted": ('kind = "rectangle", thickness = 0.02, width = 0.02', (0, 0, 0), (0, 9, 0), np.sqrt(3) * 9 / (0.208 * 8e-6), 0.0),
 }  # fmt: skip
-"""Section, force, torque, von Mises' stress and that of the fibres; of rectangles by Timoshenko and Goodier's table (three digits)."""
+"""Section, force, torque, von Mises' stress and that of the fibres; of rectangles by Timoshenko and Goodier's table (three digits), and by
+the limit of thin ones, J = a b^3 / 3 (1 - 0.63 b / a)."""
 
 
 GENERAL = 'kind = "general", area = 1e-3, I_y = 1e-7, I_z = 1e-7, J = 1e-7, I_p = 2e-7'

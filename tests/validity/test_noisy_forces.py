@@ -12,8 +12,12 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.both.distance import Distance, SpatialDistance
+from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
+from toolkit.responses.over_time.extremes import TimeMax, TimeMin
+from toolkit.responses.over_time.means import TimeMean
 from toolkit.scene.scene import Scene
+from toolkit.sensitivity.direct import direct
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.judge import judge
@@ -73,6 +77,17 @@ def test_forces_that_alternate_are_told_while_energy_is_still_right(dimension, r
         assert energy_balance(found).relative_defect < 0.005  # which is why the energy cannot tell
     told = {each.code: each.text for each in judge(found).warnings if each.doubt}
     assert "rod" in told["noisy-forces"]
+
+
+@pytest.mark.parametrize(("over", "doubt"), [(TimeMax, True), (TimeMin, True), (TimeMean, False)])
+def test_the_largest_of_forces_that_alternate_is_doubted_and_their_mean_is_not(over, doubt):
+    size = over(of=JointForce(joint="rod", component="magnitude"))
+    options = RunOptions(end_time=2.0, step=1 / 32, formulation="index-3", rho_inf=0.8)
+    found = direct(whirling(2).model_copy(update={"responses": {"size": size}, "solver": options}), [], "transient")
+    off = found.values["size"] / FORCE - 1
+    assert abs(off) > 0.1 if doubt else abs(off) < 0.05
+    (caution,) = [each for each in found.verdict.warnings if each.code == "noisy-forces"]
+    assert caution.doubt == doubt
 
 
 @pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from toolkit.foundation.compiled.rows import add_rows
 from toolkit.foundation.kernel import copy, kernel
+from toolkit.foundation.vectors.rows import add_rows
 
 
 @kernel

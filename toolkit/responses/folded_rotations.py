@@ -11,6 +11,7 @@ from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.kinematics.relative_angle import RelativeAngle
 from toolkit.responses.motion import Rotation
+from toolkit.responses.over_time.over_time import OverTime
 from toolkit.system.solution import Solution
 
 LOOKED_AT = 500
@@ -18,17 +19,21 @@ LOOKED_AT = 500
 
 
 def folded_rotations(solution: Solution) -> Iterator[Caution]:
-    """A remark for every rotation of a scene in space that jumps from one half turn to the other on the way."""
+    """A word on every rotation of a scene in space that jumps from one half turn to the other on the way: a remark, and of means, integrals
+    and extremes over time, which no whole turn can be added to, a doubt."""
     for name, response in solution.system.scene.responses.items():
-        if isinstance(response, Rotation) and response.axis is not None:
-            look = response.instants(solution)
+        whole = isinstance(response, OverTime)
+        looked = response.source if isinstance(response, OverTime) else response
+        if isinstance(looked, Rotation) and looked.axis is not None:
+            look = looked.instants(solution)
             angles = np.array([float(np.real(look(step).value)) for step in spread(len(solution.times) - 1, LOOKED_AT)])
             if np.any(np.abs(np.diff(angles)) > np.pi):
+                what = f"the rotation that {name} is made of" if whole else name
                 yield Caution(
                     "rotation-folded",
-                    f"{name} passed half a turn: in space it is an angle in (-pi, pi], without the turns that are done. "
+                    f"{what} passed half a turn: in space it is an angle in (-pi, pi], without the turns that are done. "
                     "The response relative-angle counts them.",
-                    doubt=False,
+                    doubt=whole,
                 )
 
 

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.responses.balance.power import Power
 from toolkit.responses.folded_rotations import folded_equilibria, folded_rotations
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
+from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.missed_peaks import missed_peaks
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
@@ -30,7 +32,7 @@ from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.dead_points.cautions import dead_points_passed
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
-from toolkit.validity.motion.noisy_forces import NOISY, noise_at, noise_of_joints, noisy_forces
+from toolkit.validity.motion.noisy_forces import NOISY, JointNoise, noise_at, noise_of_joints, noisy_forces
 
 UNIMPORTANT = 0.02
 """A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
@@ -208,6 +210,16 @@ def force_cautions(solution: Solution, noise: Mapping[str, Any]) -> Iterator[Cau
     if not noise or noise["size"] <= NOISY:
         return
     joints = noise_of_joints(solution)
-    asked = {name: each for name, each in scene.responses.items() if isinstance(each, JointForce)}
-    noisy = [name for name, each in asked.items() if noise_at(joints[each.joint], each.step(solution)) > NOISY]
+    noisy = [name for name, each in scene.responses.items() if _noise_in(each, joints, solution) > NOISY]
     yield from noisy_forces(solution.options or scene.solver, noise, noisy)
+
+
+def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution) -> float:
+    """Noise in a response that is a joint's force, or a driver's power by it, as a part of the joint's largest force: at its time, or of an
+    extreme over time at any. Means do not feel what alternates."""
+    extreme = isinstance(response, TimeMax | TimeMin | TimeKS)
+    looked = response.source if extreme else response
+    joint = looked.joint if isinstance(looked, JointForce | Power) else None
+    if joint is None:
+        return 0.0
+    return float(joints[joint].noise.max()) if extreme else noise_at(joints[joint], looked.step(solution))

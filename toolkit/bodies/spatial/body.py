@@ -11,7 +11,7 @@ from pydantic import model_validator
 from toolkit.bodies.body import QUATERNION, Body, Placed
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
-from toolkit.foundation.compiled.rows import filled_up
+from toolkit.foundation.vectors.rows import filled_up
 from toolkit.kinematics.spatial import angular_velocity, axes_along, matrix_of, quaternion_rate
 
 ORIENTATION = ("e0", "e1", "e2", "e3")
@@ -47,11 +47,10 @@ class SpatialFloatingNumbers(NamedTuple):
 
     @property
     def whole(self) -> np.ndarray:
-        """Rows of all Q[a, b] as whole matrices, for each row the nine rows a, b and that of the sum of Q[a, a], filled up."""
+        """Rows of all Q[a, b] as whole matrices, for each row the nine rows a, b, filled up."""
         n = len(self.moment)
-        rows: np.ndarray = np.zeros((n, 10, filled_up(n)), self.second.dtype)
-        rows[self.row, :9, self.column] = self.second
-        rows[:, 9] = rows[:, 0] + rows[:, 4] + rows[:, 8]
+        rows: np.ndarray = np.zeros((n, 9, filled_up(n)), self.second.dtype)
+        rows[self.row, :, self.column] = self.second
         return rows.ravel()
 
     @property

@@ -73,8 +73,8 @@ class CompiledCode(NullCache):
             damaged = folder
         if damaged:
             _tell("damaged", f"compiled formulas in {str(damaged)!r} are damaged; they are compiled again, once.")
-        for part in ("packed_code", "rows_code", "each_row_code", "multiples_code"):  # for the compiler alone
-            import_module(f"toolkit.foundation.compiled.{part}")
+        for part in ("compiled.packed_code", "vectors.rows_code", "vectors.each_row_code", "vectors.multiples_code"):
+            import_module(f"toolkit.foundation.{part}")  # for the compiler alone
         target.refresh()
         return None
 

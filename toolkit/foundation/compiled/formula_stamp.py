@@ -14,7 +14,7 @@ import numpy as np
 from numba.core import types
 from numba.core.registry import CPUDispatcher
 
-from toolkit.foundation.compiled.rows import add_rows, add_to_each, subtract_multiples
+from toolkit.foundation.vectors.rows import add_rows, add_to_each, subtract_multiples
 
 WRITTEN: dict[Any, tuple[str, ...]] = {
     add_rows: ("rows_code.py",),
@@ -113,7 +113,7 @@ def _meaning(name: Any, used: Any) -> str:
 
 @cache
 def _written(*files: str) -> str:
-    return sha256(b"".join(Path(__file__).with_name(file).read_bytes() for file in files)).hexdigest()
+    return sha256(b"".join((Path(__file__).parents[1] / "vectors" / file).read_bytes() for file in files)).hexdigest()
 
 
 def _is_plain(used: Any) -> bool:

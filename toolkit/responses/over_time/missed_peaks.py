@@ -12,8 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.over_time.extremes import TimeMax, TimeMin
-from toolkit.responses.stress.stress import MaxStress
+from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.system.solution import Solution
 
 MISSED = 0.042
@@ -57,12 +57,12 @@ def _vertices(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def _curves(response: object, solution: Solution) -> Iterator[np.ndarray]:
-    """Values at all steps (n_t,) whose largest the response is, of an absolute one those of both signs."""
-    if isinstance(response, TimeMax | TimeMin):
+    """Values at all steps (n_t,) whose largest, or smooth largest, the response is, of an absolute one those of both signs."""
+    if isinstance(response, TimeMax | TimeMin | TimeKS):
         look = response.source.instants(solution)
         values = np.array([float(np.real(look(step).value)) for step in range(len(solution.times))])
-        absolute = isinstance(response, TimeMax) and response.measure == "absolute"
+        absolute = isinstance(response, TimeMax | TimeKS) and response.measure == "absolute"
         yield from (values, -values) if absolute else (-values if isinstance(response, TimeMin) else values,)
-    elif isinstance(response, MaxStress) and response.when == "all":
+    elif isinstance(response, MaxStress | KSStress) and response.when == "all":
         considered = np.real(response.considered(solution))
         yield considered[:, int(np.argmax(considered.max(axis=0)))]

@@ -6,8 +6,8 @@ import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import LEFT_OUT
 from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
-from toolkit.foundation.compiled.rows import add_rows, filled_up
 from toolkit.foundation.kernel import inner, loop
+from toolkit.foundation.vectors.rows import add_rows, filled_up
 from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.solvers.transient.newton import newton_matrix

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
-from toolkit.foundation.compiled.rows import filled_up
+from toolkit.foundation.vectors.rows import filled_up
 from toolkit.linear.linear_solver import LinearSolver, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
 

@@ -17,8 +17,8 @@ from toolkit.bodies.kernels.spatial.small_matrices import (
     transposed_product,
 )
 from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_jacobian
-from toolkit.foundation.compiled.rows import add_to_each
 from toolkit.foundation.kernel import inlined
+from toolkit.foundation.vectors.rows import add_to_each
 from toolkit.kinematics.spatial import second_products
 
 
@@ -169,12 +169,12 @@ def add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v):
 def add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v):
     """The same from whole matrices."""
     n, size = 1 + part.n_f[b], part.moves[b] + part.turns[b]
-    w, matrix, factors = row_length(n), part.matrix, work.factors
+    w, matrix, factors = row_length(n), part.matrix, work.sums
     for k in range(9):
         i, j = k // 3, k % 3
         factors[0, k], factors[1, k], factors[2, k] = work.turned[i, j], work.bent[i, j], 2 * work.rate[i, j]
     for i in range(1, n):
-        place, at = border[size + i - 1] + size, part.matrix_start[b] + 10 * w * i
+        place, at = border[size + i - 1] + size, part.matrix_start[b] + 9 * w * i
         add_bent_row(n, w, matrix, at, work, I_acc[place:], I_q[place:], A_q[place:], A_v[place:])
 
 
@@ -183,9 +183,10 @@ def add_bent_row(n, w, matrix, at, work, mass, by_acc, by_q, by_v):
     """One row of them."""
     one, two, three = work.lines[0, :w], work.lines[1, :w], work.lines[2, :w]
     work.lines[:3, :] = 0
-    add_to_each((one, two, three), work.factors, 9, matrix, at, w)
+    add_to_each((one, two, three), work.sums, 9, matrix, at, w)
+    x, y, z = matrix[at + 1 :], matrix[at + 4 * w + 1 :], matrix[at + 8 * w + 1 :]
     for j in range(n - 1):
-        mass[j] += matrix[at + 9 * w + 1 + j]
+        mass[j] += x[j] + y[j] + z[j]
     for j in range(n - 1):
         by_acc[j] += one[1 + j]
     for j in range(n - 1):
@@ -198,14 +199,14 @@ def add_bent_row(n, w, matrix, at, work, mass, by_acc, by_q, by_v):
 def add_mixed_matrices(part, b, work, border, A_q):
     """The same, all derivatives mixed in A_q as a step's matrix needs them, see `SpatialFloatingWork.mixed`."""
     n, size = 1 + part.n_f[b], part.moves[b] + part.turns[b]
-    w, factors, line = row_length(n), work.factors, work.lines[0, : row_length(n)]
+    w, factors, line = row_length(n), work.sums, work.lines[0, : row_length(n)]
     for k in range(9):
         i, j = k // 3, k % 3
         factors[0, k] = work.mixed[1] * work.turned[i, j] + work.bent[i, j] + 2 * work.mixed[2] * work.rate[i, j]
-    factors[0, 9] = work.mixed[0]
+        factors[0, k] += work.mixed[0] if i == j else 0.0
     for i in range(1, n):
         line[:] = 0
-        add_to_each((line,), factors, 10, part.matrix, part.matrix_start[b] + 10 * w * i, w)
+        add_to_each((line,), factors, 9, part.matrix, part.matrix_start[b] + 9 * w * i, w)
         by_q = A_q[border[size + i - 1] + size :]
         for j in range(n - 1):
             by_q[j] += line[1 + j]

@@ -21,8 +21,8 @@ import numpy as np
 from toolkit.bodies.kernels.spatial.products import multiply_spatial_block
 from toolkit.bodies.kernels.spatial.small_matrices import add_nine_rows, add_three_rows, along, product, turned_dot
 from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_residual
-from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import inlined, inner
+from toolkit.foundation.vectors.rows import filled_up
 
 
 class SpatialFloating(NamedTuple):
@@ -42,9 +42,7 @@ class SpatialFloating(NamedTuple):
     moment: np.ndarray  # (3, ...) N
     full: np.ndarray  # (n_b,) 1 if the Q[a, b] are kept as whole matrices, 0 if as a list of entries
     matrix_start: np.ndarray  # (n_blocks,) into the next
-    matrix: (
-        np.ndarray
-    )  # rows of Q[a, b]: for each row of z^ nine rows, b running fastest, and that of the sum of Q[a, a], all filled up
+    matrix: np.ndarray  # rows of Q[a, b]: for each row of z^ the nine rows a, b, b running fastest, filled up
     entry_start: np.ndarray  # (n_blocks + 1,) into the next three
     entry_row: np.ndarray  # entries of all Q[a, b] on their common pattern, numbered in z^, row by row
     entry_column: np.ndarray
@@ -66,10 +64,9 @@ class SpatialFloating(NamedTuple):
     def work(self, dtype: type) -> "SpatialFloatingWork":
         """Scratch memory."""
         n = filled_up(1 + int(max(self.n_f, default=0)))
-        shapes: list[tuple[int, ...]] = (
-            [(3, 3), (3, n), (3, 9)] + [(9, n)] * 3 + [(3, 3)] * 8 + [(12, 3, 3)] + [(4, 4)] * 2 + [(5, n)] + [(9, n)] * 2
-        )
-        shapes += [(3, 10), (3,)]
+        rows: list[tuple[int, ...]] = [(9, n)]
+        small: list[tuple[int, ...]] = [(3, 3)]
+        shapes = [*small, (3, n), (3, 9), *rows * 3, *small * 8, (12, 3, 3), (4, 4), (4, 4), (5, n), *rows * 2, (3,)]
         return SpatialFloatingWork(*(np.zeros(shape, dtype) for shape in shapes))
 
 
@@ -96,7 +93,6 @@ class SpatialFloatingWork(NamedTuple):
     lines: np.ndarray  # (5, 1 + n_f) scratch memory
     stiff_q: np.ndarray  # (9, 1 + n_f): R[a, b] z^, b running fastest
     stiff_v: np.ndarray  # with z'
-    factors: np.ndarray  # (3, 10) scratch memory
     mixed: (
         np.ndarray
     )  # (3,) where nothing but their sum is asked for, derivatives by acc, q and v with these factors beside those of A_q

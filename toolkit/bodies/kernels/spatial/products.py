@@ -6,8 +6,8 @@ time, which is seven times faster than a list of entries. Those of bodies with m
 
 from toolkit.bodies.kernels.spatial.small_matrices import by_transpose, transposed_product
 from toolkit.bodies.kernels.spatial.stiffening import multiply_stiffened
-from toolkit.foundation.compiled.rows import LANES, add_to_each
 from toolkit.foundation.kernel import inlined
+from toolkit.foundation.vectors.rows import LANES, add_to_each
 
 
 @inlined
@@ -72,7 +72,7 @@ def multiply_matrices(matrix, first, n, work):
     w = row_length(n)
     for k in range(9):
         to = 3 * (k % 3) + k // 3
-        add_to_each((work.q[to, :w], work.v[to, :w], work.acc[to, :w]), work.z, n, matrix, first + k * w, 10 * w)
+        add_to_each((work.q[to, :w], work.v[to, :w], work.acc[to, :w]), work.z, n, matrix, first + k * w, 9 * w)
 
 
 @inlined

@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms
-from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import inner
+from toolkit.foundation.vectors.rows import filled_up
 from toolkit.linear.linear_solver import (
     LinearSolver,
     apply_inverse,

@@ -75,10 +75,8 @@ def _shear(
     round_ones = equal & solid & _is_modulus(twisting / (least + most))
     corners = np.abs(squares - 3 * (least + most)) < SAME * squares
     ratio = np.sqrt(least / most)[:, None]
-    sum_j, sum_k = (
-        (np.tanh(ODD * np.pi / 2 / ratio) / ODD**5).sum(axis=1),
-        (1 / ODD**2 / np.cosh(ODD * np.pi / 2 / ratio)).sum(axis=1),
-    )
+    fall = np.exp(-ODD * np.pi / 2 / ratio)
+    sum_j, sum_k = (np.tanh(ODD * np.pi / 2 / ratio) / ODD**5).sum(axis=1), (2 * fall / (1 + fall**2) / ODD**2).sum(axis=1)
     torsion = 4 * least * (1 - 192 / np.pi**5 * ratio[:, 0] * sum_j)
     of_rectangle = np.sqrt(12 * least / area) * (1 - 8 / np.pi**2 * sum_k) / torsion
     corners &= _is_modulus(twisting / torsion)

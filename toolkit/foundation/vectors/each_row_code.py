@@ -10,8 +10,8 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.np.arrayobj import make_array
 
-from toolkit.foundation.compiled.rows import add_to_each
-from toolkit.foundation.compiled.rows_code import I64, arrays, by_vectors, places, spread, summed
+from toolkit.foundation.vectors.rows import add_to_each
+from toolkit.foundation.vectors.rows_code import I64, arrays, by_vectors, places, spread, summed
 
 MOST = {1: 4, 2: 2, 3: 2}
 """Vectors of each row whose sums are kept at once, for so many rows."""

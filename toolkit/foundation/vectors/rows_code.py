@@ -14,7 +14,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.np.arrayobj import make_array
 
-from toolkit.foundation.compiled.rows import LANES, add_rows
+from toolkit.foundation.vectors.rows import LANES, add_rows
 
 MOST = 4
 """Vectors whose sums are kept at once."""

@@ -10,8 +10,8 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.np.arrayobj import make_array
 
-from toolkit.foundation.compiled.rows import LANES, subtract_multiples
-from toolkit.foundation.compiled.rows_code import I64, spread
+from toolkit.foundation.vectors.rows import LANES, subtract_multiples
+from toolkit.foundation.vectors.rows_code import I64, spread
 
 
 @infer_global(subtract_multiples)
