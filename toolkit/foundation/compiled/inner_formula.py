@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import update_wrapper
 from typing import Any
 
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 
 from toolkit.foundation.compiled.compiled_code import CompiledCode
@@ -32,13 +33,14 @@ class InnerFormula(CPUDispatcher):
         update_wrapper(self, function)
 
     def __getattr__(self, name: str) -> Any:
-        """What is there once it is ready to be compiled."""
-        if "_cache" in vars(self) or name.startswith("__"):
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        self._cache = None
-        super().__init__(self.py_func, targetoptions=self.targetoptions, pipeline_class=InnerCompiler)
-        self._cache = CompiledCode(self)
-        return getattr(self, name)
+        """What is there once it is ready to be compiled; one thread makes it so, others wait."""
+        if not name.startswith("__"):
+            with global_compiler_lock:
+                if "_cache" not in vars(self):
+                    self._cache = None
+                    super().__init__(self.py_func, targetoptions=self.targetoptions, pipeline_class=InnerCompiler)
+                    self._cache = CompiledCode(self)
+        return object.__getattribute__(self, name)
 
     def __call__(self, *_arguments: Any, **_named: Any) -> None:
         """Refuse: there is no code that Python could call."""

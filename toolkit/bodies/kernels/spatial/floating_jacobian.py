@@ -182,7 +182,9 @@ def add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v):
 def add_bent_row(n, w, matrix, at, work, mass, by_acc, by_q, by_v):
     """One row of them."""
     one, two, three = work.lines[0, :w], work.lines[1, :w], work.lines[2, :w]
-    work.lines[:3, :] = 0
+    one[:] = 0
+    two[:] = 0
+    three[:] = 0
     add_to_each((one, two, three), work.sums, 9, matrix, at, w)
     x, y, z = matrix[at + 1 :], matrix[at + 4 * w + 1 :], matrix[at + 8 * w + 1 :]
     for j in range(n - 1):

@@ -23,7 +23,8 @@ def multiply_spatial_block(part, frames, block, q, v, acc, work):
         z[i], dz[i], ddz[i] = q[elastic + i - 1], v[elastic + i - 1], acc[elastic + i - 1]
     first_moments(part, block, n, work)
     for rows in (work.q, work.v, work.acc):
-        rows[:] = 0
+        for k in range(9):
+            rows[k, : row_length(n)] = 0
     if part.full[body] == 1:
         multiply_matrices(part.matrix, part.matrix_start[block], n, work)
     else:
