@@ -43,8 +43,8 @@ def fibre_polynomial(beams: SpatialBeam, z: np.ndarray, parameters: list[str]) -
                     part = _beside(rows, offsets[k] @ triad[element, 1:]) + (0 if monomial else rows[:3])
                     here = np.flatnonzero(part)
                     found.setdefault(monomial, []).append((number * part.size + here, part.ravel()[here]))
-    united = {monomial: [np.concatenate(each) for each in zip(*entries, strict=True)] for monomial, entries in found.items()}
-    return polynomial_of([(monomial, entry, value) for monomial, (entry, value) in united.items()], parameters)
+    joined = {monomial: [np.concatenate(each) for each in zip(*entries, strict=True)] for monomial, entries in found.items()}
+    return polynomial_of([(monomial, place, value) for monomial, (place, value) in joined.items()], parameters)
 
 
 def _shares(shape: SectionShape, parameters: Mapping[str, str]) -> dict[Monomial, np.ndarray]:

@@ -199,3 +199,22 @@ def test_the_study_of_settings_varies_frames():
         read_axes(wing(1), "modes_per_frame")
     with pytest.raises(InputError, match="this scene has none"):
         read_axes(ffrf.read_scene(WING.parent / "pendulum" / "scene.toml"), "frames")
+
+
+@pytest.mark.parametrize(("force", "doubted"), [(2.0, True), (0.4, False)])
+def test_a_number_that_other_numbers_outgrow_is_told(tmp_path, force, doubted):
+    """A force four times as large: four frames leave 0.45 % where 0.2 % are wanted, known to a factor of two; at a smaller one, less."""
+    own, other = (tmp_path / name for name in ("own", "other"))
+    for each in (own, other):
+        each.mkdir()
+    model = ffrf.compile(cantilever(own, STRAIGHT, '"auto", geometric_error = 2e-3', (0.0, 0.5 * EI)), variables=["F"])
+    assert model.statics().verdict.trusted
+    run = model.statics({"F": force * EI})
+    exact = ffrf.compile(cantilever(other, STRAIGHT, 16, (0.0, force * EI))).statics().solution
+    true = largest_distance(node_places(run.solution, "beam"), node_places(exact, "beam")) / largest_displacement(exact, "beam")
+    told = [each for each in run.verdict.warnings if each.code == "outgrown-frames"]
+    assert (true > 2e-3) == doubted
+    assert [each.doubt for each in told] == [True] * doubted
+    for each in told:
+        said = float(each.text.partition("leaves about ")[2].partition("%")[0]) / 100
+        assert 0.5 * true < said < 2 * true

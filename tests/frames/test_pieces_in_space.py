@@ -132,6 +132,17 @@ def test_what_a_pressure_does_inside_of_pieces_is_said(folder):
         assert "some 6% of the largest" in said
 
 
+def test_gradients_that_are_zero_by_symmetry_have_no_sign_to_doubt(folder):
+    """Two frames are too few for x, and y is round-off."""
+    load = f'[loads]\nwind = {{ type = "pressure", body = "bar", surface = "top", pressure = {2 * STIFFNESS / LENGTHS[1]!r} }}\n'
+    asked = f'[design]\np = "loads.wind.pressure"\n[responses]\n{WHERE}first = {{ type = "frequency", number = 1 }}\n'
+    run = ffrf.compile(bar_scene(folder, 'frame = "grounded", frames = 2', load + asked), variables=["p"]).statics(gradients=True)
+    errors = run.verdict.measures["geometric_error"]
+    assert run.values["y"] == pytest.approx(0.0, abs=1e-10)  # statics end there
+    assert errors["gradients"]["y"]["p"] != 0
+    assert errors["signs_in_doubt"] == []
+
+
 def test_a_moment_rolls_a_solid_up(tmp_path):
     """Without contraction across, pieces with averaged faces bend exactly: the chords of six are a hexagon, which closes."""
     save_bar(tmp_path, 6, cells=(6, 1, 1), ratio=0.0)

@@ -236,6 +236,15 @@ def test_sections_of_docstrings_are_underlined_as_numpydoc_wants():
                 assert lines[k + 2].strip(), place
 
 
+def test_every_formula_of_the_pages_is_set():
+    """A formula in the text stands in one line of the file: of one that is broken the page would show the source."""
+    for file in (ROOT / "docs").glob("*.md"):
+        hidden = re.sub(
+            r"^```.*?^```$|`[^`\n]*`", "", hide_formulas(file.read_text(encoding="utf-8")), flags=re.MULTILINE | re.DOTALL
+        )
+        assert "$" not in hidden.replace(r"\$", ""), file.name
+
+
 def test_formulas_in_rows_are_indented_so_that_they_stay_in_rows():
     for place, lines in docstrings():  # what is common to all lines does not count as indentation
         assert [line for line in lines if re.search(r"^\S.*\S {3,}\S", line)] == [], place

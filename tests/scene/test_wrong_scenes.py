@@ -102,6 +102,11 @@ MISTAKES = {
     "not finite": ("density = 1.0", "density = nan", r"bodies\.rod\.density: .*finite|bodies\.rod\.density: .*greater"),
     "three coordinates": ("A = [1.0, 0.0]", "A = [1.0, 0.0, 2.0]", r"points\.A has 3 coordinates; a planar point has two"),
     "point that is no point": ("A = [1.0, 0.0]", "A = 3.0", r"points\.A.*3\.0"),
+    "point that is a table": (
+        "A = [1.0, 0.0]",
+        "A = { x = 1.0, y = 0.0 }",
+        r"points\.A.*is no point; a planar point has two, \[x, y\]",
+    ),
     "unknown units": ('units = "m-kg-s"', 'units = "inch"', r"units: .*'mm-t-s' or 'm-kg-s'.*'inch'"),
     "missing units": ('units = "m-kg-s"', "", r"units: this key is missing"),
     "torque on a missing body": (

@@ -145,7 +145,7 @@ def _point(value: Any, dimension: int, where: str, problems: list[str]) -> Any:
         hint = f" A scene of dimension {other} begins with dimension = {other}." if len(value) == other else ""
         problems.append(f"{where} has {len(value)} coordinates; {SPACES[dimension]}.{hint}")
         return None
-    if not isinstance(value, dict):
+    if not isinstance(value, dict) or not value.keys() & BodyPoint.model_fields.keys():
         problems.append(
             f"{where} = {SHORT.repr(value)} is no point; {SPACES[dimension]}, and one on a body a table of body and interface."
         )

@@ -12,6 +12,7 @@ from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, sheared
 from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
+from toolkit.validity.bodies.cut.outgrown_choices import outgrown_choices
 from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed
@@ -93,6 +94,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from shapes_missed(solution)
     yield from large_deformations(solution)
     yield from bent_surfaces(solution)
+    yield from outgrown_choices(solution)
     yield from bent_pieces(solution)
     yield from critical_loads(solution)
     yield from unseen_tension(scene)

@@ -222,8 +222,8 @@ def _choice(runs: list[_Run], wanted: float, kind: Kind) -> tuple[int, FrameChoi
     """The last number, or the one before where that is good enough."""
     numbers = tuple(run.number for run in runs)
     if len(runs) > 1 and _suffices(runs, wanted):
-        return runs[-2].number, FrameChoice(wanted, _of_before(*runs[-2:]), numbers, kind)
-    return runs[-1].number, FrameChoice(wanted, runs[-1].error, numbers, kind)
+        return runs[-2].number, FrameChoice(wanted, _of_before(*runs[-2:]), numbers, kind, metered=runs[-2].metered)
+    return runs[-1].number, FrameChoice(wanted, runs[-1].error, numbers, kind, metered=runs[-1].metered)
 
 
 def with_choices(scene: Scene, choices: Choices) -> Scene:

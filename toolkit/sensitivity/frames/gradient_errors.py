@@ -18,8 +18,10 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
+from toolkit.responses.magnitude import Largest, magnitude_that_counts
 from toolkit.scene.cut_scene import branches, can_be_cut, fewest_cut
 from toolkit.sensitivity.frames.chosen_frames import Frames
+from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.deformation import LIMIT
@@ -31,6 +33,7 @@ UNIMPORTANT = 0.02
 """A gradient that changes its response by less than this part of what the most important one does is not worth a word."""
 NAMED = 6
 """So many gradients are named one by one."""
+NONE = Largest(0.0, np.zeros(0))
 UNCERTAIN = 2.0
 """The estimate of an error may be too small by this factor."""
 
@@ -48,6 +51,7 @@ class FrameErrors:
     gradients: Slopes
     failure: str = ""
     most: Mapping[str, int] = field(default_factory=dict)  # body -> elements, of which each can have a frame
+    undecided: Mapping[str, float] = field(default_factory=dict)  # response -> what Newton leaves open of it, which is no change
 
     def largest(self, gradients: Slopes, sizes: Mapping[str, float]) -> float:
         """The largest error in parts of its gradient, among the gradients of the run that count."""
@@ -92,6 +96,10 @@ def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slo
         {f: float(factor * (other_values[f] - value)) for f, value in values.items()},
         {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in gradients.items()},
         most=most,
+        undecided={
+            f: magnitude_that_counts(each, solution, NONE)
+            for f, each in responses_of(solution.system.scene, moving(solution)).items()
+        },
     )
 
 
@@ -127,8 +135,9 @@ def _parts(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float]) ->
     parts: dict[tuple[str, str], float] = {}
     for f, errors in found.gradients.items():
         most = max((abs(slope) * sizes[x] for x, slope in gradients[f].items()), default=0.0)
+        counts = max(UNIMPORTANT * most, found.undecided[f])
         for x, error in errors.items():
-            if error and max(abs(error), abs(gradients[f][x])) * sizes[x] > UNIMPORTANT * most:
+            if error and max(abs(error), abs(gradients[f][x])) * sizes[x] > counts:
                 parts[f, x] = abs(error / gradients[f][x]) if gradients[f][x] else np.inf
     return parts
 

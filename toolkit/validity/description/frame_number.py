@@ -28,13 +28,13 @@ def frames_chosen(scene: Scene) -> dict[str, Any]:
             "analysis": ANALYSES[choice.analysis],
             **({"for_gradients": [{"frames": n, "estimated_error": e} for n, e in choice.gradients]} if choice.gradients else {}),
         }
-        for name, (number, choice) in _choices(scene).items()
+        for name, (number, choice) in choices_in(scene).items()
     }
 
 
 def choices_of_frames(scene: Scene) -> Iterator[Caution]:
     """What was chosen, with the rule."""
-    for name, (number, choice) in _choices(scene).items():
+    for name, (number, choice) in choices_in(scene).items():
         if choice.kept_run:
             yield Caution(
                 "frames",
@@ -74,7 +74,8 @@ def _of_gradients(number: int, choice: FrameChoice) -> str:
     return f" Of the worst of the gradients {', '.join([*tried, *reached])}, by comparison with twice as many."
 
 
-def _choices(scene: Scene) -> dict[str, tuple[int, FrameChoice]]:
+def choices_in(scene: Scene) -> dict[str, tuple[int, FrameChoice]]:
+    """Body -> its number of frames and the choice; of those bodies alone whose number was chosen."""
     found = {}
     for name, body in scene.bodies.items():
         choice = body.choice if isinstance(body, CutBody | ChosenFrames) else None
