@@ -30,7 +30,7 @@ def disagreement(
     paths = [path for path in scene.available_paths() if not path.startswith(BESIDE)]
     first, *others = (gradients_by(method, scene, paths, kind) for method in methods)
     factors = direction(paths)
-    exact = derivative_along(scene, factors, kind, first.solution if kind == "static" else None) if judged else {}
+    exact = derivative_along(scene, factors, kind, first.solution) if judged else {}
     found: dict[str, float] = {}
     for name, slopes in first.gradients.items():
         largest = max(map(abs, slopes.values())) or 1.0  # a pin has no torque

@@ -34,12 +34,13 @@ def run(scene: ffrf.Scene, step: float = 1e-2, end_time: float = 4.0) -> Solutio
 def gradients(scene: ffrf.Scene, paths: list[str], response: str, step: float = 1e-2, end_time: float = 1.0) -> list[float]:
     """By each path, judged by a complex step of all of them through the whole run."""
     scene = scene.model_copy(update={"solver": RunOptions(end_time=end_time, step=step)})
-    found = gradients_by("direct", scene, paths, "transient").gradients[response]
+    run = gradients_by("direct", scene, paths, "transient")
+    found = run.gradients[response]
     largest = max(abs(slope) for slope in found.values())
     factors = felt_direction({response: found}, 0.1, 0.1)
     # both solve to the Newton tolerance of 1e-10; a small derivative is as exact as one that is ten times smaller than the largest
     assert along(found, factors) == pytest.approx(
-        derivative_along(scene, factors, "transient")[response], rel=0, abs=1e-8 * largest
+        derivative_along(scene, factors, "transient", run.solution)[response], rel=0, abs=1e-8 * largest
     )
     return [found[path] for path in paths]
 

@@ -44,11 +44,12 @@ def derivative_along(
 ) -> dict[str, float]:
     """Response -> derivative along the direction of some variables, by one complex step, or by a central `difference` over that part of it.
 
-    `known` is that of `derivative`.
+    A complex step is taken beside a `known` equilibrium, of a motion that in which it starts, or along a known motion.
     """
     moved = combined(scene, factors)
     method = "complex-step" if difference is None else "central-difference"
-    return {name: float(value) for name, value in derivative(scene, moved, kind, method, {}, difference, known).items()}
+    solutions = (None, known) if known and known.steps else (known, None)
+    return {name: float(value) for name, value in derivative(scene, moved, kind, method, {}, difference, *solutions).items()}
 
 
 def combined(scene: Scene, factors: Mapping[str, float]) -> DesignVariable:
@@ -76,7 +77,7 @@ def check_states(scene: Scene, run: Solution, tolerance: float) -> None:
         sizes = np.abs(by).max(axis=(0, 1))
         factors = np.array(list(direction(names).values())) / np.maximum(sizes, 1e-3 * sizes.max())
         step = combined(scene, dict(zip(names, factors.tolist(), strict=True)))
-        stepped = simulate(prepare(frozen(scene, run).moved(step, 1e-30j)))
+        stepped = simulate(prepare(frozen(scene, run).moved(step, 1e-30j)), along=run)
         for name in ("q", "v", "a", "multipliers"):
             exact, ours = getattr(stepped, name).imag / 1e-30, getattr(run, f"d{name}") @ factors
             np.testing.assert_allclose(ours, exact, rtol=0, atol=tolerance * np.abs(exact).max(), err_msg=name)

@@ -59,7 +59,7 @@ def test_direct_adjoint_and_complex_step_agree(where, kind, folder):
     paths = scene.available_paths()
     by = {method: gradients_by(method, scene, paths, kind) for method in ("direct", "adjoint")}
     factors = direction(paths)
-    judge = derivative_along(scene, factors, kind, by["direct"].solution if kind == "static" else None)
+    judge = derivative_along(scene, factors, kind, by["direct"].solution)
     left_out = {name for name, each in responses.items() if (each.needs_rest if kind == "transient" else each.needs_motion)}
     assert set(by["direct"].values) == set(judge) == set(responses) - left_out
     for name, exact in by["direct"].gradients.items():

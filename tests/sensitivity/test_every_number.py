@@ -104,7 +104,7 @@ def test_direct_and_adjoint_agree_on_every_number(compared):
 def test_a_complex_step_of_all_numbers_at_once_agrees(compared):
     """Once as the numbers are, and once so that every number counts by its own size."""
     (_, kind), scene, paths, by = compared
-    known = solve(prepare(scene), kind) if kind == "static" else None
+    known = solve(prepare(scene), kind)
     for factors in (direction(paths), felt_direction(by["direct"], 10 * ROUND_OFF)):
         for response, judge in derivative_along(scene, factors, kind, known).items():
             slopes = by["direct"][response]

@@ -24,7 +24,7 @@ def same(scene: Scene, kind: Kind, names: list[str], close: float = EXACT) -> di
     """Gradients by direct differentiation and by the adjoint, after a complex step of all numbers has judged both."""
     found = {method: gradients_by(method, scene, names, kind) for method in ("direct", "adjoint")}
     factors = {name: part * max(abs(scene.value_of(name)), 1e-3) for name, part in direction(names).items()}
-    for response, judge in derivative_along(scene, factors, kind, found["direct"].solution if kind == "static" else None).items():
+    for response, judge in derivative_along(scene, factors, kind, found["direct"].solution).items():
         for method, by in found.items():
             slopes = by.gradients[response]
             largest = max([*(abs(slope * factors[name]) for name, slope in slopes.items()), abs(by.values[response])])

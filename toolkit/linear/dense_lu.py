@@ -48,8 +48,9 @@ def dense_factor(a, pivots, scale, tolerance):
             return k
         pivots[k] = row
         scale[0, row], scale[0, k] = scale[0, k], scale[0, row]
-        for j in range(n):
-            a[row, j], a[k, j] = a[k, j], a[row, j]
+        if row != k:
+            for j in range(n):
+                a[row, j], a[k, j] = a[k, j], a[row, j]
         a[k, k] = 1.0 / a[k, k]
         source = a[k, k + 1 :]
         for i in range(k + 1, n):
@@ -75,6 +76,8 @@ def equilibrate(a, scale):
         for i in range(n):
             largest = 0.0
             for j in range(n):
+                if a[i, j] == 0.0:
+                    continue
                 size = abs(a[i, j].real) * row_scale[i] * column_scale[j]
                 largest = max(largest, size)
                 column_largest[j] = max(column_largest[j], size)

@@ -79,7 +79,7 @@ def by_repetition(
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}
     begun = time.perf_counter()
     for k, variable in enumerate(variables):
-        for name, value in derivative(scene, variable, kind, method, base, relative_step, known).items():
+        for name, value in derivative(scene, variable, kind, method, base, relative_step, known, solution).items():
             gradients[name][variable.name] = float(value)
         if progress:
             progress(k + 1, len(variables))
@@ -105,18 +105,22 @@ def derivative(
     base: dict[str, Any],
     relative_step: float | None = None,
     known: Solution | None = None,
+    along: Solution | None = None,
 ) -> dict[str, Any]:
     """Derivative of all responses by one variable.
 
-    Beside a `known` equilibrium, of a motion that in which it starts, a complex step need not follow the path there again.
+    Beside a `known` equilibrium, of a motion that in which it starts, a complex step need not follow the path there again; `along` a
+    known motion it takes fewer iterations.
     """
 
     def shifted(step: complex) -> dict[str, Any]:
         moved = scene.moved(variable, step)
-        if not isinstance(step, complex) or known is None:
+        if not isinstance(step, complex) or (kind == "static" and not known):
             return values_of(moved, kind)
         system = prepare(moved)
-        return evaluate_responses(equilibrium_beside(system, known) if kind == "static" else simulate(system, beside=known))
+        if kind == "static" and known:
+            return evaluate_responses(equilibrium_beside(system, known))
+        return evaluate_responses(simulate(system, beside=known, along=along))
 
     if method == "complex-step":
         return {name: np.imag(value) / STEP for name, value in shifted(1j * STEP).items()}

@@ -59,8 +59,8 @@ def begin(evaluator, plan, functions, inputs, scheme, history, memory):
 
 
 @inlined
-def foresee(plan, scheme, history, step, memory):
-    """Predicted coordinates and velocities, and a first guess of [a; lam]."""
+def foresee(plan, scheme, foreseen, history, step, memory):
+    """Predicted coordinates and velocities, and a first guess of [a; lam], unless it is `foreseen`."""
     ratio = step_ratio(scheme.h, memory.span[0])
     if ratio != 1:
         rescale_auxiliary(ratio, history.acc[step], plan.n_q, memory.aux)
@@ -68,7 +68,8 @@ def foresee(plan, scheme, history, step, memory):
     memory.span[0] = scheme.h
     q, v, acc = history.q[step], history.v[step], history.acc[step + 1]
     predict(scheme, q, v, history.acc[step], memory.aux, plan.n_q, memory.q_predicted, memory.v_predicted)
-    guess(plan, ratio, memory, history.acc[step], acc)
+    if not foreseen:
+        guess(plan, ratio, memory, history.acc[step], acc)
     if not scheme.inertia:
         for i in range(plan.n_q):
             acc[i] = v[i] / scheme.h
@@ -155,7 +156,7 @@ def integrate(
         q, v, acc = history.q[step + 1], history.v[step + 1], history.acc[step + 1]
         outcome.counts[STEP] = step
         while True:
-            foresee(plan, now, history, step, memory)
+            foresee(plan, now, control.foreseen, history, step, memory)
             if ggl is not None:
                 begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
             outcome.counts[STATUS] = newton(

@@ -60,6 +60,7 @@ class Control(NamedTuple):
     left: float  # error that kept factors may leave, see `allowed`
     largest_error: float  # local error above which a step is rejected
     easy_error: float  # local error below which the run pauses, to go on with longer steps
+    foreseen: bool  # whether the history holds [a; lam] of a run beside this one, from which Newton begins
 
 
 @inlined

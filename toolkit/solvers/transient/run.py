@@ -16,6 +16,7 @@ from toolkit.solvers.transient.ggl.ggl_step import Ggl, allocate_ggl
 from toolkit.solvers.transient.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
 from toolkit.solvers.transient.scheme import Scheme
 from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, History, Memory, Outcome, allocate_memory
+from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 OVER_ALL, OF_FORCES = 100.0, 1e-3
@@ -50,7 +51,7 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     lengths = step_lengths(times)
     modified = options.newton == "modified" and system.compiled  # a complex step is the judge, by exact Jacobians
     control = Control(
-        options.tolerance, options.max_iterations, modified, not system.compiled, left_by_kept(options), np.inf, 0.0
+        options.tolerance, options.max_iterations, modified, not system.compiled, left_by_kept(options), np.inf, 0.0, False
     )
     memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
@@ -72,6 +73,14 @@ def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray]
         integrate, system.evaluator, system.plan, system.functions, *curves, run.lengths, levels, run.scheme, system.weights,
         run.control, begins, first, last, history, run.memory, run.ggl, run.outcome,
     )  # fmt: skip
+
+
+def foreseen(run: Run, history: History, along: Solution) -> Run:
+    """The run, whose Newton begins at the states of a motion through the same times; without inertia it keeps no unknowns of the loop."""
+    if run.options.quasi_static or not np.array_equal(along.times, run.times):
+        return run
+    history.acc[1:] = np.hstack([along.a[1:], along.multipliers[1:]])
+    return run._replace(control=run.control._replace(foreseen=True))
 
 
 def allocate_history(system: System, options: RunOptions, n_t: int, start: tuple) -> History:
