@@ -101,6 +101,7 @@ def test_parts_that_were_not_asked_for_are_none_and_not_read(monkeypatch):
         "surface",
         "surface_loads",
         "pieces",
+        "piece_loads",
     }  # a skin is planar and has a mesh
     assert lean < 0.6 * sum(size for _, size in read)  # polynomials, places and pictures make up the other half
 

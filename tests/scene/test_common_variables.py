@@ -311,11 +311,11 @@ WRONG = {
     "no number": ("w = { of = [] }", r"design\.w\.of: .*at least 1 item"),
     "other units": (
         'w = { of = ["bodies.skin.width", "bodies.skin.youngs_modulus"] }',
-        r"design variable 'w' drives bodies\.skin\.width and bodies\.skin\.youngs_modulus, which measure different things",
+        r"design\.w: design variable 'w' drives bodies\.skin\.width and bodies\.skin\.youngs_modulus, which measure different things",
     ),
     "a number of the solver": (
         'w = { of = ["solver.step"] }',
-        r"'solver\.step' cannot be a design variable: step, stabilisation",
+        r"design\.w: 'solver\.step' cannot be a design variable: step, stabilisation",
     ),
     "a misspelt key": (
         'w = { off = ["points.B.x"] }',

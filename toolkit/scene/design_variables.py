@@ -36,6 +36,25 @@ def variables_of(scene: Any, names: Iterable[str]) -> Design:
     return Design(tuple(variables))
 
 
+def refuse_wrong_variables(scene: Any, names: Iterable[str], table: str) -> None:
+    """Refuse variables that lead nowhere, and two that drive the same number, by the table of the file that names them.
+
+    Raises
+    ------
+    InputError
+        Names the table, and the variable if it is wrong by itself.
+    """
+    try:
+        variables_of(scene, names)
+    except InputError as error:
+        for name in names:
+            try:
+                variables_of(scene, [name])
+            except InputError as own:
+                raise InputError(f"{table}.{name}: {own}") from own
+        raise InputError(f"{table}: {error}") from error
+
+
 def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
     """Refuse a path that leads nowhere, or to a number without derivative."""
     if path.split(".")[0] in NOT_DESIGN:
@@ -52,7 +71,7 @@ def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
         raise InputError(_on_body(path, f"{table}.{point}.arc_length", scene.points[point], available))
     which = f"unknown design variable {name!r}"
     if path != name:
-        which = f"design.{name}: the path {path!r} of design variable {name!r} leads nowhere"
+        which = f"the path {path!r} of design variable {name!r} leads nowhere"
     raise InputError(
         f"{which}{meant(path, [*scene.design, *available])}; short names of the scene: {', '.join(scene.design) or 'none'}; "
         f"paths: {listed(list(available))}."

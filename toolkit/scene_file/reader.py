@@ -21,6 +21,7 @@ from toolkit.foundation.listed_names import meant
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
 from toolkit.scene.changed_numbers import with_numbers
+from toolkit.scene.design_variables import refuse_wrong_variables
 from toolkit.scene.kinds import DIMENSIONS, kinds_of
 from toolkit.scene.scene import Scene
 
@@ -98,7 +99,7 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     if scene is None:
         raise InputError("\n".join(f"{path.name}: {problem}" for problem in problems))
     try:
-        scene.design_variables()
+        refuse_wrong_variables(scene, scene.design, "design")
     except InputError as error:
         raise InputError(f"{path.name}: {error}") from error
     return scene

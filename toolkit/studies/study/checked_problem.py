@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from toolkit.description.design import CommonVariable
 from toolkit.foundation.errors import InputError
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.scene.changed_numbers import with_numbers
+from toolkit.scene.design_variables import refuse_wrong_variables
 from toolkit.scene.names import check_design_names, check_names
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -94,14 +95,14 @@ def checked(study: Study, scene: Scene | None = None, table: str = "variables") 
     scene = scene.model_copy(update={"responses": {**scene.responses, **study.responses}})
     scene = _with_several(scene, study.variables, table)
     check_names(scene.points, scene.bodies, scene.joints, scene.loads, scene.responses)
-    _refuse_variables(study.variables, scene, table)
+    refuse_wrong_variables(scene, study.variables, table)
     differentiated = study.variables if table == "variables" and study.analysis != "modes" else ()
     scene = with_frames_for_gradients(scene, kind_of(study), differentiated)
     points = None
     if table == "variables" and wants_points(study):
         refuse_robust_margin(study)
         scene = _with_several(scene, study.uncertain, "uncertain")
-        _refuse_variables(study.uncertain, scene, "uncertain")
+        refuse_wrong_variables(scene, study.uncertain, "uncertain")
         points = uncertain_points(study, scene)
     problem = Problem(study, scene, _asked(study, scene), points, _norms([*study.objective.weights, *study.constraints], table))
     _refuse_cases(problem)
@@ -119,19 +120,6 @@ def _with_several(scene: Scene, named: Mapping[str, StudyVariable | Uncertain], 
 def _refuse_known(table: str, names: Iterable[str], known: Iterable[str], why: str) -> None:
     if (twice := next((name for name in names if name in set(known)), None)) is not None:
         raise InputError(f"{table}.{twice}: {why} Give this one another name.")
-
-
-def _refuse_variables(names: Collection[str], scene: Scene, table: str) -> None:
-    """Refuse variables that lead nowhere, and two that drive the same number."""
-    for name in names:
-        try:
-            scene.design_variables([name])
-        except InputError as error:
-            raise InputError(f"{table}.{name}: {error}") from error
-    try:
-        scene.design_variables(list(names))
-    except InputError as error:
-        raise InputError(f"{table}: {error}") from error
 
 
 def _refuse_start_outside(problem: Problem) -> None:
