@@ -1,5 +1,5 @@
 # make demo: everything from a fresh clone to pictures in output/. make test, make robustness (killed and random runs, tutorials), make lint
-# (style, types, texts), make lowest: what CI runs. make torch: the bridge to PyTorch. make docs: web pages in site/.
+# (style, types, texts), make processors, make lowest, make wheel: what CI runs. make torch: the bridge to PyTorch. make docs: web pages in site/.
 PYTHON ?= python3
 VENV := .venv
 INSTALLED := $(VENV)/.installed
@@ -16,7 +16,7 @@ LIBRARIES := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1
 # Tests start hundreds of commands; where no bytecode is kept each of them compiles the project's text anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test robustness torch lint lowest docs libraries
+.PHONY: demo test robustness torch lint processors lowest wheel docs libraries
 .DEFAULT_GOAL := demo
 
 demo: $(INSTALLED) libraries
@@ -46,8 +46,14 @@ lint: $(INSTALLED)
 	$(BIN)/mypy
 	$(BIN)/python -m pytest -q tests/repository
 
+processors: $(INSTALLED)
+	.ci/processors
+
 lowest: $(INSTALLED)
 	.ci/lowest-versions $(BIN)
+
+wheel: $(INSTALLED)
+	.ci/wheel $(BIN)
 
 docs: $(DOCUMENTED)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict

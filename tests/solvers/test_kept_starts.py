@@ -337,7 +337,9 @@ def test_an_axis_of_another_direction_is_another_coordinate(folder):
             bodies={
                 "wheel": kinds.Rigid(
                     mass=1.0, inertia=(1.0, 1.0, 1.0), center="O", frame="turning", axis=axis, angular_velocity=axis
-                )
+                ),
+                # beside it formulas of other scenes serve this one
+                "stone": kinds.Rigid(mass=1.0, inertia=(1.0, 1.0, 1.0), center="O"),
             },
             solver=RunOptions(**({"end_time": 0.1, "step": 0.01} | solver)),
         )
