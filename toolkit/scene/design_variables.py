@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Any
 
 from toolkit.description.design import Design, DesignVariable
@@ -36,7 +36,7 @@ def variables_of(scene: Any, names: Iterable[str]) -> Design:
     return Design(tuple(variables))
 
 
-def refuse_wrong_variables(scene: Any, names: Iterable[str], table: str) -> None:
+def refuse_wrong_variables(scene: Any, names: Collection[str], table: str) -> None:
     """Refuse variables that lead nowhere, and two that drive the same number, by the table of the file that names them.
 
     Raises
