@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from reprlib import Repr
 from types import NoneType
 from typing import Any, TypeVar, get_args
 
@@ -12,11 +11,9 @@ from pydantic import BaseModel, ValidationError
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_lines import line_of
-from toolkit.foundation.listed_names import meant
+from toolkit.foundation.listed_names import SHORT, meant
 
 File = TypeVar("File", bound=BaseModel)
-SHORT = Repr()
-SHORT.maxstring = SHORT.maxother = 60
 
 
 def validated(schema: type[File], content: Mapping[str, Any], whose: str, source: Path | None = None) -> File:

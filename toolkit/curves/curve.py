@@ -14,8 +14,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, SerializerFunct
 from pydantic_core import core_schema
 
 from toolkit.description.description import Registered
-from toolkit.description.validation_messages import SHORT
-from toolkit.foundation.listed_names import meant
+from toolkit.foundation.listed_names import SHORT, meant
 
 PLACEHOLDER = "any time curve"
 """What stands in a JSON schema of one class for a curve of any kind."""

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from reprlib import Repr
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from toolkit.foundation.listed_names import meant
-
-SHORT = Repr()
-SHORT.maxstring = SHORT.maxother = 60
+from toolkit.foundation.listed_names import SHORT, meant
 
 
 def messages(error: ValidationError, kind: type[BaseModel], value: Any, where: str, nested: Mapping[str, type]) -> list[str]:

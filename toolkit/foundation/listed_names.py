@@ -6,10 +6,14 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 from itertools import groupby
+from reprlib import Repr
 
 ALIKE = 0.6
 """How alike two names are, by difflib's measure, of which one is taken for the other."""
 NUMBERED = re.compile(r"(.*?)(\d+)$")
+SHORT = Repr()
+"""How values are shown in a message."""
+SHORT.maxstring = SHORT.maxother = 60
 
 
 def listed(names: Iterable[str]) -> str:

@@ -67,10 +67,8 @@ def factor(plan, values, lu, work, tolerance, kept):
     kept : StillPivots
         Of the last matrix, whose factors `lu` holds; overwritten.
     """
-    still, nothing = (
-        plan.still[0],
-        np.int64(0),
-    )  # a plain 0 would have what is called compiled for that number, and for others again
+    still = plan.still[0]
+    nothing = np.int64(0)  # a plain 0 would have what is called compiled for that number, and for others again
     if still == 0:
         _load(plan, values, lu, work)
         return _eliminate(plan, lu, work, tolerance, nothing, plan.order.size, nothing, nothing)

@@ -8,13 +8,13 @@ from typing import Any
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.design import DesignEntry
 from toolkit.description.point import BodyPoint
-from toolkit.description.validation_messages import SHORT
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import meant
+from toolkit.foundation.listed_names import SHORT, meant
 from toolkit.loads.spatial.pressure import Pressure
 from toolkit.markers.component import Component
 
-TABLES = ("points", "bodies", "joints", "loads", "responses", "solver")
+GROUPS = ("points", "bodies", "joints", "loads", "responses")
+"""Tables of names."""
 PLURAL = {"body": "bodies", "point": "points", "joint": "joints", "load": "loads"}
 
 
@@ -69,7 +69,7 @@ def check_design_names(design: Mapping[str, DesignEntry], where: str = "design")
     """
     for name, entry in design.items():
         own = (entry,) if isinstance(entry, str) else entry.of
-        if name.partition(".")[0] in TABLES and "." in name and name not in own:
+        if name.partition(".")[0] in (*GROUPS, "solver") and "." in name and name not in own:
             raise InputError(
                 f"{where}.{name}: that is the path of a number, and the variable drives {', '.join(own)} instead. Give it a name without "
                 "dots."

@@ -8,9 +8,8 @@ from toolkit.description.description import Description
 from toolkit.foundation.dimensions import Dimension
 from toolkit.responses.response import Response
 from toolkit.scene.measures import measure_in, number_measure
+from toolkit.scene.names import GROUPS
 from toolkit.scene.scene import Scene
-
-GROUPS = ("points", "bodies", "joints", "loads", "responses")
 
 
 def dimensions(scene: Scene) -> dict[str, Dimension]:

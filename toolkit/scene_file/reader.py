@@ -12,21 +12,19 @@ from toolkit.curves.catalogue import Curve
 from toolkit.description.description import Description, Registered
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.description.validation_messages import SHORT, messages
+from toolkit.description.validation_messages import messages
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml, read_toml
 from toolkit.foundation.files.toml_kinds import refuse_other
 from toolkit.foundation.files.toml_lines import naming_lines
-from toolkit.foundation.listed_names import meant
+from toolkit.foundation.listed_names import SHORT, meant
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.design_variables import refuse_wrong_variables
 from toolkit.scene.kinds import DIMENSIONS, kinds_of
+from toolkit.scene.names import GROUPS
 from toolkit.scene.scene import Scene
-
-GROUPS = "points", "bodies", "joints", "loads", "responses"
-"""Tables of names."""
 
 
 def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
