@@ -789,8 +789,9 @@ def test_an_instant_outside_the_solution_is_refused(wing):
 
 @pytest.fixture
 def no_screen(monkeypatch):
-    """A Linux machine without a screen, whatever this one is."""
+    """A Linux machine without a screen, whatever this one is, on which nothing has been drawn yet."""
     monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(probe, "_DRAWN", {})
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv(probe.VARIABLE, raising=False)
 
@@ -857,6 +858,8 @@ def test_trial_runs_in_a_subprocess_and_prefers_the_screen(no_screen, monkeypatc
 def test_first_window_that_works_is_taken(no_screen, monkeypatch):
     monkeypatch.setattr(probe, "_trial", lambda tried: None if "OSOpenGL" in tried[probe.VARIABLE] else "no")
     assert drawing_environment() == {probe.VARIABLE: "vtkOSOpenGLRenderWindow"}
+    monkeypatch.setattr(probe, "_trial", None)
+    assert drawing_environment() == {probe.VARIABLE: "vtkOSOpenGLRenderWindow"}  # what has worked is not tried again
 
 
 def test_importing_the_pictures_does_not_import_pyvista():
