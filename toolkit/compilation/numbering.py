@@ -70,6 +70,16 @@ class Numbering:
     def _affected(self) -> dict[tuple[str, ...], Affected]:
         return {}
 
+    @cached_property
+    def runs(self) -> dict[Any, Any]:
+        """What `body_arrays` has found out about entries that are not zero in derivatives of the bodies' matrices."""
+        return {}
+
+    @cached_property
+    def owners(self) -> dict[Affected | None, Any]:
+        """What `quantities.owners_of` has found."""
+        return {}
+
     @property
     def n(self) -> int:
         """Number of unknowns, coordinates and multipliers."""

@@ -35,8 +35,8 @@ from toolkit.system.redundant_joints import without_redundant_rows
 
 R = TypeVar("R")
 REMEMBERED, SHORT = 4, 10_000
-"""Sets of times whose curves a system remembers: the start, the end and the steps of a run; and most times of such a set, as longer runs
-take so long that curves are nothing beside them."""
+"""Sets of times whose curves a system remembers: the start, the end and the steps of a run; and most times of such a set, and terms of a
+product, as beside the work of more of them a call of a library is nothing."""
 
 FEW = 1000
 """Unknowns up to which the memory of a run is left to the next one."""
@@ -166,7 +166,7 @@ class System:
     def compiled_as(self, other: System) -> System:
         """This system with the compiled equations of another one, whose plan has arrays of the same types: to look at these takes longer
         than a short run. If they are of the same shapes too, it has that one's scratch memory."""
-        self.__dict__.update(evaluator=other.evaluator)
+        self.__dict__.update(evaluator=other.evaluator, unit_of_states=other.unit_of_states)
         if (
             self._keeps_memory
             and self._handed.of(self.plan).same_shapes(other._handed.of(other.plan))
@@ -194,6 +194,16 @@ class System:
     def _keeps_memory(self) -> bool:
         """Whether runs are so short that new memory takes long beside them."""
         return self.compiled and self.n <= FEW
+
+    def times(self, values: np.ndarray, block: np.ndarray, first: int = 0) -> np.ndarray:
+        """Rows from the `first` on of the product of a matrix, by its values on the common pattern, with a block (n, k)."""
+        begins = self.plan.indptr[first]
+        if (len(values) - begins) * block.shape[1] > SHORT:
+            large: np.ndarray = self.matrix(values)[first:] @ block
+            return large
+        terms = values[begins:, None] * block[self.plan.indices[begins:]]
+        found: np.ndarray = np.add.reduceat(terms, self.plan.indptr[first:-1] - begins, axis=0)
+        return found
 
     def matrix(self, values: np.ndarray) -> csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""
