@@ -71,7 +71,7 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     except NewEntryError:
         return compile_scene(scene, names, numbering.seen)
     moved = any(group in ("points", "bodies") for group, _ in affected.items)
-    sizes = weights(scene, placed) if moved else system.weights
+    sizes = weights(scene, numbering, placed) if moved else system.weights
     if not np.array_equal(sizes, system.weights):
         changed.add("constant")
     plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, frozenset(changed)))

@@ -317,7 +317,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     changes = derivatives(scene, numbering, variables, seen)
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
-    sizes = weights(scene)
+    sizes = weights(scene, numbering)
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q, moving_unknowns(numbering, values, plan.markers.coordinate))
