@@ -12,7 +12,7 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
 from toolkit.foundation.listed_names import listed, meant
-from toolkit.reduced_model.dependence import Derivatives, Told, scattered, told_of
+from toolkit.reduced_model.dependence import SMALL, Derivatives, Polynomial, Slopes, Together, Told, scattered, told_of
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
 from toolkit.reduced_model.thin_arrays import sparing
 
@@ -150,37 +150,63 @@ class DesignPoint:
 
     @cached_property
     def _known(self) -> dict[str, Any]:
-        """Items that were asked for."""
+        """Items that were asked for, and what was found with them."""
         return {}
 
     def _evaluated(self, item: str) -> np.ndarray:
         nominal = self.model.item(item)
-        told = None not in self.model.dependence(item)
-        if not self._steps or (told and not self.moves(item)):
+        told = self._told(item, nominal) if self._steps else None
+        if told is None:
             return nominal
-        by_tangent = [k for k in self._steps if self._is_tangent(item, k)]
-        self._check(item, by_tangent)
-        here, polynomial, tangents = self._told(item, nominal, by_tangent)
-        own = flat = nominal.ravel()[here]
-        if polynomial is not None:
-            flat = polynomial(self._p if polynomial.depends_on_any(self._complex) else np.real(self._p), len(own))
-        for k, (entry, slope) in tangents.items():
-            flat = flat + scattered(entry, self._steps[k] * slope, len(own))
-        if not any(np.real(step) for step in self._steps.values()):
-            # the nominal body itself, whose last digits a thin skin feels
-            flat = own + 1j * np.imag(flat)
+        flat = told.own if told.polynomial is None else self._by_polynomial(item, told)
+        for k, (entry, slope) in told.tangents.items():
+            flat = flat + scattered(entry, self._steps[k] * slope, len(told.own))
+        if not any(real for _, real, _ in self._kind[1:]):
+            flat = told.own + 1j * np.imag(flat)  # the nominal body itself, whose last digits a thin skin feels
         found = np.zeros(nominal.size, flat.dtype)
-        found[here] = flat
+        found[told.here] = flat
         return found.reshape(nominal.shape)
 
-    def _told(self, item: str, nominal: np.ndarray, by_tangent: list[int]) -> Told:
-        """What the file tells of an item; looked up once for all designs."""
-        known, key = self.model.told, (item, *by_tangent)
+    @cached_property
+    def _kind(self) -> tuple[Any, ...]:
+        """What decides, beside the values, from what its items follow: parameters that are off, and whether by a real or complex step."""
+        return (self.first_order, *((k, np.real(step) != 0, k in self._complex) for k, step in self._steps.items()))
+
+    def _told(self, item: str, nominal: np.ndarray) -> Told | None:
+        """What the file tells of an item that moves, None of others; looked up once for all designs of a kind."""
+        known, key = self.model.told, (self._kind, item)
         if key not in known:
-            derivatives, polynomials = self.model.dependence(item)
-            tangents = {k: derivatives[item].by(k) for k in by_tangent}  # type: ignore[index]
-            known[key] = told_of(nominal, (polynomials or {}).get(item), tangents)
-        found: Told = known[key]
+            known[key] = self._looked_up(item, nominal)
+        found: Told | None = known[key]
+        return found
+
+    def _looked_up(self, item: str, nominal: np.ndarray) -> Told | None:
+        if None not in self.model.dependence(item) and not self.moves(item):
+            return None
+        by_tangent = [k for k in self._steps if self._is_tangent(item, k)]
+        self._check(item, by_tangent)
+        derivatives, polynomials = self.model.dependence(item)
+        tangents = {k: derivatives[item].by(k) for k in by_tangent}  # type: ignore[index]
+        return told_of(nominal, (polynomials or {}).get(item), tangents, self._complex)
+
+    def _by_polynomial(self, item: str, told: Told) -> np.ndarray:
+        """Values of an item's polynomial on its places, found at once for all items that designs of this kind have asked for."""
+        key = "polynomial of {}".format
+        if key(item) not in self._known:
+            recorded = self.model.told.get((self._kind, told.complex))
+            if recorded is None or item not in recorded.places:
+                recorded = self._recorded(item, told, recorded)
+            self._known.update({key(name): values for name, values in recorded(self._p).items()})
+        found: np.ndarray = self._known[key(item)]
+        return found
+
+    def _recorded(self, item: str, told: Told, others: Together | None) -> Together:
+        """An item with others; alone if they are too large together."""
+        wanted = {} if others is None else {name: self.model.told[self._kind, name] for name in others.places}
+        found = Together.of({**wanted, item: told})
+        if len(found.polynomial.entry) > SMALL:
+            return Together.of({item: told})
+        self.model.told[self._kind, told.complex] = found
         return found
 
     def rows(self, item: str) -> Any:
@@ -208,12 +234,23 @@ class DesignPoint:
         InputError
             Nothing that was loaded tells a derivative at this design.
         """
-        wanted = np.array([numbers.get(name, -1) for name in self.model.parameters])
-        derivatives, polynomials = self.model.dependence(item)
-        polynomial, tangent = (polynomials or {}).get(item), (derivatives or {}).get(item, NONE)
-        linear = tangent.renumbered(wanted)
-        self._check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
-        return linear if polynomial is None else linear + polynomial.rates(np.real(self._p)).renumbered(wanted)
+        linear, polynomial, slopes = self._told_rates(item, tuple(numbers.items()))
+        return linear if polynomial is None else linear + polynomial.rates(np.real(self._p), slopes)
+
+    def _told_rates(
+        self, item: str, numbers: tuple[tuple[str, int], ...]
+    ) -> tuple[Derivatives, Polynomial | None, Slopes | None]:
+        """What the file tells of derivatives; looked up once for all designs of a kind."""
+        known, key = self.model.told, (self._kind, item, numbers)
+        if key not in known:
+            by_name = dict(numbers)
+            wanted = np.array([by_name.get(name, -1) for name in self.model.parameters])
+            derivatives, polynomials = self.model.dependence(item)
+            polynomial, tangent = (polynomials or {}).get(item), (derivatives or {}).get(item, NONE)
+            self._check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
+            known[key] = tangent.renumbered(wanted), polynomial, polynomial and polynomial.slopes_by(wanted)
+        found: tuple[Derivatives, Polynomial | None, Slopes | None] = known[key]
+        return found
 
     def moves(self, item: str) -> bool:
         """Whether an item is not where it is at the nominal design, be it by an imaginary step."""

@@ -34,6 +34,7 @@ from toolkit.loads.planar.torque import torque
 from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.evaluation_memory import EvaluationMemory
+from toolkit.system.gathered_design import GatheredDesign, gathered_design
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
 
@@ -167,6 +168,13 @@ class System:
         terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
         given = self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work
         return formula_for(evaluate_all, *given)
+
+    @cached_property
+    def backward(self) -> GatheredDesign:
+        """The plan of a backward run, and what that gathers for all variables together."""
+        found = gathered_design(self.plan)
+        self._packed[id(found.plan)] = None
+        return found
 
     def refuse_changed_files(self) -> None:
         """Refuse to go on where the file of a reduced model is not what it was when the scene was compiled."""
