@@ -17,11 +17,11 @@ from toolkit.compilation.arrays.spatial_arrays import (
     spatial_marker_arrays,
 )
 from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.patterns.joint_pattern import joint_entries
 from toolkit.compilation.patterns.pattern import Pattern, block, build_pattern
 from toolkit.compilation.patterns.touched import touched, touched_alike
 from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.equations.equations import Plan
-from toolkit.joints.rows import Row
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 
@@ -150,15 +150,9 @@ def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_ro
         entries += [_elastic(part, local[size:])]
     for name, row in numbering.length.items():
         entries += [block(np.array([row]), numbering.first[name] + np.arange(3, 7))]
-    for (name, joint), own in zip(scene.joints.items(), numbering.forms.rows, strict=True):
-        both, markers = gripped(numbering, columns, f"joints.{name}", joint)
-        rows = numbering.row[name] + np.arange(len(joint.row_names))
-        if joint.curved:
-            entries += [block(rows, both), block(both, both)]
-            continue
-        framed = [_turns(scene, numbering, m) for m in markers]
-        entries += [(np.full(len(felt), row), felt) for row, felt in zip(rows, _felt(own, columns, markers, framed), strict=True)]
-        entries += [block(columns[m][2:3], columns[m][2:]) for m, turns in zip(markers, framed, strict=True) if turns]
+    for (name, joint), rows in zip(scene.joints.items(), numbering.forms.rows, strict=True):
+        _, markers = gripped(numbering, columns, f"joints.{name}", joint)
+        entries += joint_entries(scene, numbering, name, rows, markers, [columns[m] for m in markers])
     for name, load in named_loads(scene).items():
         both, _ = gripped(numbering, columns, f"loads.{name}", load)
         both = np.append(both, numbering.first[f"loads.{name}"]) if load.state is not None else both
@@ -172,20 +166,3 @@ def _elastic(part: Any, coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray
         return block(coordinates, coordinates)
     inside = (part.row > 0) & (part.column > 0)
     return coordinates[part.row[inside] - 1], coordinates[part.column[inside] - 1]
-
-
-def _felt(rows: tuple[Row, ...], columns: list[np.ndarray], markers: list[int], framed: list[bool]) -> list[np.ndarray]:
-    """Coordinates that each row of a flat planar joint feels: translations of a frame only where they stand in the row."""
-    found = []
-    for row in rows:
-        places = {place for form in row.forms for place, _ in form.linear}
-        kept = [
-            np.array([c >= 2 or not framed[side] or 3 * side + c in places for c in range(len(columns[m]))], bool)
-            for side, m in enumerate(markers)
-        ]
-        found.append(np.concatenate([columns[m][felt] for m, felt in zip(markers, kept, strict=True)]))
-    return found
-
-
-def _turns(scene: Scene, numbering: Numbering, marker: int) -> bool:
-    return scene.body(numbering.markers[marker][0]).has_frame

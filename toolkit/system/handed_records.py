@@ -26,6 +26,10 @@ class HandedRecords:
         self._packed: dict[int, Any] = {id(part): None for part in parts if isinstance(part, tuple)}
         self._spare: dict[Hashable, list[Any]] = {}
 
+    def take(self, part: Any) -> None:
+        """Know another record, which has to live as long as the system."""
+        self._packed[id(part)] = None
+
     def of(self, given: Any) -> Any:
         """An argument, or what compiled code takes for it where it is known here."""
         known = id(given)

@@ -29,14 +29,15 @@ from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.evaluation_memory import EvaluationMemory
 from toolkit.system.formulas import formulas_of, plain_formulas_of
+from toolkit.system.gathered_design import GatheredDesign, gathered_design
 from toolkit.system.handed_records import HandedRecords
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
+from toolkit.system.remembered_curves import Known, remembered
 
 R = TypeVar("R")
-REMEMBERED, SHORT = 4, 10_000
-"""Sets of times whose curves a system remembers: the start, the end and the steps of a run; and most times of such a set, and terms of a
-product, as beside the work of more of them a call of a library is nothing."""
+SHORT = 10_000
+"""Most terms of a product that is summed up here, as beside the work of more of them a call of a library is nothing."""
 
 FEW = 1000
 """Unknowns up to which the memory of a run is left to the next one."""
@@ -159,6 +160,13 @@ class System:
         given = self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work
         return formula_for(evaluate_all, *given)
 
+    @cached_property
+    def backward(self) -> GatheredDesign:
+        """The plan of a backward run, and what that gathers for all variables together."""
+        found = gathered_design(self.plan)
+        self._handed.take(found.plan)
+        return found
+
     def refuse_changed_files(self) -> None:
         """Refuse to go on where the file of a reduced model is not what it was when the scene was compiled."""
         refuse_changed(self.files)
@@ -263,30 +271,32 @@ class System:
 
     def curves(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """f, f', f'' of all time curves (n_t, n_curves, 3) and of their active design derivatives (n_t, n_d, 3)."""
-        pairs = zip(self.plan.curve_index, self.plan.curve_variable, strict=True)
-        changes = [np.imag(self.derivatives[x].curves[c].evaluate(times)) / STEP for c, x in pairs]
-        found = np.zeros((len(times), len(changes), 3))
-        for d, change in enumerate(changes):
-            found[:, d] = change
-        return self.curve_values(times), found
+        return self.curve_values(times), remembered(self._known_changes, times, self._curve_changes)
 
     def curve_values(self, times: np.ndarray) -> np.ndarray:
         """The first of these alone; those of the last times are remembered, because the parts of an analysis ask for the same ones."""
-        key = times.dtype.str, times.tobytes()
-        found = self.known_curves.get(key)
-        if found is None:
-            found = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
-            for c, curve in enumerate(self.values.curves.values()):
-                found[:, c] = curve.evaluate(times)
-            if len(self.known_curves) >= REMEMBERED:
-                self.known_curves.clear()
-            if len(times) <= SHORT:
-                self.known_curves[key] = found
-        return found.copy()
+        return remembered(self.known_curves, times, self._curve_values)
+
+    def _curve_values(self, times: np.ndarray) -> np.ndarray:
+        found: np.ndarray = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
+        for c, curve in enumerate(self.values.curves.values()):
+            found[:, c] = curve.evaluate(times)
+        return found
+
+    def _curve_changes(self, times: np.ndarray) -> np.ndarray:
+        pairs = list(zip(self.plan.curve_index, self.plan.curve_variable, strict=True))
+        found = np.zeros((len(times), len(pairs), 3))
+        for d, (c, x) in enumerate(pairs):
+            found[:, d] = np.imag(self.derivatives[x].curves[c].evaluate(times)) / STEP
+        return found
 
     @cached_property
-    def known_curves(self) -> dict[tuple[str, bytes], np.ndarray]:
+    def known_curves(self) -> Known:
         """Those of the last times: of all systems that have the same curves."""
+        return {}
+
+    @cached_property
+    def _known_changes(self) -> Known:
         return {}
 
     @property

@@ -77,8 +77,8 @@ def _places(parts: list[ConstantNumbers], rows: list, pattern: Pattern) -> dict[
 
 
 def _on_pattern(pattern: Pattern, position: np.ndarray, entries: np.ndarray) -> np.ndarray:
-    """Entries of a matrix at their places among all that are stored."""
-    found = np.zeros(len(pattern.indices), entries.dtype)
+    """Entries of a matrix at their places among all that are stored, if there are any."""
+    found = np.zeros(len(pattern.indices) if len(entries) else 0, entries.dtype)
     np.add.at(found, position, entries)
     return found
 

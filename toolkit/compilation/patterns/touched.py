@@ -69,7 +69,7 @@ def touched(
     pairs += _by_floating(floating)
     pairs += [] if pressures is None else _by_pressures(pressures, curve_index, curve_variable)
     for part in (joints, loads):
-        for k in range(len(part.marker)):
+        for k in np.flatnonzero(part.designed).tolist():
             variables = _variables(part, k, markers, curve_index, curve_variable)
             if not len(variables):
                 continue

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from toolkit.analyses.run_start import run_levels, run_motion
 from toolkit.description.run_options import RunOptions
@@ -36,6 +37,7 @@ class Sweep(NamedTuple):
     transposition: np.ndarray
     memory: AdjointMemory
     gradient: np.ndarray
+    start: np.ndarray  # (n,) [a; lam] of the start, once the sweep is there
 
 
 def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int) -> Sweep:
@@ -45,9 +47,10 @@ def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int
     ratios = np.append(1.0, to_each[1:] / to_each[:-1])
     ratios[np.abs(ratios - 1) <= SAME] = 1.0
     ratios[ratios > STEEP] = 0.0
-    memory = adjoint_memory(system.plan, system.lu_plan, system.weights, n_r)
-    gradient = np.zeros((system.n_x, n_r))
-    return Sweep(system, options, to_each, ratios, relaxed(to_each), scheme_of(options), transposition(system), memory, gradient)
+    memory = adjoint_memory(system.backward.plan, system.backward.gathered, system.lu_plan, system.weights, n_r)
+    gradient, start = np.zeros((system.n_x, n_r)), np.zeros(system.n)
+    scheme, places = scheme_of(options), transposition(system)
+    return Sweep(system, options, to_each, ratios, relaxed(to_each), scheme, places, memory, gradient, start)
 
 
 def sweep(
@@ -76,9 +79,12 @@ def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found
     by_q, by_v, by_a, by_lam = (_stacked(system, piece, found, name) for name in STATES)
     curves, curves_x = system.curves(window.times[piece])
     levels = constraint_levels(state.options, state.lengths[steps], state.relaxation[steps])
+    states = _padded(system, window, piece)
+    if begins:
+        state.start[:] = states[2, 0]
     failed = system.run(
-        integrate_backwards, system.evaluator, system.plan, system.functions, curves, curves_x, state.lengths[steps],
-        state.ratios[steps], levels, state.scheme, state.transposition, begins, ends, *_padded(system, window, piece),
+        integrate_backwards, system.evaluator, system.backward.plan, system.functions, curves, curves_x, state.lengths[steps],
+        state.ratios[steps], levels, state.scheme, state.transposition, begins, ends, *states,
         by_q, by_v, by_a + by_lam, state.memory, state.gradient,
     )  # fmt: skip
     if failed >= 0:
@@ -92,12 +98,13 @@ def end_sweep(state: Sweep) -> np.ndarray:
     """The start's part added: the gradient (n_x, n_r)."""
     system, n_r = state.system, state.gradient.shape[1]
     q_bar, v_bar, acc_bar = (each[:, :n_r] for each in state.memory.bars[:3])
+    state.gradient[:] += system.backward.gradient(state.memory.sums)
     start = run_motion(system, state.options)
     if isinstance(start, State):
         parts = [(q_bar, start.dq), (v_bar, start.dv), (acc_bar, start.dacc)]
     else:
         levels = run_levels(state.options)
-        state.gradient[:] += through_accelerations(system, levels, start, acc_bar, state.transposition)
+        state.gradient[:] += through_accelerations(system, levels, start, state.start, acc_bar, state.transposition)
         _, dv = rates_of_states(system, start.q, start.dq, start.v, start.dv, 0.0)  # those of the loads' own states too
         parts = [(q_bar, start.dq), (v_bar, dv)]
     for bar, change in parts:
@@ -126,6 +133,6 @@ def _stacked(system: System, piece: slice, found: Sequence[Partials], name: str)
 
 def transposition(system: System) -> np.ndarray:
     """Place of the transposed entry of every entry of the pattern, which is symmetric: (n_entries,)."""
-    columns = system.plan.indices
-    rows = np.repeat(np.arange(system.n), np.diff(system.plan.indptr))
-    return np.lexsort((rows, columns))
+    columns, starts = system.plan.indices, system.plan.indptr
+    places: np.ndarray = csr_array((np.arange(len(columns)), columns, starts), shape=(system.n, system.n)).tocsc().data
+    return places
