@@ -15,7 +15,7 @@ from toolkit.description.point import BodyPoint
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.reduced_model.dependence import Derivatives
-from toolkit.reduced_model.design_point import NONE
+from toolkit.reduced_model.entries.rates import NONE, rates_at
 from toolkit.reduced_model.model import place_parameter
 from toolkit.reduced_model.thin_arrays import LARGE
 from toolkit.responses.response import Partials, Response, felt_steps
@@ -92,7 +92,7 @@ def _rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives
         return NONE
     if item == "stress_operator" and isinstance(scene.bodies.get(body), CutBody):
         return _rates_by_steps(solution, body)
-    found = design_point(scene, body, *DEPENDENCE, *parts).rates(item, names)
+    found = rates_at(design_point(scene, body, *DEPENDENCE, *parts), item, names)
     columns, factors = (np.array(each) for each in zip(*(numbers for _, *numbers in driven), strict=True))
     return Derivatives(columns[found.parameter], found.entry, factors[found.parameter] * found.value)
 
