@@ -17,11 +17,11 @@ from toolkit.compilation.arrays.spatial_arrays import (
     spatial_marker_arrays,
 )
 from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.patterns.joint_pattern import joint_entries
 from toolkit.compilation.patterns.pattern import Pattern, block, build_pattern
-from toolkit.compilation.patterns.touched import touched
+from toolkit.compilation.patterns.touched import touched, touched_alike
 from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.equations.equations import Plan
-from toolkit.joints.rows import Row
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 
@@ -35,6 +35,7 @@ NEEDS = {
 }
 """Part of the plan -> groups of `Quantities` that its arrays follow from; with design variables joints and loads also from the markers."""
 THROUGH_MARKERS = ("joints", "loads", "pressures")
+CURVES = ("curve_index", "curve_variable")
 
 
 class Kept(NamedTuple):
@@ -86,8 +87,11 @@ def build_plan(
         name: getattr(kept.plan, name) if kept and not kept.changed & _needs(name, derivatives) else make()
         for name, make in makers.items()
     }
-    curve_index, curve_variable = curve_pairs(derivatives)
-    touched_row, touched_variable = touched(len(derivatives), **parts, curve_index=curve_index, curve_variable=curve_variable)
+    parts |= dict(zip(CURVES, curve_pairs(derivatives), strict=True))
+    if kept and touched_alike(parts, {name: getattr(kept.plan, name) for name in parts}):
+        touched_row, touched_variable = kept.plan.touched_row, kept.plan.touched_variable
+    else:
+        touched_row, touched_variable = touched(len(derivatives), **parts)
     return Plan(
         n_q=numbering.n_q,
         n=numbering.n,
@@ -96,8 +100,6 @@ def build_plan(
         indices=pattern.indices,
         **parts,
         dropped=np.zeros(0, np.int64),
-        curve_index=curve_index,
-        curve_variable=curve_variable,
         touched_row=touched_row,
         touched_variable=touched_variable,
     )
@@ -148,15 +150,9 @@ def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_ro
         entries += [_elastic(part, local[size:])]
     for name, row in numbering.length.items():
         entries += [block(np.array([row]), numbering.first[name] + np.arange(3, 7))]
-    for (name, joint), own in zip(scene.joints.items(), numbering.forms.rows, strict=True):
-        both, markers = gripped(numbering, columns, f"joints.{name}", joint)
-        rows = numbering.row[name] + np.arange(len(joint.row_names))
-        if joint.curved:
-            entries += [block(rows, both), block(both, both)]
-            continue
-        framed = [_turns(scene, numbering, m) for m in markers]
-        entries += [(np.full(len(felt), row), felt) for row, felt in zip(rows, _felt(own, columns, markers, framed), strict=True)]
-        entries += [block(columns[m][2:3], columns[m][2:]) for m, turns in zip(markers, framed, strict=True) if turns]
+    for (name, joint), rows in zip(scene.joints.items(), numbering.forms.rows, strict=True):
+        _, markers = gripped(numbering, columns, f"joints.{name}", joint)
+        entries += joint_entries(scene, numbering, name, rows, markers, [columns[m] for m in markers])
     for name, load in named_loads(scene).items():
         both, _ = gripped(numbering, columns, f"loads.{name}", load)
         both = np.append(both, numbering.first[f"loads.{name}"]) if load.state is not None else both
@@ -170,20 +166,3 @@ def _elastic(part: Any, coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray
         return block(coordinates, coordinates)
     inside = (part.row > 0) & (part.column > 0)
     return coordinates[part.row[inside] - 1], coordinates[part.column[inside] - 1]
-
-
-def _felt(rows: tuple[Row, ...], columns: list[np.ndarray], markers: list[int], framed: list[bool]) -> list[np.ndarray]:
-    """Coordinates that each row of a flat planar joint feels: translations of a frame only where they stand in the row."""
-    found = []
-    for row in rows:
-        places = {place for form in row.forms for place, _ in form.linear}
-        kept = [
-            np.array([c >= 2 or not framed[side] or 3 * side + c in places for c in range(len(columns[m]))], bool)
-            for side, m in enumerate(markers)
-        ]
-        found.append(np.concatenate([columns[m][felt] for m, felt in zip(markers, kept, strict=True)]))
-    return found
-
-
-def _turns(scene: Scene, numbering: Numbering, marker: int) -> bool:
-    return scene.body(numbering.markers[marker][0]).has_frame

@@ -124,7 +124,7 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     terms.applied[:] = 0
     rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
     plane, frames = plan.markers.plane, plan.markers.frames
-    update_poses(plane, frames, plan.markers, work.markers, q, v, acc, work.scratch)
+    update_poses(plane, frames, plan.markers, work.markers, q, v, acc, linearize, work.scratch)
     if not inputs.inertia:
         set_frames(frames, work.markers, q, rate, acceleration)
     if linearize:
@@ -200,7 +200,7 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
             plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating, terms.I_x, terms.A_x
         )
     add_joint_designs(
-        plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, acc, plan.curve_variable, plan.curve_index,
+        plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, acc, plan.curve_variable, plan.curve_index,
         work.joint, terms,
     )  # fmt: skip
     for k in range(0 if inputs.joints_only else len(plan.loads.family)):
@@ -208,7 +208,7 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
             continue
         evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, q, inputs.curves, inputs.scale, work.load)
         load_design(
-            plan.loads, k, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
+            plan.loads, k, plan.markers, work.markers, plan.curve_variable, plan.curve_index, inputs.curves_x,
             inputs.scale, work.load, terms.A_x,
         )  # fmt: skip
     if not inputs.joints_only:

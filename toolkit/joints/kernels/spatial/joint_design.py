@@ -3,7 +3,7 @@
 from toolkit.foundation.kernel import inner
 from toolkit.joints.kernels.laws import PLAIN
 from toolkit.joints.kernels.records import CURVE, DESIGN, FIRST_ROW, FORM, GRADIENT, LAW, N_ROWS
-from toolkit.joints.kernels.spatial.joint_jacobian import bent_slopes, direction_rows
+from toolkit.joints.kernels.spatial.joint_jacobian import bent_slopes, direction_row
 from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, change_spatial_number
 from toolkit.markers.spatial.marker_forces import add_spatial_force, add_spatial_force_design
 
@@ -15,12 +15,16 @@ def spatial_joint_design(joints, j, markers, state, acc, curve_variable, curve_i
         m = joints.of[j, side]
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
             x = markers.design_variable[d]
-            direction_rows(
-                joints, j, side, state.y_x[d], state.rate_x[d], state.acceleration_x[d], state.centripetal_x[d], levels, work
-            )
             for i in range(joints.of[j, N_ROWS]):
-                I_x[joints.of[j, FIRST_ROW] + i, x] += work.row[0, i]
-                A_x[joints.of[j, FIRST_ROW] + i, x] += work.row[1, i]
+                y, rate, acceleration, centripetal = (
+                    state.y_x[d],
+                    state.rate_x[d],
+                    state.acceleration_x[d],
+                    state.centripetal_x[d],
+                )
+                inertial, total, velocity, phi = direction_row(joints, j, i, side, y, rate, acceleration, centripetal, work)
+                I_x[joints.of[j, FIRST_ROW] + i, x] += levels[0] * inertial
+                A_x[joints.of[j, FIRST_ROW] + i, x] += levels[0] * total + levels[1] * velocity + levels[2] * phi
             direction_force(joints, j, side, state.y_x[d], acc, work)
             add_both(joints, j, markers, state, work.force[1], I_x[:, x])
             add_spatial_force_design(markers, state, m, d, work.force[0, 12 * side : 12 * side + 12], 1.0, I_x)
