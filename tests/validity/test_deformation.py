@@ -40,6 +40,8 @@ from toolkit.validity.bodies.corotational_check import compare_with_corotational
 from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, deformation, deformations, largest_instants
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed
 
+pytestmark = pytest.mark.usefixtures("programs_here")
+
 MODELS = Path(__file__).parents[2] / "models"
 WING, SPINNING = (str(MODELS / name / "scene.toml") for name in ("morphing_wing", "rotating_beam"))
 FACTOR = 1.5

@@ -151,7 +151,7 @@ def _replace(owner: Any, keys: list[str], value: Any, path: str) -> Any:
         return value
     key, rest = keys[0], keys[1:]
     if isinstance(owner, Description):
-        items = dict(owner)
+        items = owner.__dict__ if key in owner.__dict__ else dict(owner)
         if key in items:
             return owner.model_copy(update={key: _replace(items[key], rest, value, path)})
     elif isinstance(owner, Mapping):

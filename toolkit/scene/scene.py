@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, Self, TypeVar
@@ -194,7 +194,7 @@ class Scene(Description):
                 found[point.interface] = point.arc_length
         return found
 
-    def of_body(self, _body: Any, _what: str, make: Callable[[], T]) -> T:
+    def of_body(self, _body: Any, _what: Hashable, make: Callable[[], T]) -> T:
         """What is made of a body, each time anew: see `compilation.remembered`."""
         return make()
 
@@ -312,7 +312,11 @@ class Scene(Description):
 
     def value_of(self, name: str) -> float:
         """Value of a design variable: the first of its numbers over its factor."""
-        return float(np.real(self.number(self.paths_of(name)[0]))) / self.factors_of(name)[0]
+        return self.value_at(self.paths_of(name)[0]) / self.factors_of(name)[0]
+
+    def value_at(self, path: str) -> float:
+        """The number at a path, without an imaginary step."""
+        return float(np.real(self.number(path)))
 
     def moved(self, variable: DesignVariable, step: Any) -> Self:
         """A copy in which a design variable has grown by a step, real or complex."""

@@ -15,7 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.description.time_grid import time_grid
+from toolkit.foundation.itself import Itself
 from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind, responses_of
 from toolkit.system.system import System
@@ -49,6 +51,23 @@ def choose(compiled: Compiled, kind: Kind, keep_states: bool = False) -> Choice:
     if kind == "static":
         return Choice("direct", "direct differentiation, because an equilibrium costs one more solve by either method.")
     scene, system = compiled.scene, compiled.full
+    key = (
+        Choice,
+        Itself(scene.solver),
+        Itself(scene.responses),
+        system.n,
+        system.n_x,
+        _entries(system),
+        len(system.plan.touched_row),
+    )
+    if key not in compiled.decided:
+        compiled.decided[key] = _chosen(compiled, scene, system)
+    found: Choice = compiled.decided[key]
+    return found
+
+
+def _chosen(compiled: Compiled, scene: Scene, system: System) -> Choice:
+    """For a motion, whose states need not be kept."""
     needed = 8 * len(time_grid(scene.solver)) * (3 * system.n + system.n_x * (2 * system.n_q + system.n))
     if scene.solver.local_error is None and needed > GIGABYTE * scene.solver.memory:
         return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.")

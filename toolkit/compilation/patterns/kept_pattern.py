@@ -40,8 +40,11 @@ def renew(old: Quantities, new: Quantities, entries: Quantities, changed: set[st
     if not np.array_equal(old.gravity, new.gravity):
         changed.add("gravity")
     for group in GROUPS:
-        before, known = getattr(old, group), getattr(entries, group)
-        found = {owner: _on(part, known[owner]) for owner, part in getattr(new, group).items()}
+        before, known, given = getattr(old, group), getattr(entries, group), getattr(new, group)
+        if not given:
+            parts[group] = before
+            continue
+        found = {owner: _on(part, known[owner]) for owner, part in given.items()}
         parts[group] = {**before, **found}
         if group not in changed and not all(_equal(before[owner], part) for owner, part in found.items()):
             changed.add(group)

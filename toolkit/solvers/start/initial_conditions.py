@@ -161,7 +161,7 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
         )
     change = terms.A_x[n_q:]
     if np.any(dq):
-        change = change + system.matrix(terms.A_q)[n_q:] @ dq
+        change = change + system.times(terms.A_q, dq, n_q)
     largest = max(dq.max(initial=0), -dq.min(initial=0))
     violating = np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + largest))
     for i, x in violating:
@@ -202,5 +202,5 @@ def total_change(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -
     """Derivative of the residual by the design at constant [a; lam], through coordinates, velocities and explicitly, (n, n_x)."""
     change: np.ndarray = terms.I_x + terms.A_x
     if np.any(dv):
-        change = system.matrix(terms.A_v) @ dv + change
-    return system.matrix(terms.I_q + terms.A_q) @ dq + change if np.any(dq) else change
+        change = system.times(terms.A_v, dv) + change
+    return system.times(terms.I_q + terms.A_q, dq) + change if np.any(dq) else change

@@ -15,7 +15,7 @@ from toolkit.solvers.transient.generalized_alpha import integrate
 from toolkit.solvers.transient.ggl.ggl_step import Ggl, allocate_ggl
 from toolkit.solvers.transient.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
 from toolkit.solvers.transient.scheme import Scheme
-from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, History, Memory, Outcome, allocate_memory
+from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, History, Memory, Outcome, taken_memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -53,7 +53,7 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     control = Control(
         options.tolerance, options.max_iterations, modified, not system.compiled, left_by_kept(options), np.inf, 0.0, False
     )
-    memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
+    memory = taken_memory(system)
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
     outcome = Outcome(np.zeros(5, np.int64), np.zeros(6))
     return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)

@@ -6,8 +6,9 @@ import numpy as np
 
 from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
 from toolkit.foundation.vectors.rows import filled_up
-from toolkit.linear.linear_solver import LinearSolver, linear_solver
+from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
+from toolkit.system.system import System
 
 
 class History(NamedTuple):
@@ -63,6 +64,23 @@ class Outcome(NamedTuple):
 
     counts: np.ndarray  # (5,) by `STATUS` and its neighbours
     correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the scene's size
+
+
+def taken_memory(system: System) -> Memory:
+    """Memory of the loop: that of a run which has given it back, or new."""
+    plan, weights = system.plan, system.weights[: system.n_q]
+    memory = system.scratch(Memory, lambda: allocate_memory(plan, system.lu_plan, weights.copy(), system.dtype))
+    _clear(memory[:-2])
+    cleared(memory.solver, weights)
+    return memory  # in `work` states are evaluated one after the other anyway
+
+
+def _clear(part: tuple) -> None:
+    for each in part:
+        if isinstance(each, tuple):
+            _clear(each)
+        elif isinstance(each, np.ndarray):
+            each.fill(0)
 
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:
