@@ -70,7 +70,7 @@ def cleared(solver: LinearSolver, weights: np.ndarray) -> None:
         memory.fill(0)
     for block in (solver.work_block, solver.residual_block, solver.solution_block):
         block.fill(0)
-    solver.quality.fill(1)
+    solver.quality.fill(TRUSTED_REFINEMENT)
     solver.weights[:] = weights
 
 

@@ -45,14 +45,14 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
         if (twice := next((path for path in mine if path in paths), None)) is not None:
             raise InputError(f"{name!r} is the same number as another one that is given, {twice}. Give it once.")
         paths += mine
-        scene = _with_value(scene, name, real)
+        scene = _with_value(scene, name, mine, real)
     _check(scene, paths)
     return scene, paths
 
 
-def _with_value(scene: Scene, name: str, value: float) -> Scene:
+def _with_value(scene: Scene, name: str, paths: Sequence[str], value: float) -> Scene:
     """A copy in which a number, or a design variable of several, has a value; numbers that were the factor times the old one stay so."""
-    paths, factors = scene.paths_of(name), scene.factors_of(name)
+    factors = scene.factors_of(name)
     if factors == (1.0,):
         return scene.with_number(paths[0], value)
     old = scene.value_of(name)

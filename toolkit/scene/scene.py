@@ -322,7 +322,11 @@ class Scene(Description):
         """A copy in which a design variable has grown by a step, real or complex."""
         found = self
         for path, factor in zip(variable.paths, variable.factors, strict=True):
-            found = found.with_number(path, found.number(path) + factor * step)
+            written = found._written(path)
+            if written is None:
+                found = found.with_number(path, found.number(path) + factor * step)
+            else:
+                found = super(Scene, found).with_number(path, written + factor * step)
         return found
 
     def design_variables(self, names: list[str] | None = None) -> Design:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
 from toolkit.compilation.patterns.common_pattern import SHARED, placed
-from toolkit.compilation.quantities import Quantities
-
-GROUPS = tuple(field.name for field in fields(Quantities) if field.name != "gravity")
+from toolkit.compilation.quantities import GROUPS, Quantities
 
 
 class NewEntryError(Exception):
