@@ -70,7 +70,7 @@ def taken_memory(system: System) -> Memory:
     """Memory of the loop: that of a run which has given it back, or new."""
     plan, weights = system.plan, system.weights[: system.n_q]
     memory = system.scratch(Memory, lambda: allocate_memory(plan, system.lu_plan, weights.copy(), system.dtype))
-    _clear(memory[:-2])
+    _clear(tuple(part for part in memory if not isinstance(part, Work | LinearSolver)))
     cleared(memory.solver, weights)
     return memory  # in `work` states are evaluated one after the other anyway
 
