@@ -147,13 +147,15 @@ def _padded(system: System, window: Solution, piece: slice) -> np.ndarray:
 
 
 def _stacked(system: System, piece: slice, found: Sequence[Partials], *names: str) -> np.ndarray:
-    """Some kinds of partial derivatives of all responses, at their places among the unknowns: (n_t, n, n_r)."""
-    stacked = np.zeros((piece.stop - piece.start, system.n, len(found)))
-    for name in names:
-        where = slice(system.n_q, system.n) if name == "multipliers" else slice(0, system.n_q)
-        for r, partials in enumerate(found):
-            if getattr(partials, name) is not None:
-                stacked[:, where, r] = np.real(getattr(partials, name)[piece])
+    """Some kinds of partial derivatives of all responses, at their places among the unknowns: (n_t, as many rows as needed, n_r)."""
+    given = [(r, name, by) for name in names for r, each in enumerate(found) if (by := getattr(each, name)) is not None]
+    ends = {"multipliers": system.n}
+    stacked = np.zeros(
+        (piece.stop - piece.start, max((ends.get(name, system.n_q) for _, name, _ in given), default=0), len(found))
+    )
+    for r, name, by in given:
+        where = slice(system.n_q, None) if name == "multipliers" else slice(0, system.n_q)
+        stacked[:, where, r] = np.real(by[piece])
     return stacked
 
 

@@ -94,13 +94,11 @@ def add_carried(plan, scheme, levels, transposition, q, v, acc, memory, gradient
 
 
 @inner
-def add_partials(plan, step, by_q, by_v, by_acc, bars):
-    """The responses' own derivatives by the state of a step."""
-    for i in range(plan.n):
-        for r in range(by_q.shape[2]):
-            bars.q[i, r] += by_q[step, i, r]
-            bars.v[i, r] += by_v[step, i, r]
-            bars.acc[i, r] += by_acc[step, i, r]
+def add_partials(by, bar):
+    """bar += the responses' own derivatives by one kind of unknowns of a step, which may have fewer rows, or none."""
+    for i in range(by.shape[0]):
+        for r in range(by.shape[1]):
+            bar[i, r] += by[i, r]
 
 
 @inner
@@ -175,7 +173,9 @@ def integrate_backwards(
             evaluator(plan, functions, inputs, q[step], v[step], acc[step], True, True, memory.terms, memory.work)
         if carries(scheme) and not (ends and step == len(q) - 1):
             add_carried(plan, scheme, levels[step], transposition, q[step], v[step], acc[step], memory, gradient)
-        add_partials(plan, step, by_q, by_v, by_acc, memory.bars)
+        add_partials(by_q[step], memory.bars.q)
+        add_partials(by_v[step], memory.bars.v)
+        add_partials(by_acc[step], memory.bars.acc)
         if not is_start:
             failed = solve_step(plan, now, transposition, memory)
             if failed >= 0:
