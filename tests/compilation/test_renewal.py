@@ -17,8 +17,8 @@ from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.bodies.planar.body import MarkerNumbers
 from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import number
-from toolkit.compilation.patterns.kept_pattern import GROUPS, NewEntryError, renew
-from toolkit.compilation.quantities import STEP, Quantities, evaluate_quantities, seen_quantities
+from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
+from toolkit.compilation.quantities import GROUPS, STEP, Quantities, evaluate_quantities, seen_quantities
 from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.loads.planar.torque import Torque

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -41,6 +41,9 @@ class Quantities:
     pressures: dict[int, PressureNumbers]
     gravity: np.ndarray  # (d,)
     curves: dict[int, Curve]
+
+
+GROUPS = tuple(field.name for field in fields(Quantities) if field.name != "gravity")
 
 
 class Part(NamedTuple):

@@ -32,6 +32,7 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
     if not isinstance(numbers, Mapping):
         raise InputError(f'numbers are given by name, as in {{"points.A.x": 73.0}}, not as {type(numbers).__name__}.')
     paths: list[str] = []
+    alone: dict[str, float] = {}
     for name, value in numbers.items():
         if not isinstance(name, str):
             raise InputError(f"{name!r} is no name of a number. Give short names or paths.")
@@ -45,18 +46,19 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
         if (twice := next((path for path in mine if path in paths), None)) is not None:
             raise InputError(f"{name!r} is the same number as another one that is given, {twice}. Give it once.")
         paths += mine
-        scene = _with_value(scene, name, real)
+        if scene.factors_of(name) == (1.0,):
+            alone[mine[0]] = real
+        else:
+            scene = _with_value(scene, name, mine, real)
+    scene = scene.with_all(alone)
     _check(scene, paths)
     return scene, paths
 
 
-def _with_value(scene: Scene, name: str, value: float) -> Scene:
-    """A copy in which a number, or a design variable of several, has a value; numbers that were the factor times the old one stay so."""
-    paths, factors = scene.paths_of(name), scene.factors_of(name)
-    if factors == (1.0,):
-        return scene.with_number(paths[0], value)
+def _with_value(scene: Scene, name: str, paths: Sequence[str], value: float) -> Scene:
+    """A copy in which a design variable has a value; numbers that were the factor times the old one stay so."""
     old = scene.value_of(name)
-    for path, factor in zip(paths, factors, strict=True):
+    for path, factor in zip(paths, scene.factors_of(name), strict=True):
         number = scene.number(path)
         scene = scene.with_number(path, factor * value if number == factor * old else number + factor * (value - old))
     return scene

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, Self, TypeVar
@@ -298,7 +298,15 @@ class Scene(Description):
             owner = getattr(self, group)
             changed = owner[name].model_copy(update={key: value}) if group == "points" else _with_extra(owner[name], key, value)
             return self.model_copy(update={group: {**owner, name: changed}})
-        return super().with_number(path, value)
+        return super().with_all({path: value})
+
+    def with_all(self, values: Mapping[str, Any]) -> Self:
+        """The same with several numbers."""
+        written = {path: value for path, value in values.items() if self._written(path) is not None}
+        found = super().with_all(written) if written else self
+        for path, value in values.items():
+            found = found if path in written else found.with_number(path, value)
+        return found
 
     def paths_of(self, name: str) -> tuple[str, ...]:
         """Paths of the numbers of a design variable, by its short name, or of one number by its path."""
@@ -322,7 +330,11 @@ class Scene(Description):
         """A copy in which a design variable has grown by a step, real or complex."""
         found = self
         for path, factor in zip(variable.paths, variable.factors, strict=True):
-            found = found.with_number(path, found.number(path) + factor * step)
+            written = found._written(path)
+            if written is None:
+                found = found.with_number(path, found.number(path) + factor * step)
+            else:
+                found = super(Scene, found).with_all({path: written + factor * step})
         return found
 
     def design_variables(self, names: list[str] | None = None) -> Design:

@@ -25,7 +25,10 @@ def rates_at(design: DesignPoint, item: str, numbers: Mapping[str, int]) -> Deri
         Nothing that was loaded tells a derivative at this design.
     """
     linear, polynomial, slopes = _told(design, item, tuple(numbers.items()))
-    return linear if polynomial is None else linear + polynomial.rates(np.real(design.p), slopes)
+    if polynomial is None:
+        return linear
+    found = polynomial.rates(np.real(design.p), slopes)
+    return linear + found if len(linear.parameter) else found
 
 
 def _told(

@@ -162,8 +162,11 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
     change = terms.A_x[n_q:]
     if np.any(dq):
         change = change + system.times(terms.A_q, dq, n_q)
+    sizes = np.abs(change)
+    if sizes.max(initial=0) <= POSITION_TOLERANCE:
+        return
     largest = max(dq.max(initial=0), -dq.min(initial=0))
-    violating = np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + largest))
+    violating = np.argwhere(sizes > POSITION_TOLERANCE * (1 + largest))
     for i, x in violating:
         raise NoDerivativeError(
             f"design variable {system.design.names[x]!r} would violate {names[n_q + i]} at the start while the positions stay. "
