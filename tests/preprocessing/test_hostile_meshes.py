@@ -146,6 +146,7 @@ MARKETS = {
 }
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("kind", MARKETS)
 def test_a_matrix_that_is_not_what_it_says_is_refused(tmp_path, kind):
     content, message = MARKETS[kind]
