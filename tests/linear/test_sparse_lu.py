@@ -438,6 +438,21 @@ def test_growth_that_the_pivot_test_cannot_see_is_found_by_refinement_and_mended
     np.testing.assert_allclose(solution, [2, 1], rtol=4 * EPS)
 
 
+@pytest.mark.parametrize("pivot", [1e-11, 1e-12])
+def test_growth_that_two_refinements_mend_takes_no_pivoting(pivot):
+    """The tiny pivot leaves some EPS / pivot, 1e-6 to 1e-4, which one refinement squares; the second leaves round-off."""
+    matrix, rhs = np.array([[pivot, 1.0], [1.0, 1.0]]), np.array([1.0, 3.0])
+    indptr, indices, values = (np.ascontiguousarray(each) for each in csr(matrix))  # as those of a scene are
+    solver, solution, several = linear_solver(analyse(indptr, indices, 2), np.ones(2), 2, float), np.zeros(2), np.zeros((2, 2))
+    block = np.array([[1.0, 0.0], [3.0, 1.0]])
+    exact = np.linalg.solve(matrix, block)
+    assert abs(solved(matrix, 2, rhs) - exact[:, 0]).max() > 1e-6
+    assert call(solve_once, solver, indptr, indices, values, rhs, solution, block, several) < 0
+    assert solver.mode[0] == 0
+    np.testing.assert_allclose(solution, exact[:, 0], rtol=8 * EPS)
+    np.testing.assert_allclose(several, exact, rtol=8 * EPS)
+
+
 def test_pattern_without_a_diagonal_entry_is_refused():
     with pytest.raises(InputError, match="row 1 of the pattern has no diagonal"):
         analyse(np.array([0, 2, 3]), np.array([0, 1, 0]), 1)

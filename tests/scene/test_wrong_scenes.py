@@ -297,8 +297,13 @@ def test_a_parameter_of_the_skin_that_does_not_exist_lists_those_that_do():
     scene = read_scene(WING / "scene.toml")
     with pytest.raises(InputError, match=r"bodies\.skin\.thickness"):
         compile_scene(scene, ["bodies.skin.tickness"])
-    with pytest.raises(InputError, match=r"no parameter 'tickness', did you mean 'thickness'; available: .*thickness"):
+    with pytest.raises(InputError, match=r"no key 'tickness', did you mean 'thickness', .*; parameters: .*thickness"):
         compile_scene(read_scene(WING / "scene.toml", {"bodies.skin.tickness": "1.5"}))
+
+
+def test_a_misspelt_key_of_a_flexible_body_is_told_beside_its_own_keys():
+    with pytest.raises(InputError, match=r"bodies\.skin has no key 'frams', did you mean 'frames', .*Keys: .*frames"):
+        compile_scene(read_scene(WING / "scene.toml", {"bodies.skin.frams": "4"}))
 
 
 def test_a_design_variable_that_would_tear_a_joint_at_the_start_is_refused():

@@ -11,6 +11,7 @@ from pydantic import ConfigDict
 
 from toolkit.bodies.body import CENTRE, Body, Placed
 from toolkit.bodies.start_shape import start_shape
+from toolkit.bodies.unknown_keys import refuse_unknown_keys
 from toolkit.description.description import Number
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint, design_at
@@ -83,7 +84,7 @@ class ModelBody(Body):
 
         What the model's arrays depend on is read only if a value is not the nominal one, be it by an imaginary step.
         """
-        return scene.of_body(self, f"design {parts}", lambda: self._design_point(scene, *parts))
+        return scene.of_body(self, ("design", *parts), lambda: self._design_point(scene, *parts))
 
     def _design_point(self, scene: Placed, *parts: str) -> DesignPoint:
         model, first_order = scene.model(self.model), self.extrapolation == "first-order"
@@ -96,6 +97,7 @@ class ModelBody(Body):
         follows = {place_parameter(name): s for name, s in places.items()}
         moved = any(model.nominal.get(name) != value for name, value in {**self.model_values(), **follows}.items())
         model = scene.model(self.model, *(self.dependence if moved else ()), *parts)
+        refuse_unknown_keys(self, self.model_values(), model, scene)
         design = design_at(model, self.model_values(), first_order)
         for name in places:
             if design.moves(f"interfaces.{name}.arc_length"):

@@ -213,7 +213,7 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
             plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating, terms.I_x, terms.A_x
         )
     add_joint_designs(
-        plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, acc, plan.curve_variable, plan.curve_index,
+        plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, acc, plan.curve_variable, plan.curve_index,
         work.joint, terms,
     )  # fmt: skip
     for k in range(0 if inputs.joints_only else len(plan.loads.family)):
@@ -221,7 +221,7 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
             continue
         evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, q, inputs.curves, inputs.scale, work.load)
         load_design(
-            plan.loads, k, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
+            plan.loads, k, plan.markers, work.markers, plan.curve_variable, plan.curve_index, inputs.curves_x,
             inputs.scale, work.load, terms.A_x,
         )  # fmt: skip
     if not inputs.joints_only:

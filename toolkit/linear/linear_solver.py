@@ -13,8 +13,9 @@ from toolkit.linear.sparse_lu import StillPivots, factor, multiply, solve, still
 
 SPARSE_TOLERANCE, DENSE_TOLERANCE = 1e-12, 1e-14
 """Smallest pivots, relative to the terms they are made of; recommended where they are tested."""
-TRUSTED_REFINEMENT = 1e-6
-"""Refinement of a solution, relative to it, above which sparse factors are given up; what is left after it is the square of that."""
+TRUSTED_REFINEMENT, MENDED = 1e-6, 1e-4
+"""Refinement of a solution, relative to it, above which one is not enough, as the square of that is left after it; and above which two are
+not, so that sparse factors are given up. Light rods that hold a stiff part of a skin leave 1e-6 to 1e-5."""
 
 UNREFINED = 1e-12
 """Refinement of a vector, relative to it, below which blocks are not refined. Gradients by the thickness of a thin skin lose some 80 times
@@ -37,7 +38,7 @@ class LinearSolver(NamedTuple):
     pivots: np.ndarray
     scale: np.ndarray
     mode: np.ndarray
-    quality: np.ndarray  # (1,) relative change by the last refinement
+    quality: np.ndarray  # (1,) relative change by the last first refinement
     updates: int  # multiplications of a sparse factorisation
 
 
@@ -58,9 +59,19 @@ def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> L
         np.zeros(n, np.int64),
         np.zeros((3, n)),
         np.zeros(1, np.int64),
-        np.ones(1),
+        np.full(1, TRUSTED_REFINEMENT),
         updates_of(plan),
     )
+
+
+def cleared(solver: LinearSolver, weights: np.ndarray) -> None:
+    """Make used memory what `linear_solver` reserves; `weights` are copied."""
+    for memory in (solver.lu, *solver.kept, solver.work, solver.residual, solver.pivots, solver.scale, solver.mode):
+        memory.fill(0)
+    for block in (solver.work_block, solver.residual_block, solver.solution_block):
+        block.fill(0)
+    solver.quality.fill(TRUSTED_REFINEMENT)
+    solver.weights[:] = weights
 
 
 def updates_of(plan: LUPlan) -> int:
@@ -137,10 +148,15 @@ def refine(solver, indptr, indices, values, rhs, solution):
 
 @inner
 def solve_checked(solver, indptr, indices, values, rhs, solution):
-    """Solve and refine once; with pivoting if that shows the factors to be bad; as `factorize`, -1 or the unknown."""
+    """Solve and refine, twice if that mends it; with pivoting if the factors are bad; as `factorize`, -1 or the unknown."""
     copy(rhs, solution)
     apply_inverse(solver, solution)
     if refine(solver, indptr, indices, values, rhs, solution) or solver.mode[0] == 1:
+        return -1
+    first = solver.quality[0]
+    if first <= MENDED:
+        refine(solver, indptr, indices, values, rhs, solution)
+        solver.quality[0] = first
         return -1
     failed = factorize_dense(solver, indptr, indices, values)
     copy(rhs, solution)
@@ -151,14 +167,17 @@ def solve_checked(solver, indptr, indices, values, rhs, solution):
 
 @inner
 def solve_refined_block(solver, indptr, indices, values, fresh, block, solution):
-    """Solve for many right-hand sides, and refine once if the factors need it; block and solution (n, n_x), or filled up.
+    """Solve for many right-hand sides, refined as often as the factors need it; block and solution (n, n_x), or filled up.
 
     `fresh`: the factors are those of `values`, and the last refinement of a vector tells how good they are.
     """
     found, rest = solver.solution_block, solver.residual_block
     copy_columns(block, found)
     apply_inverse_block(solver, found)
-    if not (fresh and solver.quality[0] <= UNREFINED):
+    times = 0 if fresh and solver.quality[0] <= UNREFINED else 1
+    if solver.mode[0] == 0 and solver.quality[0] > TRUSTED_REFINEMENT:
+        times = 2
+    for _ in range(times):
         copy_columns(block, rest)
         for i in range(len(rest)):
             add_rows(rest[i], 1.0, -1.0, values, indices, indptr[i], indptr[i + 1], found)

@@ -3,13 +3,11 @@
 Of `plane` and `frames` (`markers.plane`, `markers.frames`) one is None, and numba never compiles what stands behind it.
 """
 
-import numpy as np
-
 from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.kinematics.spatial import update_frames
 from toolkit.markers.planar.marker_design import update_marker_designs
 from toolkit.markers.planar.marker_forces import add_force, add_force_design, add_geometric_stiffness
-from toolkit.markers.planar.marker_kernel import update_markers, update_places
+from toolkit.markers.planar.marker_kernel import known_turn, update_markers, update_places
 from toolkit.markers.spatial.marker_design import update_spatial_marker_designs
 from toolkit.markers.spatial.marker_forces import add_spatial_force, add_spatial_force_design, add_spatial_stiffness
 from toolkit.markers.spatial.marker_kernel import update_spatial_markers
@@ -70,11 +68,10 @@ def add_pose_stiffness(plane, frames, markers, state, m, force, factor, position
 
 
 @inlined
-def add_pose_force_design(plane, frames, markers, state, m, d, force, factor, q, residual_x):
+def add_pose_force_design(plane, frames, markers, state, m, d, force, factor, residual_x):
     """residual_x += factor * d(B^T F)/dx at constant F."""
     if plane is not None:
-        frame = markers.frame[m]
-        c, s = (np.cos(q[frame + 2]), np.sin(q[frame + 2])) if frame >= 0 else (1 + 0 * q[0], 0 * q[0])
+        c, s = known_turn(markers, state, m)
         add_force_design(markers, state, m, d, force, factor, c, s, residual_x)
     if frames is not None:
         add_spatial_force_design(markers, state, m, d, force, factor, residual_x)

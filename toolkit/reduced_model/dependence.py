@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -11,6 +11,8 @@ import numpy as np
 
 FEW = 0.5
 """Part of an array's places below which it is evaluated there alone."""
+SMALL = 10_000
+"""Entries of all polynomials that are evaluated at once: of more, what a call of numpy costs beside its work is nothing."""
 
 
 @dataclass(frozen=True)
@@ -70,16 +72,23 @@ class Polynomial:
         """That of the values at some places in their order, among which are all that are not zero."""
         return replace(self, entry=np.searchsorted(places, self.entry))
 
-    def rates(self, p: np.ndarray) -> Derivatives:
-        """Derivatives by all parameters, one entry for every factor of every term; places can occur more than once."""
-        found = []
-        for j in range(self.factor.shape[1]):
-            lowered = self.power - (np.arange(self.factor.shape[1]) == j)
-            slope = self.power[:, j] * self._weights(p, np.where(self.factor >= 0, lowered, 0))
-            here = self.factor[self.term, j] >= 0
-            term = self.term[here]
-            found.append((self.factor[term, j], self.entry[here], slope[term] * self.value[here]))
-        return Derivatives(*(np.concatenate(arrays) for arrays in zip(*found, strict=True)))
+    def rates(self, p: np.ndarray, slopes: Slopes | None = None) -> Derivatives:
+        """Derivatives by all parameters, or by those of `slopes_by`; places can occur more than once."""
+        parameter, entry, value, term, factor = slopes or self.slopes_by(np.arange(len(p)))
+        slope = self.power.T * np.prod(np.append(p, 1.0)[self.factor] ** self._lowered, axis=2)
+        return Derivatives(parameter, entry, slope[factor, term] * value)
+
+    def slopes_by(self, numbers: np.ndarray) -> Slopes:
+        """Where derivatives stand, by parameters with other numbers, without those whose new number is negative."""
+        factor, place = np.nonzero(np.append(numbers, -1)[self.factor[self.term].T] >= 0)
+        term = self.term[place]
+        return Slopes(numbers[self.factor[term, factor]], self.entry[place], self.value[place], term, factor)
+
+    @cached_property
+    def _lowered(self) -> np.ndarray:
+        """Powers of the derivatives of all terms by each of their factors, (n_factors, n_terms, n_factors)."""
+        lowered = self.power - np.eye(self.factor.shape[1], dtype=int)[:, None]
+        return np.where(self.factor >= 0, lowered, 0)
 
     def depends_on(self, parameter: int) -> bool:
         """Whether the parameter occurs."""
@@ -96,23 +105,76 @@ class Polynomial:
     def _weights(self, p: np.ndarray, power: np.ndarray) -> np.ndarray:
         return np.prod(np.append(p, 1.0)[self.factor] ** power, axis=1)  # a factor of -1 is the 1 at the end
 
+    @classmethod
+    def joined(cls, polynomials: Sequence[Polynomial], sizes: Sequence[int]) -> Polynomial:
+        """That of several arrays of these sizes, one behind the other."""
+        width, terms, places = max(each.factor.shape[1] for each in polynomials), 0, 0
+        parts = []
+        for each, size in zip(polynomials, sizes, strict=True):
+            none = ((0, 0), (0, width - each.factor.shape[1]))
+            factor, power = np.pad(each.factor, none, constant_values=-1), np.pad(each.power, none)
+            parts.append((factor, power, each.term + terms, each.entry + places, each.value))
+            terms, places = terms + len(each.factor), places + size
+        return cls(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+
+class Slopes(NamedTuple):
+    """Derivatives of a polynomial, without what its parameters make of them: one for every factor of every entry."""
+
+    parameter: np.ndarray  # its number
+    entry: np.ndarray  # place in the flattened array
+    value: np.ndarray  # c_k there
+    term: np.ndarray  # k
+    factor: np.ndarray  # j
+
 
 class Told(NamedTuple):
     """What is known of an array, on those of its places alone that are not zero or can become so, if these are few."""
 
     here: np.ndarray | slice  # places in the flattened array, ascending, or all
+    own: np.ndarray  # what stands there at the nominal design
     polynomial: Polynomial | None  # whose entries, as those of the tangents, are places among these
     tangents: dict[int, tuple[np.ndarray, np.ndarray]]  # parameter -> places and values of its derivative
+    complex: bool  # whether the polynomial meets a complex parameter
 
 
-def told_of(nominal: np.ndarray, polynomial: Polynomial | None, tangents: Mapping[int, tuple[np.ndarray, np.ndarray]]) -> Told:
-    """Of an array at the nominal design, its polynomial, and derivatives by some parameters."""
+def told_of(
+    nominal: np.ndarray,
+    polynomial: Polynomial | None,
+    tangents: Mapping[int, tuple[np.ndarray, np.ndarray]],
+    steps: Collection[int],
+) -> Told:
+    """Of an array at the nominal design, its polynomial, and derivatives by some parameters, where some make complex `steps`."""
     filled = [] if polynomial is None else [polynomial.entry]
     here = np.unique(np.concatenate([np.flatnonzero(nominal), *filled, *(entry for entry, _ in tangents.values())]))
+    stepped = polynomial is not None and polynomial.depends_on_any(steps)
     if len(here) > FEW * nominal.size:
-        return Told(slice(None), polynomial, dict(tangents))
+        return Told(slice(None), nominal.ravel(), polynomial, dict(tangents), stepped)
     fewer = None if polynomial is None else polynomial.on(here)
-    return Told(here, fewer, {k: (np.searchsorted(here, entry), value) for k, (entry, value) in tangents.items()})
+    tangents = {k: (np.searchsorted(here, entry), value) for k, (entry, value) in tangents.items()}
+    return Told(here, nominal.ravel()[here], fewer, tangents, stepped)
+
+
+class Together(NamedTuple):
+    """Polynomials of several items of a model, all at real parameters or all at complex ones, which are evaluated at once."""
+
+    places: dict[str, slice]  # item -> where its values are among those of all
+    polynomial: Polynomial
+    complex: bool
+
+    @classmethod
+    def of(cls, told: Mapping[str, Told]) -> Together:
+        """Of what is known of some items."""
+        ends = np.cumsum([len(each.own) for each in told.values()]).tolist()
+        places = {item: slice(end - len(each.own), end) for (item, each), end in zip(told.items(), ends, strict=True)}
+        found: list[Any] = [each.polynomial for each in told.values()]
+        joined = Polynomial.joined(found, [len(each.own) for each in told.values()])
+        return cls(places, joined, any(each.complex for each in told.values()))
+
+    def __call__(self, p: np.ndarray) -> dict[str, np.ndarray]:
+        """Item -> values on its places."""
+        flat = self.polynomial(p if self.complex else np.real(p), max(place.stop for place in self.places.values()))
+        return {item: flat[place] for item, place in self.places.items()}
 
 
 def scattered(entry: np.ndarray, value: np.ndarray, size: int) -> Any:

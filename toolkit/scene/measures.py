@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.unknown_keys import refuse_unknown_keys
 from toolkit.curves.curve import Curve
 from toolkit.description.description import Description
 from toolkit.description.quantity import Measure, OverAngle, Quantity
 from toolkit.foundation.dimensions import Dimension, dimension_of_label
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed, meant
 
 _AXES = "xyz"
 
@@ -90,8 +90,5 @@ def _refuse_curve(owner: Description, field: str) -> Measure:
 
 def _parameter(body: ModelBody, name: str, scene: Any) -> Measure:
     model = scene.model(body.model)
-    if name not in model.nominal_units:
-        raise InputError(
-            f"reduced model {body.model!r} has no parameter {name!r}{meant(name, model.nominal)}; available: {listed(model.nominal)}."
-        )
+    refuse_unknown_keys(body, (name,), model, scene)
     return Measure(dimension_of_label(model.nominal_units[name], model.units))

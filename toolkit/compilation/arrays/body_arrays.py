@@ -16,6 +16,7 @@ from toolkit.compilation.patterns.common_pattern import square_size
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.patterns.stiff_entries import stiff_entries
 from toolkit.compilation.quantities import Quantities
+from toolkit.foundation.itself import Itself
 
 
 def constant_part(
@@ -38,21 +39,22 @@ def constant_part(
         return np.concatenate([np.asarray(getattr(part, name)) for part in parts]).astype(dtype)
 
     counts = [len(part.row) for part in parts]
+    body = np.repeat(np.arange(len(counts)), counts)
     places = _places(parts, rows, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
     row, column, first_entry = places["row"], places["column"], places["segment_start"]
     mass, damping, stiffness = map(joined, ("mass", "damping", "stiffness"))
-    change = partial(_changes_of, derivatives, first_entry, row, column)
+    change = partial(_changes_of, numbering.runs, derivatives, first_entry, row, column)
     force_row, force_variable, design_force = _changes_of_forces(numbering, derivatives)
     return Constant(
         **places,
-        segment_damped=ints([[bool(np.any(part.mass) or np.any(part.damping)) for part in parts]]),
+        segment_damped=(np.bincount(body, (mass != 0) | (damping != 0), len(counts)) > 0).astype(np.int64),
         mass=mass,
         damping=damping,
         stiffness=stiffness,
         **{
             name: _on_pattern(pattern, places["position"], of) for name, of in zip("MDK", (mass, damping, stiffness), strict=True)
         },
-        **stiff_entries(row, column, stiffness, weights, counts)._asdict(),
+        **stiff_entries(row, column, stiffness, weights, body, len(counts))._asdict(),
         force=joined("force"),
         design_mass=change("mass"),
         design_damping=change("damping"),
@@ -82,16 +84,29 @@ def _on_pattern(pattern: Pattern, position: np.ndarray, entries: np.ndarray) -> 
 
 
 def _changes_of(
-    derivatives: list[Quantities], first_entry: np.ndarray, row: np.ndarray, column: np.ndarray, name: str
+    known: dict[Any, Changes],
+    derivatives: list[Quantities],
+    first_entry: np.ndarray,
+    row: np.ndarray,
+    column: np.ndarray,
+    name: str,
 ) -> Changes:
-    """What is not zero in the derivatives of one matrix, whose entries are body by body and row by row."""
+    """What is not zero in the derivatives of one matrix, whose entries are body by body and row by row; `known` from other numbers."""
     parts = [(x, b, getattr(part, name)) for x, derivative in enumerate(derivatives) for b, part in derivative.constant.items()]
     entry, variable, value = _not_zero([(first_entry[b], x, change) for x, b, change in parts])
+    key = Itself(row), entry.tobytes(), variable.tobytes()
+    if key not in known:
+        known[key] = _runs(entry, variable, row, column)
+    return known[key]._replace(value=value)
+
+
+def _runs(entry: np.ndarray, variable: np.ndarray, row: np.ndarray, column: np.ndarray) -> Changes:
+    """Runs of entries, without values."""
     rows = row[entry].astype(np.int64)
     begins = np.ones(len(entry), bool)
     begins[1:] = (rows[1:] != rows[:-1]) | (variable[1:] != variable[:-1])
     first = np.flatnonzero(begins)
-    return Changes(rows[first], variable[first], np.append(first, len(entry)), column[entry], value)
+    return Changes(rows[first], variable[first], np.append(first, len(entry)), column[entry], np.zeros(0))
 
 
 def _changes_of_forces(numbering: Numbering, derivatives: list[Quantities]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -65,14 +65,14 @@ def add_planar_joint(
 
 
 @inlined
-def add_joint_designs(plane, frames, functions, joints, markers, state, inputs, q, acc, curve_variable, curve_index, work, terms):
+def add_joint_designs(plane, frames, functions, joints, markers, state, inputs, acc, curve_variable, curve_index, work, terms):
     """Partial derivatives of all rows and forces by the design."""
     designed = 0
     for j in range(len(joints.of)):
         designed += joints.of[j, DESIGNED]
     if designed and plane is not None:
         add_planar_designs(
-            functions, joints, markers, state, inputs, q, acc, curve_variable, curve_index, work, terms.I_x, terms.A_x
+            functions, joints, markers, state, inputs, acc, curve_variable, curve_index, work, terms.I_x, terms.A_x
         )
     if designed and frames is not None:
         add_spatial_designs(
@@ -81,7 +81,7 @@ def add_joint_designs(plane, frames, functions, joints, markers, state, inputs, 
 
 
 @inner
-def add_planar_designs(functions, joints, markers, state, inputs, q, acc, curve_variable, curve_index, work, I_x, A_x):
+def add_planar_designs(functions, joints, markers, state, inputs, acc, curve_variable, curve_index, work, I_x, A_x):
     """Those in the plane; a function of its own, so that the code of every evaluation stays short."""
     for j in range(len(joints.of)):
         if joints.of[j, DESIGNED] and joints.of[j, PINNED] and joints.of[j, DESIGN] == joints.of[j, DESIGN + 1]:
@@ -89,7 +89,7 @@ def add_planar_designs(functions, joints, markers, state, inputs, q, acc, curve_
         elif joints.of[j, DESIGNED]:
             evaluate_planar_joint(functions, joints, j, state, acc, work)
             joint_design(
-                joints, j, markers, state, q, acc, curve_variable, curve_index, inputs.curves_x, inputs.levels, work, I_x, A_x
+                joints, j, markers, state, acc, curve_variable, curve_index, inputs.curves_x, inputs.levels, work, I_x, A_x
             )
 
 

@@ -72,6 +72,11 @@ class Joints(NamedTuple):
         """Time curve of every joint, or -1."""
         return self.of[:, CURVE]
 
+    @property
+    def designed(self) -> np.ndarray:
+        """1 where any design variable matters to a joint."""
+        return self.of[:, DESIGNED]
+
     def changing(self, j: int) -> np.ndarray:
         """Variables that change a number of joint number j."""
         return self.design[self.of[j, DESIGN] : self.of[j, DESIGN + 1], 0]

@@ -233,7 +233,7 @@ def state_jacobian(loads, k, markers, state, n_a, n, position, work, by_s, by_v,
 
 
 @inlined
-def load_design(loads, k, markers, state, q, curve_variable, curve_index, curve_x, scale, work, A_x):
+def load_design(loads, k, markers, state, curve_variable, curve_index, curve_x, scale, work, A_x):
     """Partial derivatives of - B^T f by the design: markers, parameters, time curve."""
     size, curve = len(markers.pose), len(work.z) - 1
     for side in range(2):
@@ -244,7 +244,7 @@ def load_design(loads, k, markers, state, q, curve_variable, curve_index, curve_
                 direction_of_state(markers, work, size * side, state.y_x[d], state.rate_x[d])
             add_both(loads, k, markers, state, work.dforce, A_x[:, markers.design_variable[d]])
             add_pose_force_design(
-                markers.plane, markers.frames, markers, state, m, d, work.force[size * side : size * side + size], -1.0, q, A_x
+                markers.plane, markers.frames, markers, state, m, d, work.force[size * side : size * side + size], -1.0, A_x
             )
     for d in range(loads.design_start[k], loads.design_start[k + 1]):
         for i in range(2 * size + 1):

@@ -1,9 +1,7 @@
 """Partial design derivatives of markers in the compiled loop: the formulas of `marker_kernel` with z0, t0, Z, T differentiated."""
 
-import numpy as np
-
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.markers.planar.marker_kernel import rotate_sum, rotated
+from toolkit.markers.planar.marker_kernel import known_turn, rotate_sum, rotated
 
 
 @inner
@@ -16,22 +14,23 @@ def update_marker_designs(markers, state, q, v, acc, scratch):
             for i, vector in enumerate((q, v, acc)):
                 for j in range(3):
                     scratch[i, j] = 0
-                for k in range(first, last):
+                for k in range(first + 3 if frame >= 0 else first, last):
                     for j in range(3):
                         scratch[i, j] += markers.design_shape[offset + k - first, j] * vector[markers.coordinate[k]]
             for i in range(3):
                 scratch[0, i] += markers.design_point[d, i]
-            store_design(state, d, frame, q, v, acc, scratch[0], scratch[1], scratch[2])
+            store_design(markers, state, m, d, v, acc, scratch[0], scratch[1], scratch[2])
 
 
 @inlined
-def store_design(state, d, frame, q, v, acc, u, du, ddu):
+def store_design(markers, state, m, d, v, acc, u, du, ddu):
     """One marker, one design variable."""
+    frame = markers.frame[m]
     if frame < 0:
         for i in range(3):
             state.y_x[d, i], state.rate_x[d, i], state.acceleration_x[d, i] = u[i], du[i], ddu[i]
         return
-    c, s = np.cos(q[frame + 2]), np.sin(q[frame + 2])
+    c, s = known_turn(markers, state, m)
     omega, alpha = v[frame + 2], acc[frame + 2]
     rotated(state.y_x[d], c, s, 1.0, u[0], u[1])
     state.y_x[d, 2] = u[2]

@@ -42,7 +42,7 @@ def add_force_design(markers, state, m, d, force, factor, c, s, residual_x):
         turned_force = state.y_x[d, 0] * force[1] - state.y_x[d, 1] * force[0]
         residual_x[frame + 2, x] += factor * turned_force
     offset = markers.design_shape_start[d]
-    for k in range(first, last):
+    for k in range(first + 3 if frame >= 0 else first, last):
         row = offset + k - first
         shape = markers.design_shape
         total = shape[row, 0] * across + shape[row, 1] * along + shape[row, 2] * force[2]

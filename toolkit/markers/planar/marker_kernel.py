@@ -131,6 +131,14 @@ def turn_of(markers, state, m, q):
 
 
 @inlined
+def known_turn(markers, state, m):
+    """The same once all markers have been evaluated; 1 and 0 without a frame."""
+    if markers.frame[m] < 0:
+        return 1.0, 0.0
+    return state.turn[markers.twin[m], 0], state.turn[markers.twin[m], 1]
+
+
+@inlined
 def update_rigid(markers, state, m, q, v, acc):
     """A marker whose body has a frame and feels no elastic coordinates: `update_moving` with Z = 0."""
     frame, point, turn = markers.frame[m], markers.point[m], markers.start[m] + 2

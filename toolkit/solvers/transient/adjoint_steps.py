@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import LEFT_OUT
+from toolkit.equations.design_sums import DesignSums, GatheredPlan, add_up, design_sums, gather
 from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
 from toolkit.foundation.kernel import inner, loop
 from toolkit.foundation.vectors.rows import add_rows, filled_up
@@ -36,9 +37,10 @@ class AdjointMemory(NamedTuple):
     terms: Terms
     work: Work
     solver: LinearSolver
+    sums: DesignSums
 
 
-def adjoint_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, n_r: int) -> AdjointMemory:
+def adjoint_memory(plan: Plan, gathered: GatheredPlan, lu_plan: LUPlan, weights: np.ndarray, n_r: int) -> AdjointMemory:
     """Reserve it for n_r responses."""
 
     def block() -> np.ndarray:
@@ -54,22 +56,26 @@ def adjoint_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, n_r: int) -
         allocate_terms(plan, float),
         allocate_work(plan, float),
         linear_solver(lu_plan, weights[: plan.n_q], n_r, float),
+        design_sums(gathered, plan.n_x, plan.n, len(plan.markers.frame), len(plan.markers.coordinate), n_r),
     )
 
 
 @inner
-def add_transposed(plan, transposition, one, factor_one, two, factor_two, block, memory, out):
-    """out += (factor_one A + factor_two B)^T block for values `one` of A and `two` of B on the pattern; blocks (n, n_r filled up)."""
+def add_transposed(plan, transposition, one, factor_one, two, factor_two, block, rows, memory, out):
+    """out += (factor_one A + factor_two B)^T block in so many rows, as the others are zero, for values `one` of A and `two` of B on the
+    pattern; blocks (n, n_r filled up)."""
     mixed = memory.mixed
-    for e in range(len(mixed)):
+    for e in range(plan.indptr[rows]):
         mixed[e] = factor_one * one[transposition[e]] + factor_two * two[transposition[e]]
-    for i in range(plan.n):
+    for i in range(rows):
         add_rows(out[i], 1.0, 1.0, mixed, plan.indices, plan.indptr[i], plan.indptr[i + 1], block)
 
 
 @inner
-def add_design(plan, factor_i, factor_a, terms, block, gradient):
-    """gradient += (factor_i I_x + factor_a A_x)^T block; gradient (n_x, n_r)."""
+def add_design(plan, scheme, levels, factor_i, factor_a, q, v, acc, block, memory, gradient):
+    """gradient += (factor_i I_x + factor_a A_x)^T block, apart from what `memory.sums` gathers; gradient (n_x, n_r)."""
+    terms = memory.terms
+    gather(plan, memory.sums, scheme, levels, memory.work.markers, factor_i, factor_a, q, v, acc, block)
     for e in range(len(plan.touched_row)):
         i, x = plan.touched_row[e], plan.touched_variable[e]
         change = factor_i * terms.I_x[i, x] + factor_a * terms.A_x[i, x]
@@ -78,13 +84,13 @@ def add_design(plan, factor_i, factor_a, terms, block, gradient):
 
 
 @inner
-def add_carried(plan, scheme, transposition, memory, gradient):
+def add_carried(plan, scheme, levels, transposition, q, v, acc, memory, gradient):
     """What the residual of the step above took from this state."""
     c_i, c_a, terms, bars, above = scheme.carried_inertial, scheme.carried_applied, memory.terms, memory.bars, memory.multiplier
-    add_transposed(plan, transposition, terms.I_q, c_i, terms.A_q, c_a, above, memory, bars.q)
-    add_transposed(plan, transposition, terms.I_acc, 0.0, terms.A_v, c_a, above, memory, bars.v)
-    add_transposed(plan, transposition, terms.I_acc, c_i, terms.A_v, 0.0, above, memory, bars.acc)
-    add_design(plan, c_i, c_a, terms, above, gradient)
+    add_transposed(plan, transposition, terms.I_q, c_i, terms.A_q, c_a, above, plan.n_q, memory, bars.q)
+    add_transposed(plan, transposition, terms.I_acc, 0.0, terms.A_v, c_a, above, plan.n_q, memory, bars.v)
+    add_transposed(plan, transposition, terms.I_acc, c_i, terms.A_v, 0.0, above, plan.n, memory, bars.acc)
+    add_design(plan, scheme, levels, c_i, c_a, q, v, acc, above, memory, gradient)
 
 
 @inner
@@ -122,8 +128,8 @@ def step_back(plan, scheme, ratio, transposition, memory):
     bars, terms, mu = memory.bars, memory.terms, memory.multiplier
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
-    add_transposed(plan, transposition, terms.I_q, w_i, terms.A_q, w_a, mu, memory, bars.q)
-    add_transposed(plan, transposition, terms.I_acc, 0.0, terms.A_v, w_a, mu, memory, bars.v)
+    add_transposed(plan, transposition, terms.I_q, w_i, terms.A_q, w_a, mu, plan.n_q, memory, bars.q)
+    add_transposed(plan, transposition, terms.I_acc, 0.0, terms.A_v, w_a, mu, plan.n_q, memory, bars.v)
     for i in range(plan.n):
         for r in range(mu.shape[1]):
             if i < plan.n_q:
@@ -142,7 +148,7 @@ def integrate_backwards(
     evaluator, plan, functions, curves, curves_x, lengths, ratios, levels, scheme, transposition, begins, ends, q, v, acc, by_q, by_v,
     by_acc, memory, gradient,
 ):  # fmt: skip
-    """Add to `gradient` (n_x, n_r) what the design does in the steps to the given states.
+    """Add to `gradient` (n_x, n_r), and to `memory.sums`, what the design does in the steps to the given states.
 
     The states are those of a window, or of the whole run: `begins` if its start is the first of them, `ends` if its end is the last.
     `lengths` (n_t,), `levels` (n_t, 3) and `ratios` (n_t,) to the length before are those of the step to each state.
@@ -157,6 +163,8 @@ def integrate_backwards(
         before:  keep (b_v + h b_q),  ratio c  (of w),  old k + (1 - ratio) c  (of acc),
                  c = h^2 beta_old b_q + h gamma_old b_v - carry k
 
+    With the scheme `START`, of the start alone, [a; lam] are found from coordinates and velocities, whose bars it leaves.
+
     Returns -1, or the number of the unknown that a step does not determine.
     """
     memory.work.care[0] = LEFT_OUT
@@ -166,14 +174,17 @@ def integrate_backwards(
         if carries(scheme) or not is_start:
             evaluator(plan, functions, inputs, q[step], v[step], acc[step], True, True, memory.terms, memory.work)
         if carries(scheme) and not (ends and step == len(q) - 1):
-            add_carried(plan, scheme, transposition, memory, gradient)
+            add_carried(plan, scheme, levels[step], transposition, q[step], v[step], acc[step], memory, gradient)
         add_partials(plan, step, by_q, by_v, by_acc, memory.bars)
         if not is_start:
             failed = solve_step(plan, now, transposition, memory)
             if failed >= 0:
                 return failed
-            add_design(plan, scheme.weight_inertial, scheme.weight_applied, memory.terms, memory.multiplier, gradient)
+            w_i, w_a = scheme.weight_inertial, scheme.weight_applied
+            add_design(plan, scheme, levels[step], w_i, w_a, q[step], v[step], acc[step], memory.multiplier, memory, gradient)
             step_back(plan, now, ratios[step], transposition, memory)
+    if begins or scheme.h == 0:
+        add_up(memory.sums)
     if begins:
         for i in range(plan.n_q):
             for r in range(gradient.shape[1]):

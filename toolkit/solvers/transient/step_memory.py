@@ -6,8 +6,9 @@ import numpy as np
 
 from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
 from toolkit.foundation.vectors.rows import filled_up
-from toolkit.linear.linear_solver import LinearSolver, linear_solver
+from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
+from toolkit.system.system import System
 
 
 class History(NamedTuple):
@@ -16,10 +17,10 @@ class History(NamedTuple):
     q: np.ndarray  # (n_t, n)
     v: np.ndarray
     acc: np.ndarray
-    dq: np.ndarray  # (n_t, n, n_x)
+    dq: np.ndarray  # (n_t, n_q, n_x)
     dv: np.ndarray
-    dacc: np.ndarray
-    flat_dq: np.ndarray  # (n_t, n n_x) the same memory, for formulas that serve vectors and blocks alike
+    dacc: np.ndarray  # (n_t, n, n_x)
+    flat_dq: np.ndarray  # (n_t, n_q n_x) the same memory, for formulas that serve vectors and blocks alike
     flat_dv: np.ndarray
     flat_dacc: np.ndarray
 
@@ -33,7 +34,7 @@ class Memory(NamedTuple):
     carried: np.ndarray  # (n,) carried part of the residual
     dcarried: np.ndarray  # (n, n_x filled up)
     pseudo_load: np.ndarray
-    moved: np.ndarray  # scratch memory of `add_state_change`, as the next one
+    moved: np.ndarray  # scratch memory of `add_state_change`, as the next one; zero in the rows of multipliers
     rate: np.ndarray
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
@@ -47,7 +48,7 @@ class Memory(NamedTuple):
     jacobian: np.ndarray  # (n_entries,)
     mixed: np.ndarray  # (n_entries,) scratch memory of `add_state_change`
     terms: Terms
-    whole: Terms  # with the jacobian in the place of all derivatives by the state, see `newton.mix`
+    whole: Terms  # with the jacobian in the place of all derivatives by the state, see `step_matrix.mix`
     work: Work
     solver: LinearSolver
 
@@ -64,6 +65,23 @@ class Outcome(NamedTuple):
 
     counts: np.ndarray  # (5,) by `STATUS` and its neighbours
     correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the scene's size
+
+
+def taken_memory(system: System) -> Memory:
+    """Memory of the loop: that of a run which has given it back, or new."""
+    plan, weights = system.plan, system.weights[: system.n_q]
+    memory = system.scratch(Memory, lambda: allocate_memory(plan, system.lu_plan, weights.copy(), system.dtype))
+    _clear(tuple(part for part in memory if not isinstance(part, Work | LinearSolver)))
+    cleared(memory.solver, weights)
+    return memory  # in `work` states are evaluated one after the other anyway
+
+
+def _clear(part: tuple) -> None:
+    for each in part:
+        if isinstance(each, tuple):
+            _clear(each)
+        elif isinstance(each, np.ndarray):
+            each.fill(0)
 
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:

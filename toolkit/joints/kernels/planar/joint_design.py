@@ -1,21 +1,19 @@
 """Joints in the plane in the compiled loop: partial derivatives of their rows and forces by the design."""
 
-import numpy as np
-
 from toolkit.foundation.kernel import inlined
 from toolkit.joints.kernels.planar.joint_jacobian import direction_force, direction_rows
 from toolkit.joints.kernels.planar.joint_kernel import change_number
 from toolkit.joints.kernels.records import CURVE, CURVED, DESIGN, FIRST_ROW, N_ROWS
 from toolkit.markers.planar.marker_forces import add_force, add_force_design
+from toolkit.markers.planar.marker_kernel import known_turn
 
 
 @inlined
-def joint_design(joints, j, markers, state, q, acc, curve_variable, curve_index, curve_x, levels, work, I_x, A_x):
+def joint_design(joints, j, markers, state, acc, curve_variable, curve_index, curve_x, levels, work, I_x, A_x):
     """Partial derivatives of the residual by the design: markers, numbers of the forms, time curve."""
     for side in range(2):
         m = joints.of[j, side]
-        frame = markers.frame[m]
-        c, s = (np.cos(q[frame + 2]), np.sin(q[frame + 2])) if frame >= 0 else (1 + 0 * q[0], 0 * q[0])
+        c, s = known_turn(markers, state, m)
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
             x, y = markers.design_variable[d], state.y_x[d]
             direction_rows(joints, j, 3 * side, y, state.rate_x[d], state.acceleration_x[d], state.centripetal_x[d], levels, work)

@@ -3,9 +3,10 @@
 The general formulas (`joint_kernel`, `joint_jacobian`) for g = (x_a - x_b, y_a - y_b), whose derivatives by the poses are 1 and -1.
 """
 
-from toolkit.foundation.kernel import inlined
+from toolkit.foundation.kernel import inlined, inner
 from toolkit.joints.kernels.records import FIRST_ROW, POSITION
 from toolkit.markers.planar.marker_forces import add_force_design, add_geometric_stiffness
+from toolkit.markers.planar.marker_kernel import known_turn
 
 
 @inlined
@@ -79,9 +80,7 @@ def pin_design(joints, j, markers, state, acc, levels, work, I_x, A_x):
     row, sign = joints.of[j, FIRST_ROW], 1.0
     for side in range(2):
         m = joints.of[j, side]
-        c, s = 1.0, 0.0
-        if markers.frame[m] >= 0:
-            c, s = state.turn[markers.twin[m], 0], state.turn[markers.twin[m], 1]
+        c, s = known_turn(markers, state, m)
         work.force[0, 0], work.force[0, 1], work.force[0, 2] = sign * acc[row], sign * acc[row + 1], 0
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
             x = markers.design_variable[d]
@@ -91,3 +90,34 @@ def pin_design(joints, j, markers, state, acc, levels, work, I_x, A_x):
                 A_x[row + i, x] += sign * total
             add_force_design(markers, state, m, d, work.force[0], 1.0, c, s, I_x)
         sign = -1.0
+
+
+@inner
+def pull_pin(joints, j, side, markers, state, levels, factor_i, factor_a, q, v, acc, block, points, shapes):
+    """Derivatives of mu^T (factor_i I + factor_a A) by z0 and Z of one of the two points, added to `points` and `shapes`.
+
+    The formulas of `pin_design` backwards: with u = z0 + Z c, L = A^T mu of the rows, P = J^T L and F = A^T (force on the point)
+
+        by u:  factor_i (k_2 alpha P + mu_theta J^T F) + factor_a ((k_0 - k_2 omega^2) L + k_1 omega P)
+        by u': factor_a (k_1 L + 2 k_2 omega P)         by u'': factor_i k_2 L         by Z_c: factor_i mu_c F besides
+    """
+    m, row, sign = joints.of[j, side], joints.of[j, FIRST_ROW], 1.0 - 2.0 * side
+    (c, s), frame, k2, k1, k0 = known_turn(markers, state, m), markers.frame[m], levels[0], levels[1], levels[2]
+    omega, alpha = (v[frame + 2], acc[frame + 2]) if frame >= 0 else (0.0, 0.0)
+    f_x, f_y = sign * (c * acc[row] + s * acc[row + 1]), sign * (c * acc[row + 1] - s * acc[row])
+    by_l, by_p, twice = (
+        factor_a * (k0 - k2 * omega * omega),
+        factor_i * k2 * alpha + factor_a * k1 * omega,
+        2 * factor_a * k2 * omega,
+    )
+    for r in range(points.shape[2]):
+        x, y = sign * (c * block[row, r] + s * block[row + 1, r]), sign * (c * block[row + 1, r] - s * block[row, r])
+        turn = factor_i * block[frame + 2, r] if frame >= 0 else 0.0
+        u_x, u_y = by_l * x + by_p * y + turn * f_y, by_l * y - by_p * x - turn * f_x
+        points[m, 0, r] += u_x
+        points[m, 1, r] += u_y
+        for k in range(markers.start[m] + 3 if frame >= 0 else markers.start[m], markers.start[m + 1]):
+            i = markers.coordinate[k]
+            by_rate, by_growth, pulled = factor_a * k1 * v[i] + factor_i * k2 * acc[i], twice * v[i], factor_i * block[i, r]
+            shapes[k, 0, r] += u_x * q[i] + by_rate * x + by_growth * y + pulled * f_x
+            shapes[k, 1, r] += u_y * q[i] + by_rate * y - by_growth * x + pulled * f_y
