@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -12,10 +10,6 @@ from tests.models.spatial_cases import CASES, write_models
 from toolkit.bodies.spatial.body import SpatialFloatingNumbers
 from toolkit.compilation.patterns import common_pattern
 from toolkit.conformance.residual import design_paths, inputs, random_state
-from toolkit.equations.equations import allocate_terms, allocate_work, evaluate_all
-from toolkit.foundation.kernel import plain
-from toolkit.solvers.transient.newton import mix, newton_matrix
-from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.system.system import System, compile_scene
 
 PAIRS = [("strip", "flag"), ("ground", "arm"), ("sled", "mast")]
@@ -82,22 +76,3 @@ def test_bodies_with_few_entries_keep_their_lists():
     assert part(many).full
     assert not part(few).full
     assert not part(empty).full
-
-
-def step_matrix(system: System, mixed: bool) -> np.ndarray:
-    """A step's matrix on the pattern, from derivatives that are mixed as Newton asks for them, or from their parts."""
-    plan, scheme, matrix = system.plan, generalized_alpha("arnold-bruels", 0.8, 1e-3), np.zeros(len(system.plan.indices))
-    terms, work = allocate_terms(plan, float), allocate_work(plan, float)
-    if mixed:
-        plain(mix)(plan.markers.frames, plan, scheme, None, SimpleNamespace(work=work))
-        assert np.all(work.floating.mixed > 0)
-    system.run(evaluate_all, plan, system.functions, inputs(system), *random_state(system), True, False, terms, work)
-    plain(newton_matrix)(plan, scheme, terms, matrix)
-    return matrix
-
-
-def test_mixed_derivatives_give_the_matrix_of_a_step(scene):
-    system = compile_scene(scene)
-    ours, theirs = (step_matrix(system, mixed) for mixed in (True, False))
-    # nine terms of each entry are rounded in another order, beside those of the mass that are 1e6 times as large
-    np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-15 * abs(theirs).max())

@@ -15,7 +15,7 @@ import numpy as np
 from toolkit.bodies.kernels.constant_kernel import Constant, constant_design, constant_jacobian, constant_residual
 from toolkit.bodies.kernels.inertia import moving_design, moving_linearized, moving_residual
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
-from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating, is_mixed, parts_of
 from toolkit.foundation.compiled.calls import by_value
 from toolkit.foundation.kernel import inlined, kernel
 from toolkit.joints.kernels.all_joints import add_joint_designs, add_joints
@@ -127,17 +127,16 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     update_poses(plane, frames, plan.markers, work.markers, q, v, acc, linearize, work.scratch)
     if not inputs.inertia:
         set_frames(frames, work.markers, q, rate, acceleration)
-    if linearize:
-        terms.I_q[:] = 0
+    parts, mixed = parts_of(frames, work.floating), is_mixed(frames, work.floating)
     if linearize and inputs.joints_only:
-        for values in (terms.I_acc, terms.A_q, terms.A_v):
+        for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v):
             values[:] = 0
     if not inputs.joints_only:
         constant_residual(
             plan.constant, q, v, acceleration, inputs.scale, work.care[0], work.halves, terms.inertial, terms.applied
         )
     if linearize and not inputs.joints_only:
-        constant_jacobian(plan.constant, terms.I_acc, terms.A_q, terms.A_v)
+        constant_jacobian(plan.constant, mixed, parts, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
         moving_linearized(
             plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
             terms.inertial, terms.applied, terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
@@ -148,13 +147,26 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
             terms.inertial, terms.applied,
         )  # fmt: skip
     add_joints(
-        plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, v, acc, linearize, work.joint, terms
+        plane,
+        frames,
+        functions[0],
+        plan.joints,
+        plan.markers,
+        work.markers,
+        inputs,
+        q,
+        v,
+        acc,
+        linearize,
+        work.joint,
+        parts,
+        terms,
     )
     for k in range(0 if inputs.joints_only else len(plan.loads.family)):
         evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, q, inputs.curves, inputs.scale, work.load)
         load_residual(plan.loads, k, plan.markers, work.markers, v, work.load, terms.applied)
         if linearize:
-            load_jacobian(plan.loads, k, plan.markers, work.markers, work.load, terms.A_q, terms.A_v)
+            load_jacobian(plan.loads, k, plan.markers, work.markers, work.load, parts, terms.A_q, terms.A_v)
     if not inputs.joints_only:
         add_pressures(
             plan.pressures,
@@ -165,20 +177,21 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
             inputs.scale,
             linearize,
             work.scratch,
+            parts[2],
             terms.applied,
             terms.A_q,
         )
-    drop_rows(plan, acc, linearize, terms)
+    drop_rows(plan, acc, linearize, parts[0], terms)
 
 
 @inlined
-def drop_rows(plan, acc, linearize, terms):
+def drop_rows(plan, acc, linearize, by_a, terms):
     """lam = 0 in the place of redundant constraints."""
     for row in plan.dropped:
         terms.inertial[row], terms.applied[row] = acc[row], 0
         for e in range(plan.indptr[row], plan.indptr[row + 1] if linearize else plan.indptr[row]):
-            terms.I_acc[e] = 1 if plan.indices[e] == row else 0
-            terms.I_q[e], terms.A_q[e], terms.A_v[e] = 0, 0, 0
+            terms.I_q[e], terms.A_q[e], terms.A_v[e] = 0, 0, 0  # before the first, which they may be
+            terms.I_acc[e] = by_a if plan.indices[e] == row else 0
 
 
 @inlined

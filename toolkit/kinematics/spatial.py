@@ -163,20 +163,21 @@ def lengths_residual(frames, q, v, acc, levels, inertial, applied):
 
 
 @inner
-def lengths_jacobian(frames, q, v, acc, levels, I_acc, I_q, A_q, A_v):
-    """Derivatives of `lengths_residual`."""
+def lengths_jacobian(frames, q, v, acc, levels, parts, I_acc, I_q, A_q, A_v):
+    """Derivatives of `lengths_residual`, each group multiplied by its part."""
+    by_a, by_q, by_s, by_v = parts
     for f in range(len(frames.first)):
         row, at = frames.row[f], frames.first[f]
         if row >= 0:
             for k in range(4):
                 by_row, by_column, own = frames.position[f, k], frames.position[f, 4 + k], frames.position[f, 8 + k]
                 p, rate, growth = q[at + k], v[at + k], acc[at + k]
-                I_acc[by_row] += levels[0] * p
-                I_acc[by_column] += p
-                I_q[by_row] += levels[0] * growth
-                I_q[own] += acc[row]
-                A_q[by_row] += levels[1] * rate + levels[2] * p
-                A_v[by_row] += 2 * levels[0] * rate + levels[1] * p
+                I_acc[by_row] += by_a * levels[0] * p
+                I_acc[by_column] += by_a * p
+                I_q[by_row] += by_q * levels[0] * growth
+                I_q[own] += by_q * acc[row]
+                A_q[by_row] += by_s * (levels[1] * rate + levels[2] * p)
+                A_v[by_row] += by_v * (2 * levels[0] * rate + levels[1] * p)
 
 
 def skew(vector: np.ndarray) -> np.ndarray:

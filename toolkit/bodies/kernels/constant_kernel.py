@@ -125,8 +125,17 @@ def precise_sum(part, first, last, q, halves):
 
 
 @inlined
-def constant_jacobian(part, I_acc, A_q, A_v):
-    """The same in every step: what all else is added to."""
+def constant_jacobian(part, mixed, parts, I_acc, I_q, A_q, A_v):
+    """The same in every step: what all else is added to; `mixed` and multiplied by its `parts` in the one matrix that all four are."""
+    if mixed:
+        by_a, _, by_q, by_v = parts
+        M, D, K = part.M, part.D, part.K
+        for e in range(len(I_acc) if len(M) == 0 else 0):
+            I_acc[e] = 0
+        for e in range(len(M)):
+            I_acc[e] = by_a * M[e] + by_v * D[e] + by_q * K[e]
+        return
+    I_q[:] = 0
     if len(part.M) == 0:
         I_acc[:], A_q[:], A_v[:] = 0, 0, 0
     copy(part.M, I_acc)

@@ -25,7 +25,7 @@ def evaluate_any_joint(plane, frames, functions, joints, j, markers, state, acc,
 
 
 @inlined
-def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, acc, linearize, work, terms):
+def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, acc, linearize, work, parts, terms):
     """Rows and forces of all joints, and if `linearize` their derivatives by the state."""
     if plane is not None:
         for j in range(len(joints.of)):
@@ -43,13 +43,13 @@ def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, a
     if frames is not None:
         lengths_residual(frames, q, v, acc, inputs.levels, terms.inertial, terms.applied)
         if linearize:
-            lengths_jacobian(frames, q, v, acc, inputs.levels, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
+            lengths_jacobian(frames, q, v, acc, inputs.levels, parts, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
         for j in range(len(joints.of)):
             evaluate_spatial_joint(functions, joints, j, state, acc, work)
             spatial_joint_residual(joints, j, markers, state, inputs.curves, inputs.levels, work, terms.inertial, terms.applied)
             if linearize:
                 spatial_joint_jacobian(
-                    joints, j, markers, state, inputs.levels, acc, work, terms.I_acc, terms.I_q, terms.A_q, terms.A_v
+                    joints, j, markers, state, inputs.levels, acc, work, parts, terms.I_acc, terms.I_q, terms.A_q, terms.A_v
                 )
 
 

@@ -132,8 +132,9 @@ def direction_of_state(markers, work, first, y, rate):
 
 
 @inlined
-def load_jacobian(loads, k, markers, state, work, A_q, A_v):
-    """Derivatives of - B^T f by q and v, scattered into the pattern."""
+def load_jacobian(loads, k, markers, state, work, parts, A_q, A_v):
+    """Derivatives of - B^T f by q and v, scattered into the pattern, each group multiplied by its part."""
+    by_s, by_v = parts[2], parts[3]
     a, b = loads.marker[k, 0], loads.marker[k, 1]
     n_a = markers.start[a + 1] - markers.start[a]
     n_both = n_a + markers.start[b + 1] - markers.start[b]
@@ -141,17 +142,17 @@ def load_jacobian(loads, k, markers, state, work, A_q, A_v):
     position, size = loads.position[loads.position_start[k] :], len(markers.pose)
     if find_changes(2 * size, work):
         for side in range(2):
-            force_columns(loads, k, markers, state, side, side * n_a, work)
+            force_columns(loads, k, markers, state, side, side * n_a, work, by_s, by_v)
         for side in range(2):
             for other in range(2):
                 subtract_block(loads, k, markers, state, side, other, n_a, n, position, work, A_q, A_v)
     for side in range(2):
         force = work.force[size * side : size * side + size]
         add_pose_stiffness(
-            markers.plane, markers.frames, markers, state, loads.marker[k, side], force, -1.0, position, n, side * n_a, A_q
+            markers.plane, markers.frames, markers, state, loads.marker[k, side], force, -by_s, position, n, side * n_a, A_q
         )
     if loads.state[k] >= 0:
-        state_jacobian(loads, k, markers, state, n_a, n, position, work, A_q, A_v)
+        state_jacobian(loads, k, markers, state, n_a, n, position, work, by_s, by_v, A_q, A_v)
 
 
 @inlined
@@ -167,8 +168,8 @@ def find_changes(count, work):
 
 
 @inlined
-def force_columns(loads, k, markers, state, side, first, work):
-    """Derivatives of f by the coordinates of one marker, f_z B + f_w B_v, and by their rates, f_w B, from number `first` on."""
+def force_columns(loads, k, markers, state, side, first, work, by_s, by_v):
+    """Derivatives of f by the coordinates of one marker, f_z B + f_w B_v, and by their rates, f_w B, from number `first` on; multiplied."""
     m, size = loads.marker[k, side], len(markers.pose)
     for i in range(2 * size):
         if work.changes[i]:
@@ -178,8 +179,8 @@ def force_columns(loads, k, markers, state, side, first, work):
                 for c in range(size):
                     moved += by_z[c] * state.B[column, c] + by_w[c] * state.B_v[column, c]
                     turned += by_w[c] * state.B[column, c]
-                work.by_q[i, first + column - markers.start[m]] = moved
-                work.by_v[i, first + column - markers.start[m]] = turned
+                work.by_q[i, first + column - markers.start[m]] = by_s * moved
+                work.by_v[i, first + column - markers.start[m]] = by_v * turned
 
 
 @inner
@@ -215,7 +216,7 @@ def follow_each_other(numbers):
 
 
 @inner
-def state_jacobian(loads, k, markers, state, n_a, n, position, work, A_q, A_v):
+def state_jacobian(loads, k, markers, state, n_a, n, position, work, by_s, by_v, A_q, A_v):
     """Row and column of the state of a load."""
     size, last = len(markers.pose), n - 1
     for side in range(2):
@@ -223,12 +224,12 @@ def state_jacobian(loads, k, markers, state, n_a, n, position, work, A_q, A_v):
         for column in range(markers.start[m], markers.start[m + 1]):
             local = column - markers.start[m] + side * n_a
             direction_of_state(markers, work, size * side, state.B[column], state.B_v[column])
-            A_q[position[last * n + local]] -= work.dforce[2 * size]
-            A_v[position[last * n + local]] -= work.rateforce[2 * size]
+            A_q[position[last * n + local]] -= by_s * work.dforce[2 * size]
+            A_v[position[last * n + local]] -= by_v * work.rateforce[2 * size]
             for c in range(size):
-                A_q[position[local * n + last]] -= state.B[column, c] * work.force_w[size * side + c, 2 * size]
-    A_q[position[n * n - 1]] -= work.force_w[2 * size, 2 * size]
-    A_v[position[n * n - 1]] += 1
+                A_q[position[local * n + last]] -= by_s * state.B[column, c] * work.force_w[size * side + c, 2 * size]
+    A_q[position[n * n - 1]] -= by_s * work.force_w[2 * size, 2 * size]
+    A_v[position[n * n - 1]] += by_v
 
 
 @inlined

@@ -71,15 +71,15 @@ def add_block(part, frames, block, factor, L, q, residual):
 
 
 @inlined
-def add_pressures(part, turning, state, q, curves, scale, linearize, L, applied, A_q):
-    """Residual of all pressures, and if `linearize` its derivative by q; nothing in the plane, where `part` is None. L is (3, 3)."""
+def add_pressures(part, turning, state, q, curves, scale, linearize, L, by_s, applied, A_q):
+    """Residual of all pressures, and if `linearize` its derivative by q, times `by_s`; nothing in the plane. L is (3, 3)."""
     if part is not None:
         for k in range(len(part.curve)):
             factor = scale * curves[part.curve[k], 0] if part.curve[k] >= 0 else scale
             add_block(part, state.frames, k, factor, L, q, applied)
             if linearize and part.turns[k] > 0:
-                add_turning_rows(part, turning, state, k, factor, L, A_q)
-                add_elastic_rows(part, state.frames, k, factor, A_q)
+                add_turning_rows(part, turning, state, k, by_s * factor, L, A_q)
+                add_elastic_rows(part, state.frames, k, by_s * factor, A_q)
 
 
 @inner

@@ -48,7 +48,9 @@ class SpatialMarkers(NamedTuple):
     def state(self, dtype: type) -> "SpatialMarkerState":
         """Memory for the state of the markers."""
         n_m, n_c, n_d = len(self.frame), len(self.coordinate), len(self.design_variable)
-        numbers: list[Any] = [np.zeros((n, POSE), dtype) for n in (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 5 + (n_m,) + (n_c,)]
+        rows = (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 5 + (n_m,) + (n_c,)
+        whole: np.ndarray = np.zeros((sum(rows), POSE), dtype)  # in one piece, of which a processor keeps track in larger pages
+        numbers: list[Any] = np.split(whole, np.cumsum(rows)[:-1])
         numbers += [
             np.zeros((n_m, 6, POSE), dtype), np.zeros((4, 4), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
             np.zeros((12, POSE), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),

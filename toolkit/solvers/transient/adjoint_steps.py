@@ -11,9 +11,9 @@ from toolkit.foundation.kernel import inner, loop
 from toolkit.foundation.vectors.rows import add_rows, filled_up
 from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
 from toolkit.linear.sparse_analysis import LUPlan
-from toolkit.solvers.transient.newton import newton_matrix
 from toolkit.solvers.transient.scheme import with_step
 from toolkit.solvers.transient.staggered import carries
+from toolkit.solvers.transient.step_matrix import newton_matrix
 
 
 class Bars(NamedTuple):

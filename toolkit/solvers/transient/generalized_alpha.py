@@ -10,10 +10,11 @@ from toolkit.foundation.kernel import inlined, loop
 from toolkit.linear.linear_solver import cheaper_anew
 from toolkit.solvers.transient.extrapolation import AWAY, BEND, ORDER, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
-from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
+from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
 from toolkit.solvers.transient.scheme import with_step
 from toolkit.solvers.transient.staggered import carries, carry_over, sensitivity_step
+from toolkit.solvers.transient.step_matrix import newton_matrix
 from toolkit.solvers.transient.step_memory import (
     ALL_ITERATIONS,
     ITERATIONS,

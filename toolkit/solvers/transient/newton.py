@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import EXACT, ROUGH
+from toolkit.bodies.kernels.spatial.floating_kernel import is_mixed
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import UNREFINED as UNREFINED_BLOCK
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
@@ -12,6 +13,7 @@ from toolkit.solvers.transient.extrapolation import AWAY, BEND, BEST, EXPECTED, 
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
 from toolkit.solvers.transient.scheme import by_acceleration
+from toolkit.solvers.transient.step_matrix import mix, newton_matrix
 from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST, REST
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
@@ -61,32 +63,6 @@ class Control(NamedTuple):
     largest_error: float  # local error above which a step is rejected
     easy_error: float  # local error below which the run pauses, to go on with longer steps
     foreseen: bool  # whether the history holds [a; lam] of a run beside this one, from which Newton begins
-
-
-@inlined
-def newton_matrix(plan, scheme, terms, jacobian):
-    """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
-    c_q, c_v = by_acceleration(scheme)
-    w_i, w_a = scheme.weight_inertial, scheme.weight_applied
-    I_acc, I_q, A_q, A_v = terms.I_acc, terms.I_q, terms.A_q, terms.A_v  # looked up once, or nothing is done several at a time
-    for e in range(len(jacobian)):
-        jacobian[e] = w_i * (I_acc[e] + c_q * I_q[e]) + w_a * (c_q * A_q[e] + c_v * A_v[e])
-    if not scheme.inertia:
-        for e in range(len(jacobian)):
-            if plan.indices[e] < plan.n_q:
-                jacobian[e] -= w_i * terms.I_acc[e]
-
-
-@inlined
-def mix(frames, plan, scheme, ggl, memory):
-    """Let large blocks of bodies in space be summed as `newton_matrix` does anyway; gradients and other formulations need their parts."""
-    if frames is not None:
-        (c_q, c_v), mixed = by_acceleration(scheme), memory.work.floating.mixed
-        if plan.n_x == 0 and ggl is None and scheme.inertia:
-            part = scheme.weight_inertial / scheme.weight_applied
-            mixed[0], mixed[1], mixed[2] = part / c_q, part, c_v / c_q
-        else:
-            mixed[:] = 0
 
 
 @inlined
@@ -185,7 +161,8 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     """
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
-    mix(plan.markers.frames, plan, scheme, ggl, memory)
+    terms = mix(plan.markers.frames, plan, scheme, ggl, memory)
+    mixed = is_mixed(plan.markers.frames, memory.work.floating)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
     learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
     steady = ggl is None and not control.modified
@@ -196,15 +173,16 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         # a first correction that is not the last is far larger than its round-off
         rough = stiff and iteration == 0 and not 0 < learnt[EXPECTED] <= FAR
         memory.work.care[0] = ROUGH if rough else EXACT
-        evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
+        evaluator(plan, functions, inputs, q, v, acc, not kept, False, terms, memory.work)
         memory.work.care[0] = EXACT
         for i in range(plan.n):
             total = scheme.weight_inertial * memory.terms.inertial[i] + scheme.weight_applied * memory.terms.applied[i]
             memory.residual[i] = total + memory.carried[i]
         outcome.counts[ITERATIONS] = iteration + 1
         if not kept:
-            newton_matrix(plan, scheme, memory.terms, memory.jacobian)
             memory.kept[0] = scheme.h
+        if not (kept or mixed):
+            newton_matrix(plan, scheme, memory.terms, memory.jacobian)
         if ggl is None:
             blind = (
                 iteration == 0

@@ -48,6 +48,7 @@ class Memory(NamedTuple):
     jacobian: np.ndarray  # (n_entries,)
     mixed: np.ndarray  # (n_entries,) scratch memory of `add_state_change`
     terms: Terms
+    whole: Terms  # with the jacobian in the place of all derivatives by the state, see `step_matrix.mix`
     work: Work
     solver: LinearSolver
 
@@ -90,7 +91,7 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         return np.zeros(shape, dtype)
 
     n, n_x = plan.n, plan.n_x
-    daux = zeros(n, n_x)
+    daux, terms, jacobian = zeros(n, n_x), allocate_terms(plan, dtype), zeros(len(plan.indices))
     return Memory(
         aux=zeros(n),
         daux=daux,
@@ -106,9 +107,10 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         v_predicted=zeros(n),
         residual=zeros(n),
         correction=zeros(n),
-        jacobian=zeros(len(plan.indices)),
+        jacobian=jacobian,
         mixed=zeros(len(plan.indices)),
-        terms=allocate_terms(plan, dtype),
+        terms=terms,
+        whole=terms._replace(**dict.fromkeys(("I_acc", "I_q", "A_q", "A_v"), jacobian)),
         work=allocate_work(plan, dtype),
         solver=linear_solver(lu_plan, weights[: plan.n_q], n_x, dtype),
     )

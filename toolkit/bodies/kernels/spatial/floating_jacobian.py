@@ -4,7 +4,7 @@ They follow from the head of that file with dA/dbeta_k = A_k, dV/dbeta_k = V_k, 
 dW/dbeta_k' = 2 V_k and dX/dbeta_k'' = A_k.
 """
 
-from toolkit.bodies.kernels.spatial.floating_kernel import add_spatial_block
+from toolkit.bodies.kernels.spatial.floating_kernel import add_spatial_block, parts_of
 from toolkit.bodies.kernels.spatial.products import multiply_spatial_block, row_length
 from toolkit.bodies.kernels.spatial.small_matrices import (
     add_matrix,
@@ -23,45 +23,46 @@ from toolkit.kinematics.spatial import second_products
 
 
 @inlined
-def add_moving_rows(part, frames, b, work, border, I_acc, I_q, A_q, A_v):
+def add_moving_rows(part, frames, b, work, border, parts, I_acc, I_q, A_q, A_v):
     """Entries of the rows r by r, beta and c, and of the mass matrix below."""
-    n_b, n, (n0, n1, n2) = part.turns[b], part.n_f[b], work.first
+    n_b, n, (n0, n1, n2), (by_a, by_q, by_s, by_v) = part.turns[b], part.n_f[b], work.first, parts
     for i in range(3):
-        I_acc[border[i] + i] += part.mass[b]
+        I_acc[border[i] + i] += by_a * part.mass[b]
         for k in range(n_b):
             place, A_k, V_k = border[i] + 3 + k, frames.A_k[b, k, i], frames.V_k[b, k, i]
-            mass, by_acc, by_q, by_v = 0 * n0[0], 0 * n0[0], 0 * n0[0], 0 * n0[0]
+            mass, inertial, applied, by_rate = 0 * n0[0], 0 * n0[0], 0 * n0[0], 0 * n0[0]
             for j in range(3):
                 mass += A_k[j] * n0[j]
-                by_acc += A_k[j] * n2[j] + frames.X_k[b, k, i, j] * n0[j]
-                by_q += 2 * V_k[j] * n1[j] + frames.W_k[b, k, i, j] * n0[j]
-                by_v += 2 * A_k[j] * n1[j] + 2 * V_k[j] * n0[j]
-            I_acc[place] += mass
-            I_acc[border[3 + k] + i] += mass
-            I_q[place] += by_acc
-            A_q[place] += by_q
-            A_v[place] += by_v
+                inertial += A_k[j] * n2[j] + frames.X_k[b, k, i, j] * n0[j]
+                applied += 2 * V_k[j] * n1[j] + frames.W_k[b, k, i, j] * n0[j]
+                by_rate += 2 * A_k[j] * n1[j] + 2 * V_k[j] * n0[j]
+            I_acc[place] += by_a * mass
+            I_acc[border[3 + k] + i] += by_a * mass
+            I_q[place] += by_q * inertial
+            A_q[place] += by_s * applied
+            A_v[place] += by_v * by_rate
         if n > 0:
             place, start = border[i] + 3 + n_b, part.moment_start[b] + 1
             A, X, W, V = frames.A[b, i], frames.X[b, i], frames.W[b, i], frames.V[b, i]
-            add_three_rows(X[0], X[1], X[2], part.moment, start, I_q[place : place + n])
-            add_three_rows(W[0], W[1], W[2], part.moment, start, A_q[place : place + n])
-            add_three_rows(2 * V[0], 2 * V[1], 2 * V[2], part.moment, start, A_v[place : place + n])
+            add_three_rows(by_q * X[0], by_q * X[1], by_q * X[2], part.moment, start, I_q[place : place + n])
+            add_three_rows(by_s * W[0], by_s * W[1], by_s * W[2], part.moment, start, A_q[place : place + n])
+            twice = 2 * by_v
+            add_three_rows(twice * V[0], twice * V[1], twice * V[2], part.moment, start, A_v[place : place + n])
             line = work.lines[0, :n]
             line[:] = 0
-            add_three_rows(A[0], A[1], A[2], part.moment, start, line)
+            add_three_rows(by_a * A[0], by_a * A[1], by_a * A[2], part.moment, start, line)
             for j in range(n):
                 I_acc[place + j] += line[j]
                 I_acc[border[3 + n_b + j] + i] += line[j]
 
 
 @inlined
-def add_turning_block(part, frames, state, b, acc, gravity, scale, work, border, I_acc, I_q, A_q, A_v):
+def add_turning_block(part, frames, state, b, acc, gravity, scale, work, border, parts, I_acc, I_q, A_q, A_v):
     """Entries beta by beta; by column l with the products A_l S^T, X_l S^T, V_l S^T and W_l S^T.
 
     The sums in `work` that A_k is multiplied with get the terms of r'' and g too, for the products with A_kl.
     """
-    n_r, n0, frame = part.moves[b], work.first[0], part.frame[b]
+    n_r, n0, frame, (by_a, by_q, by_s, by_v) = part.moves[b], work.first[0], part.frame[b], parts
     for i in range(3):
         for j in range(3):
             work.inertial[i, j] += (acc[frame + i] if n_r > 0 else 0 * n0[0]) * n0[j]
@@ -84,10 +85,10 @@ def add_turning_block(part, frames, state, b, acc, gravity, scale, work, border,
             by_transpose(A_l, work.s_v, 2.0, by_rate)
         for row in range(part.turns[b]):
             place, A_k = border[n_r + row] + n_r + column, state.A_k[b, row]
-            I_acc[place] += product(A_k, mass)
-            I_q[place] += product(A_k, inertial) + work.curved_inertial[row, column]
-            A_q[place] += product(A_k, applied) + work.curved_applied[row, column]
-            A_v[place] += product(A_k, by_rate)
+            I_acc[place] += by_a * product(A_k, mass)
+            I_q[place] += by_q * (product(A_k, inertial) + work.curved_inertial[row, column])
+            A_q[place] += by_s * (product(A_k, applied) + work.curved_applied[row, column])
+            A_v[place] += by_v * product(A_k, by_rate)
 
 
 @inlined
@@ -118,53 +119,55 @@ def fill_pairs(state, b, k, pairs):
 
 
 @inlined
-def add_bent_rows(part, state, b, acc, gravity, scale, work, border, I_acc, I_q, A_q, A_v):
+def add_bent_rows(part, state, b, acc, gravity, scale, work, border, parts, I_acc, I_q, A_q, A_v):
     """Entries beta by c and c by beta."""
     n_r, n, start, pairs = part.moves[b], part.n_f[b], part.moment_start[b] + 1, work.pairs
-    mass, by_acc, by_q, by_v = work.lines[0, :n], work.lines[1, :n], work.lines[2, :n], work.lines[3, :n]
+    mass, inertial, applied, by_rate = work.lines[0, :n], work.lines[1, :n], work.lines[2, :n], work.lines[3, :n]
+    by_a, by_q, by_s, by_v = parts
     for k in range(part.turns[b]):
         A_k, row = state.A_k[b, k], border[n_r + k] + n_r + part.turns[b]
         fill_pairs(state, b, k, pairs)
         work.lines[:] = 0
         add_nine_rows(pairs[1], 1.0, work.q, 1, mass)
-        add_nine_rows(pairs[3], 1.0, work.q, 1, by_acc)
-        add_nine_rows(pairs[7], 2.0, work.v, 1, by_q)
-        add_nine_rows(pairs[9], 1.0, work.q, 1, by_q)
-        add_nine_rows(pairs[1], 2.0, work.v, 1, by_v)
-        add_nine_rows(pairs[6], 2.0, work.q, 1, by_v)
-        row_acc, row_q = I_q[row : row + n], A_q[row : row + n]
-        add_nine_rows(pairs[0], 1.0, work.acc, 1, row_acc)
-        add_nine_rows(pairs[2], 1.0, work.q, 1, row_acc)
-        add_nine_rows(pairs[4], 2.0, work.v, 1, row_q)
-        add_nine_rows(pairs[8], 1.0, work.q, 1, row_q)
-        add_nine_rows(pairs[5], 2.0, work.q, 1, A_v[row : row + n])
+        add_nine_rows(pairs[3], 1.0, work.q, 1, inertial)
+        add_nine_rows(pairs[7], 2.0, work.v, 1, applied)
+        add_nine_rows(pairs[9], 1.0, work.q, 1, applied)
+        add_nine_rows(pairs[1], 2.0, work.v, 1, by_rate)
+        add_nine_rows(pairs[6], 2.0, work.q, 1, by_rate)
+        row_q, row_s = I_q[row : row + n], A_q[row : row + n]
+        add_nine_rows(pairs[0], by_q, work.acc, 1, row_q)
+        add_nine_rows(pairs[2], by_q, work.q, 1, row_q)
+        add_nine_rows(pairs[4], 2 * by_s, work.v, 1, row_s)
+        add_nine_rows(pairs[8], by_s, work.q, 1, row_s)
+        add_nine_rows(pairs[5], 2 * by_v, work.q, 1, A_v[row : row + n])
         x, y, z = -scale * along(A_k, 0, gravity), -scale * along(A_k, 1, gravity), -scale * along(A_k, 2, gravity)
-        add_three_rows(x, y, z, part.moment, start, by_q)
-        add_three_rows(x, y, z, part.moment, start, row_q)
+        add_three_rows(x, y, z, part.moment, start, applied)
+        add_three_rows(by_s * x, by_s * y, by_s * z, part.moment, start, row_s)
         if n_r > 0:
             pull = acc[part.frame[b] : part.frame[b] + 3]
             x, y, z = along(A_k, 0, pull), along(A_k, 1, pull), along(A_k, 2, pull)
-            add_three_rows(x, y, z, part.moment, start, by_acc)
-            add_three_rows(x, y, z, part.moment, start, row_acc)
+            add_three_rows(x, y, z, part.moment, start, inertial)
+            add_three_rows(by_q * x, by_q * y, by_q * z, part.moment, start, row_q)
         for j in range(n):
             place = border[n_r + part.turns[b] + j] + n_r + k
-            I_acc[row + j] += mass[j]
-            I_acc[place] += mass[j]
-            I_q[place] += by_acc[j]
-            A_q[place] += by_q[j]
-            A_v[place] += by_v[j]
+            I_acc[row + j] += by_a * mass[j]
+            I_acc[place] += by_a * mass[j]
+            I_q[place] += by_q * inertial[j]
+            A_q[place] += by_s * applied[j]
+            A_v[place] += by_v * by_rate[j]
 
 
 @inlined
-def add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v):
+def add_bent_entries(part, b, work, parts, I_acc, I_q, A_q, A_v):
     """Entries c by c from a list of entries."""
+    by_a, by_q, by_s, by_v = parts
     for e in range(part.entry_start[b], part.entry_start[b + 1]):
         if part.entry_row[e] > 0 and part.entry_column[e] > 0:
             place, nine = part.entry_position[e], part.second[e]
-            I_acc[place] += nine[0] + nine[4] + nine[8]
-            I_q[place] += flat_product(work.turned, nine)
-            A_q[place] += flat_product(work.bent, nine)
-            A_v[place] += 2 * flat_product(work.rate, nine)
+            I_acc[place] += by_a * (nine[0] + nine[4] + nine[8])
+            I_q[place] += by_q * flat_product(work.turned, nine)
+            A_q[place] += by_s * flat_product(work.bent, nine)
+            A_v[place] += 2 * by_v * flat_product(work.rate, nine)
 
 
 @inlined
@@ -200,39 +203,40 @@ def add_bent_row(n, w, matrix, at, work, mass, by_acc, by_q, by_v):
 
 
 @inlined
-def add_mixed_matrices(part, b, work, border, A_q):
-    """The same, all derivatives mixed in A_q as a step's matrix needs them, see `SpatialFloatingWork.mixed`."""
-    n, size = 1 + part.n_f[b], part.moves[b] + part.turns[b]
+def add_mixed_matrices(part, b, work, border, parts, matrix):
+    """The same in one matrix, see `parts_of`."""
+    n, size, (by_a, by_q, by_s, by_v) = 1 + part.n_f[b], part.moves[b] + part.turns[b], parts
     w, factors, line = row_length(n), work.sums, work.lines[0, : row_length(n)]
     for k in range(9):
         i, j = k // 3, k % 3
-        factors[0, k] = work.mixed[1] * work.turned[i, j] + work.bent[i, j] + 2 * work.mixed[2] * work.rate[i, j]
-        factors[0, k] += work.mixed[0] if i == j else 0.0
+        factors[0, k] = by_q * work.turned[i, j] + by_s * work.bent[i, j] + 2 * by_v * work.rate[i, j]
+        factors[0, k] += by_a if i == j else 0.0
     for i in range(1, n):
         line[:] = 0
         add_to_each((line,), factors, 9, part.matrix, part.matrix_start[b] + 9 * w * i, w)
-        by_q = A_q[border[size + i - 1] + size :]
+        row = matrix[border[size + i - 1] + size :]
         for j in range(n - 1):
-            by_q[j] += line[1 + j]
+            row[j] += line[1 + j]
 
 
 @inlined
 def spatial_linearized(part, frames, state, q, v, acc, scale, work, inertial, applied, I_acc, I_q, A_q, A_v):
     """Residual of all bodies whose frame turns, and its derivatives by q, v and a."""
+    parts = parts_of(frames, work)
     for b in range(len(part.frame)):
         multiply_spatial_block(part, state, b, q, v, acc, work)
         add_spatial_block(part, state, b, acc, part.gravity, scale, work, inertial, applied)
         border = part.border[part.border_start[b] :]
         if part.moves[b] > 0:
-            add_moving_rows(part, state, b, work, border, I_acc, I_q, A_q, A_v)
-        add_turning_block(part, frames, state, b, acc, part.gravity, scale, work, border, I_acc, I_q, A_q, A_v)
+            add_moving_rows(part, state, b, work, border, parts, I_acc, I_q, A_q, A_v)
+        add_turning_block(part, frames, state, b, acc, part.gravity, scale, work, border, parts, I_acc, I_q, A_q, A_v)
         if part.n_f[b] > 0:
-            add_bent_rows(part, state, b, acc, part.gravity, scale, work, border, I_acc, I_q, A_q, A_v)
+            add_bent_rows(part, state, b, acc, part.gravity, scale, work, border, parts, I_acc, I_q, A_q, A_v)
         if part.stiffened_start[b + 1] > part.stiffened_start[b]:
-            add_stiffened_jacobian(part, state, b, work, border, I_q, A_q, A_v)
+            add_stiffened_jacobian(part, state, b, work, border, parts, I_q, A_q, A_v)
         if part.full[b] == 1 and work.mixed[0] != 0:
-            add_mixed_matrices(part, b, work, border, A_q)
+            add_mixed_matrices(part, b, work, border, parts, I_acc)
         elif part.full[b] == 1:
             add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v)
         else:
-            add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v)
+            add_bent_entries(part, b, work, parts, I_acc, I_q, A_q, A_v)

@@ -66,8 +66,10 @@ class SpatialFloating(NamedTuple):
         n = filled_up(1 + int(max(self.n_f, default=0)))
         rows: list[tuple[int, ...]] = [(9, n)]
         small: list[tuple[int, ...]] = [(3, 3)]
-        shapes = [*small, (3, n), (3, 9), *rows * 3, *small * 8, (12, 3, 3), (4, 4), (4, 4), (5, n), *rows * 2, (3,)]
-        return SpatialFloatingWork(*(np.zeros(shape, dtype) for shape in shapes))
+        shapes = [*small, (3, n), (3, 9), *rows * 3, *small * 8, (12, 3, 3), (4, 4), (4, 4), (5, n), *rows * 2, (5,)]
+        found = SpatialFloatingWork(*(np.zeros(shape, dtype) for shape in shapes))
+        found.mixed[1:] = 1
+        return found
 
 
 class SpatialFloatingWork(NamedTuple):
@@ -93,9 +95,24 @@ class SpatialFloatingWork(NamedTuple):
     lines: np.ndarray  # (5, 1 + n_f) scratch memory
     stiff_q: np.ndarray  # (9, 1 + n_f): R[a, b] z^, b running fastest
     stiff_v: np.ndarray  # with z'
-    mixed: (
-        np.ndarray
-    )  # (3,) where nothing but their sum is asked for, derivatives by acc, q and v with these factors beside those of A_q
+    mixed: np.ndarray
+    """(5,) 1 where I_acc, I_q, A_q and A_v are one matrix, that of a step, and what they are multiplied by there; or 0, and ones."""
+
+
+@inlined
+def is_mixed(frames, work):
+    """Whether derivatives go to one matrix, see `SpatialFloatingWork.mixed`; never in the plane."""
+    if frames is not None:
+        return work.mixed[0] != 0
+    return False
+
+
+@inlined
+def parts_of(frames, work):
+    """What those by a, q of the inertial, q and v of the applied terms are multiplied by."""
+    if frames is not None:
+        return work.mixed[1], work.mixed[2], work.mixed[3], work.mixed[4]
+    return 1.0, 1.0, 1.0, 1.0
 
 
 @inlined

@@ -43,10 +43,10 @@ def add_stiffened_residual(frames, b, work, applied):
 
 
 @inner
-def add_stiffened_jacobian(part, state, b, work, border, I_q, A_q, A_v):
+def add_stiffened_jacobian(part, state, b, work, border, parts, I_q, A_q, A_v):
     """Entries beta by c, c by beta and c by c; those beta by beta follow from the moments of the shapes."""
     n_r, n_b, n, pairs = part.moves[b], part.turns[b], part.n_f[b], work.pairs
-    by_q, by_v = work.lines[0, :n], work.lines[1, :n]
+    applied, by_rate, (_, by_q, by_s, by_v) = work.lines[0, :n], work.lines[1, :n], parts
     for k in range(n_b):
         A_k, row = state.A_k[b, k], border[n_r + k] + n_r + n_b
         transposed_product(A_k, state.X[b], pairs[0])
@@ -54,17 +54,17 @@ def add_stiffened_jacobian(part, state, b, work, border, I_q, A_q, A_v):
         transposed_product(A_k, state.W[b], pairs[2])
         transposed_product(state.V[b], state.V_k[b, k], pairs[3])
         transposed_product(state.V[b], A_k, pairs[4])
-        add_nine_rows(pairs[0], 2.0, work.stiff_q, 1, I_q[row : row + n])
-        add_nine_rows(pairs[1], 2.0, work.stiff_v, 1, A_q[row : row + n])
-        add_nine_rows(pairs[2], 2.0, work.stiff_q, 1, A_q[row : row + n])
-        add_nine_rows(pairs[1], 2.0, work.stiff_q, 1, A_v[row : row + n])
+        add_nine_rows(pairs[0], 2 * by_q, work.stiff_q, 1, I_q[row : row + n])
+        add_nine_rows(pairs[1], 2 * by_s, work.stiff_v, 1, A_q[row : row + n])
+        add_nine_rows(pairs[2], 2 * by_s, work.stiff_q, 1, A_q[row : row + n])
+        add_nine_rows(pairs[1], 2 * by_v, work.stiff_q, 1, A_v[row : row + n])
         work.lines[:] = 0
-        add_nine_rows(pairs[3], -2.0, work.stiff_q, 1, by_q)
-        add_nine_rows(pairs[4], -2.0, work.stiff_q, 1, by_v)
+        add_nine_rows(pairs[3], -2 * by_s, work.stiff_q, 1, applied)
+        add_nine_rows(pairs[4], -2 * by_v, work.stiff_q, 1, by_rate)
         for j in range(n):
             place = border[n_r + n_b + j] + n_r + k
-            A_q[place] += by_q[j]
-            A_v[place] += by_v[j]
+            A_q[place] += applied[j]
+            A_v[place] += by_rate[j]
     transposed_product(state.V[b], state.V[b], pairs[0])
     for e in range(part.stiffened_start[b], part.stiffened_start[b + 1]):
-        A_q[part.stiffened_position[e]] -= flat_product(pairs[0], part.stiffening[e])
+        A_q[part.stiffened_position[e]] -= by_s * flat_product(pairs[0], part.stiffening[e])

@@ -41,7 +41,7 @@ def linear_row(joints, form, side, y, rate, acceleration, centripetal):
 
 
 @inner
-def spatial_joint_jacobian(joints, j, markers, state, levels, acc, work, I_acc, I_q, A_q, A_v):
+def spatial_joint_jacobian(joints, j, markers, state, levels, acc, work, parts, I_acc, I_q, A_q, A_v):
     """Derivatives of the residual by q, v, a and lam, scattered into the pattern; entries that are never anything have no place there.
 
     That by a coordinate's velocity is k_2 (g_z 2 B_v + 2 w^T g_zz B) + k_1 g_z B.
@@ -49,7 +49,7 @@ def spatial_joint_jacobian(joints, j, markers, state, levels, acc, work, I_acc, 
     a, b = joints.of[j, 0], joints.of[j, 1]
     n_a = markers.start[a + 1] - markers.start[a]
     n = n_a + markers.start[b + 1] - markers.start[b]
-    rows, k2, k1, k0 = joints.of[j, N_ROWS], levels[0], levels[1], levels[2]
+    rows, k2, k1, k0, (by_a, by_q, by_s, by_v) = joints.of[j, N_ROWS], levels[0], levels[1], levels[2], parts
     position = joints.position[joints.of[j, POSITION] :]
     by_row, by_column = position[n * n :], position[n * n + rows * n :]
     form = joints.of[j, FORM]
@@ -67,19 +67,19 @@ def spatial_joint_jacobian(joints, j, markers, state, levels, acc, work, I_acc, 
                         inertial, total, velocity, phi = linear_row(joints, form, side, B, B_v, B_a, b_q)
                     else:
                         inertial, total, velocity, phi = direction_row(joints, j, i, side, B, B_v, B_a, b_q, work)
-                    I_acc[at] += k2 * phi
-                    I_acc[transposed] += phi
-                    I_q[at] += k2 * inertial
-                    A_q[at] += k2 * total + k1 * velocity + k0 * phi
-                    A_v[at] += 2 * k2 * velocity + k1 * phi
+                    I_acc[at] += by_a * k2 * phi
+                    I_acc[transposed] += by_a * phi
+                    I_q[at] += by_q * k2 * inertial
+                    A_q[at] += by_s * (k2 * total + k1 * velocity + k0 * phi)
+                    A_v[at] += by_v * (2 * k2 * velocity + k1 * phi)
         for f in range(forms):
-            add_pairs(joints, j, form + f, lam * work.composed[i, f, 0], markers, state, position, n, n_a, I_q)
+            add_pairs(joints, j, form + f, by_q * lam * work.composed[i, f, 0], markers, state, position, n, n_a, I_q)
         form += forms
         if law != PLAIN:
-            add_bend(joints, j, i, lam, markers, state, work, position, n, n_a, I_q)
+            add_bend(joints, j, i, by_q * lam, markers, state, work, position, n, n_a, I_q)
     for side in range(2):
         force = work.force[0, 12 * side : 12 * side + 12]
-        add_spatial_stiffness(markers, state, joints.of[j, side], force, 1.0, position, n, side * n_a, I_q)
+        add_spatial_stiffness(markers, state, joints.of[j, side], force, by_q, position, n, side * n_a, I_q)
 
 
 @inner
