@@ -123,7 +123,8 @@ def _owners(first: dict[str, int], end: int, unknowns: np.ndarray) -> list[str]:
 
 def grips_of(path: str, component: Component) -> list[tuple[str, ...]]:
     """The markers of a component: (body, point), and its path if they have axes of its own."""
-    return [(*grip, path) if component.axes is not None else grip for grip in component.grips]
+    own = () if component.axes is None else (path,)
+    return [(*grip, *own) for grip in component.grips]
 
 
 def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Numbering:

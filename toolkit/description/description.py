@@ -126,6 +126,15 @@ def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield from numbers_below(f"{path}.{_AXES[index] if _is_pair(value) else index}", below)
 
 
+def holds_complex(value: Any) -> bool:
+    """Whether any number below a value is complex."""
+    if isinstance(value, Description):
+        return any(holds_complex(below) for _, below in value)
+    if isinstance(value, Mapping):
+        return any(map(holds_complex, value.values()))
+    return any(map(holds_complex, value)) if isinstance(value, (tuple, list)) else isinstance(value, complex)
+
+
 def number_at(value: Any, keys: Sequence[str]) -> Any | None:
     """The number that keys lead to from a value, as `numbers_below` names it; None if there is none."""
     for key in keys:

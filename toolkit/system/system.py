@@ -19,6 +19,7 @@ from toolkit.compilation.patterns.moving import moving_unknowns
 from toolkit.compilation.plan import build_plan
 from toolkit.compilation.quantities import STEP, Asked, Quantities, seen_quantities
 from toolkit.compilation.remembered import Remembered
+from toolkit.description.description import holds_complex
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
@@ -320,14 +321,15 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     """
     files = file_states(scene)
     scene = with_parts(scene)
-    check_numbers(scene)
+    placed = Remembered(scene)
+    check_numbers(scene, placed)
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
-    values, seen = seen_quantities(scene, numbering)
+    values, seen = seen_quantities(scene, numbering, remembered=placed)
     changes = derivatives(scene, numbering, variables, seen)
     on_common_pattern(values, changes)
-    dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
-    sizes = weights(scene, numbering)
+    dtype = complex if holds_complex(scene) else float
+    sizes = weights(scene, numbering, placed)
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q, moving_unknowns(numbering, values, plan.markers.coordinate))

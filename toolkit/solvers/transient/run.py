@@ -91,13 +91,13 @@ def allocate_history(system: System, options: RunOptions, n_t: int, start: tuple
     InputError
         The states need more memory than `solver.memory`.
     """
-    check_memory(system, options, n_t, start)
+    check_memory(system, options, n_t)
     return empty_history(system, n_t, start)
 
 
-def check_memory(system: System, options: RunOptions, n_t: int, start: tuple) -> None:
+def check_memory(system: System, options: RunOptions, n_t: int) -> None:
     """Refuse more states than fit into memory, as `allocate_history`."""
-    needed = 8 * n_t * sum(item.size for item in start)
+    needed = 8 * n_t * (3 * system.n + system.n_x * (2 * system.n_q + system.n))
     if needed > GIGABYTE * options.memory:
         coarser = "solver.step" if options.local_error is None else "solver.local_error"
         raise InputError(
@@ -110,9 +110,12 @@ def check_memory(system: System, options: RunOptions, n_t: int, start: tuple) ->
 def empty_history(system: System, n_t: int, start: tuple) -> History:
     """Memory for n_t states, the first filled in."""
     arrays: list[np.ndarray] = [np.zeros((n_t, *item.shape), system.dtype) for item in start[:3]]
-    arrays += [*zeros_in_large_pages(3, n_t, *start[3].shape)]  # together, so that they have few pages
+    n_x, rows = start[3].shape[1], (system.n_q, system.n_q, system.n)
+    memory = zeros_in_large_pages(n_t * n_x * sum(rows))  # together, so that they have few pages
+    parts = np.split(memory, n_t * n_x * np.cumsum(rows)[:2])
+    arrays += [part.reshape(n_t, count, n_x) for part, count in zip(parts, rows, strict=True)]
     for array, item in zip(arrays, start, strict=True):
-        array[0] = item
+        array[0] = item[: array.shape[1]]
     return History(*arrays, *(array.reshape(n_t, -1) for array in arrays[3:]))
 
 

@@ -17,10 +17,10 @@ class History(NamedTuple):
     q: np.ndarray  # (n_t, n)
     v: np.ndarray
     acc: np.ndarray
-    dq: np.ndarray  # (n_t, n, n_x)
+    dq: np.ndarray  # (n_t, n_q, n_x)
     dv: np.ndarray
-    dacc: np.ndarray
-    flat_dq: np.ndarray  # (n_t, n n_x) the same memory, for formulas that serve vectors and blocks alike
+    dacc: np.ndarray  # (n_t, n, n_x)
+    flat_dq: np.ndarray  # (n_t, n_q n_x) the same memory, for formulas that serve vectors and blocks alike
     flat_dv: np.ndarray
     flat_dacc: np.ndarray
 
@@ -34,7 +34,7 @@ class Memory(NamedTuple):
     carried: np.ndarray  # (n,) carried part of the residual
     dcarried: np.ndarray  # (n, n_x filled up)
     pseudo_load: np.ndarray
-    moved: np.ndarray  # scratch memory of `add_state_change`, as the next one
+    moved: np.ndarray  # scratch memory of `add_state_change`, as the next one; zero in the rows of multipliers
     rate: np.ndarray
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
