@@ -125,6 +125,19 @@ def test_several_numbers_at_once_one_after_the_other_and_back_again():
     assert_same(renewed(at_once, scene, paths), system)
 
 
+def test_several_numbers_in_one_copy_are_those_one_after_the_other():
+    scene = wing()
+    values = {each.path: each.value * (1 + MOVED) for each in scene.design_variables()} | {
+        "points.D.y": 3.9,
+        "loads.drive.torque": 4.3e3,
+    }
+    one_by_one = scene
+    for path, value in values.items():
+        one_by_one = one_by_one.with_number(path, value)
+    assert scene.with_all(values) == one_by_one
+    assert scene.with_all(values) != scene
+
+
 def markers(*columns: int) -> Quantities:
     """Numbers of a scene with nothing but a marker that feels some coordinates."""
     part = MarkerNumbers(np.zeros(3), np.array(columns), np.arange(3.0 * len(columns)).reshape(-1, 3) + 1)
