@@ -1,7 +1,7 @@
 """A run of the smallest scene there is, so that all that an analysis calls is compiled before it begins.
 
-What is compiled depends on the dimension of space, on the formulation of the joints and on the analysis, but on no number of the scene; the
-formulas of its own kinds of joints and loads come apart.
+What is compiled depends on the dimension of space and on the analysis, but on no number of the scene; the formulas of its own kinds of
+joints and loads come apart.
 """
 
 from __future__ import annotations
@@ -49,10 +49,10 @@ def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
 
 
 def rehearse_others(scene: Scene) -> None:
-    """Call everything compiled that any analysis of such a scene calls, in every formulation; those of one group share their code."""
-    for formulation in ("index-1", "ggl"):
-        options = scene.solver.model_copy(update={"formulation": formulation})
-        rehearse(scene.model_copy(update={"solver": options}), "transient", backwards=True)
+    """Call everything compiled that any analysis of such a scene calls: all formulations of joints share their code, but for the adjoint,
+    which one of them lacks."""
+    options = scene.solver.model_copy(update={"formulation": "index-1"})
+    rehearse(scene.model_copy(update={"solver": options}), "transient", backwards=True)
 
 
 def rehearse_everything(space: Space) -> None:

@@ -118,7 +118,7 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, away
     """
     still = not control.modified and away == 0
     if plan.n_x > 0 or carries(scheme):
-        linearize = plan.n_x > 0 and (ggl is not None or not still)
+        linearize = plan.n_x > 0 and (ggl.active or not still)
         memory.work.care[0] = EXACT if carries(scheme) else LEFT_OUT
         evaluator(plan, functions, inputs, q, v, acc, linearize, plan.n_x > 0, memory.terms, memory.work)
         memory.work.care[0] = EXACT
@@ -126,12 +126,12 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, away
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
         changed = 2 * memory.learnt[BEND] * away  # of the Jacobian
         near = not control.modified and (away <= CLOSE or 0 < changed <= SHARP)
-        known = ggl is None and not control.modified and memory.solver.mode[0] == 0
+        known = not ggl.active and not control.modified and memory.solver.mode[0] == 0
         if not near or (known and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)):
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
             return known and away <= ALIKE
-        if ggl is not None:
+        if ggl.active:
             ggl_matrix(scheme, memory, ggl)
     return still
 
@@ -144,8 +144,8 @@ def integrate(
     """Steps first ... last - 1; step n goes from time n to n + 1, over lengths[n]. Stops at the first step that is not CONVERGED.
 
     `begins` if state 0 is the consistent start; otherwise `memory` holds what the step to the first state has left. An EASY step is
-    accepted, all others at which the loop stops are not. `ggl` is None, for which the loop is compiled without it, or memory of
-    stabilised index 2.
+    accepted, all others at which the loop stops are not. `ggl` is the memory of stabilised index 2, idle in other formulations: one loop
+    serves all.
     """
     memory.kept[0] = 0
     if begins:
@@ -158,7 +158,7 @@ def integrate(
         outcome.counts[STEP] = step
         while True:
             foresee(plan, now, control.foreseen, history, step, memory)
-            if ggl is not None:
+            if ggl.active:
                 begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
             outcome.counts[STATUS] = newton(
                 evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome
@@ -175,10 +175,10 @@ def integrate(
         outcome.correction[LARGEST_ERROR] = max(outcome.correction[LAST_ERROR], outcome.correction[LARGEST_ERROR])
         fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, memory.learnt[AWAY], memory, ggl)
         if plan.n_x > 0:
-            if ggl is None:
-                sensitivity_step(plan, now, history, step, fresh, memory)
-            else:
+            if ggl.active:
                 ggl_sensitivity_step(evaluator, plan, functions, inputs, now, history, step, fresh, memory, ggl)
+            else:
+                sensitivity_step(plan, now, history, step, fresh, memory)
         advance_auxiliary(now, history.acc[step], acc, plan.n_q, memory.aux)
         learn_trend(plan, now, weights, history.acc[step], acc, memory)
         if carries(scheme):

@@ -157,7 +157,7 @@ def serves_on(control, learnt, size):
 def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
     """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
 
-    With `ggl`, which is None in other formulations, on [a; lam; eta].
+    Where `ggl` is active on [a; lam; eta], see `ggl_step`.
     """
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
@@ -165,7 +165,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     mixed = is_mixed(plan.markers.frames, memory.work.floating)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
     learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
-    steady = ggl is None and not control.modified
+    steady = not ggl.active and not control.modified
     for iteration in range(control.most):
         keepable = not control.modified or learnt[QUALITY] <= WORSE * learnt[BEST]
         kept, exact_before = trusted and memory.kept[0] > 0 and keepable, not kept
@@ -183,7 +183,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             memory.kept[0] = scheme.h
         if not (kept or mixed):
             newton_matrix(plan, scheme, memory.terms, memory.jacobian)
-        if ggl is None:
+        if not ggl.active:
             blind = (
                 iteration == 0
                 and not (control.thorough or control.modified)
@@ -199,7 +199,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             return SINGULAR if is_finite(memory.residual) else NOT_FINITE
         before = outcome.correction[LAST]
         correct(plan, scheme, weights, memory, q, v, acc, outcome)
-        if ggl is not None:
+        if ggl.active:
             correct_ggl(plan, scheme, weights, ggl, q, outcome)
         size = outcome.correction[LAST]
         outcome.correction[REST] = size
@@ -210,7 +210,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             trusted, steady = False, False  # for the rest of this step
             if not (size <= before or size <= control.tolerance):
                 copy(memory.guess, acc)
-                if ggl is not None:
+                if ggl.active:
                     ggl.eta[:] = 0
                 place(scheme, memory, plan.n_q, acc, q, v)
             continue
@@ -226,7 +226,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             and left_over(control, learnt, exact_before, kept, iteration, before, size) <= allowed(control, scheme, kept)
         ):
             return CONVERGED
-        if ggl is None and not (kept or rough or control.thorough) and leaves_nothing(learnt, iteration, size):
+        if not ggl.active and not (kept or rough or control.thorough) and leaves_nothing(learnt, iteration, size):
             learnt[UNCHECKED] += 1
             outcome.correction[REST] = learnt[BEND] * size * size
             return CONVERGED
@@ -280,6 +280,6 @@ def solve(plan, kept, blind, memory):
 @inlined
 def factorize_step(plan, scheme, memory, ggl):
     """Factors of the step's matrix, from the Jacobian; as `factorize`."""
-    if ggl is None:
-        return factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
-    return factorize_ggl(scheme, memory, ggl)
+    if ggl.active:
+        return factorize_ggl(scheme, memory, ggl)
+    return factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from toolkit.foundation.errors import ConvergenceError, InputError, SingularSyst
 from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes, zeros_in_large_pages
 from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
 from toolkit.solvers.transient.generalized_alpha import integrate
-from toolkit.solvers.transient.ggl.ggl_step import Ggl, allocate_ggl
+from toolkit.solvers.transient.ggl.ggl_memory import allocate_ggl, idle_ggl
 from toolkit.solvers.transient.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
 from toolkit.solvers.transient.scheme import Scheme
 from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, History, Memory, Outcome, taken_memory
@@ -34,7 +34,7 @@ class Run(NamedTuple):
     scheme: Scheme
     control: Control
     memory: Memory
-    ggl: Ggl | None  # only of that formulation
+    ggl: Any  # `Ggl`; idle in other formulations
     outcome: Outcome
 
     @property
@@ -54,7 +54,8 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
         options.tolerance, options.max_iterations, modified, not system.compiled, left_by_kept(options), np.inf, 0.0, False
     )
     memory = taken_memory(system)
-    ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
+    closed_twice = options.formulation == "ggl"
+    ggl = allocate_ggl(system.plan, system.weights, system.dtype) if closed_twice else idle_ggl(system.dtype)
     outcome = Outcome(np.zeros(5, np.int64), np.zeros(6))
     return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)
 

@@ -27,7 +27,7 @@ def mix(frames, plan, scheme, ggl, memory):
     if frames is not None:
         (c_q, c_v), mixed = by_acceleration(scheme), memory.work.floating.mixed
         w_i, w_a = scheme.weight_inertial, scheme.weight_applied
-        if plan.n_x == 0 and ggl is None and scheme.inertia:
+        if plan.n_x == 0 and not ggl.active and scheme.inertia:
             mixed[0], mixed[1], mixed[2], mixed[3], mixed[4] = 1, w_i, w_i * c_q, w_a * c_q, w_a * c_v
             return memory.whole
         mixed[0], mixed[1], mixed[2], mixed[3], mixed[4] = 0, 1, 1, 1, 1

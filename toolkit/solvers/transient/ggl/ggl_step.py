@@ -12,72 +12,13 @@ W^-2 rounded to a power of ten: a change of the design then leaves it alone, and
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
-from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms
+from toolkit.equations.equations import Inputs
 from toolkit.foundation.kernel import inner
-from toolkit.foundation.vectors.rows import filled_up
-from toolkit.linear.linear_solver import (
-    LinearSolver,
-    apply_inverse,
-    factorize,
-    linear_solver,
-    solve_checked,
-    solve_refined_block,
-)
-from toolkit.linear.sparse_analysis import analyse
-from toolkit.solvers.transient.ggl.ggl_pattern import GglPattern, ggl_pattern
+from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked, solve_refined_block
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict
 from toolkit.solvers.transient.scheme import by_acceleration
 from toolkit.solvers.transient.staggered import add_design_change, add_state_change
 from toolkit.solvers.transient.step_memory import AT_FAULT, LAST
-
-
-class Ggl(NamedTuple):
-    """What never changes, and scratch memory; n_all = n + n_lam unknowns [a; lam; eta]. No step leaves anything to the next."""
-
-    pattern: GglPattern
-    metric: np.ndarray  # (n_q,) W^-2
-    levels: np.ndarray  # (3,) those of positions
-    S: np.ndarray  # (n_phi,)
-    eta: np.ndarray  # (n_lam,)
-    lever: np.ndarray  # (n,) [0; eta] as accelerations and multipliers
-    jacobian: np.ndarray  # values on the pattern
-    residual: np.ndarray  # (n_all,)
-    correction: np.ndarray  # (n_all,)
-    moved: np.ndarray  # (n_q,) S times a correction of eta
-    pseudo_load: np.ndarray  # (n_all, n_x filled up)
-    change: np.ndarray  # (n_all, n_x) total derivative of [a; lam; eta]
-    terms: Terms  # of the joints alone
-    solver: LinearSolver
-
-
-def allocate_ggl(plan: Plan, weights: np.ndarray, dtype: type) -> Ggl:
-    """Analysed pattern and memory."""
-
-    def zeros(*shape: int) -> np.ndarray:
-        return np.zeros(shape, dtype)
-
-    pattern, weights = ggl_pattern(plan.indptr, plan.indices, plan.n_q), weights[: plan.n_q]
-    n_all = 2 * plan.n - plan.n_q
-    return Ggl(
-        pattern=pattern,
-        metric=10.0 ** -np.round(2 * np.log10(weights)),
-        levels=np.array([0.0, 0.0, 1.0]),
-        S=zeros(len(pattern.row)),
-        eta=zeros(plan.n - plan.n_q),
-        lever=zeros(plan.n),
-        jacobian=zeros(len(pattern.indices)),
-        residual=zeros(n_all),
-        correction=zeros(n_all),
-        moved=zeros(plan.n_q),
-        pseudo_load=zeros(n_all, filled_up(plan.n_x)),
-        change=zeros(n_all, plan.n_x),
-        terms=allocate_terms(plan, dtype),
-        solver=linear_solver(analyse(pattern.indptr, pattern.indices, plan.n_q), weights, plan.n_x, dtype),
-    )
 
 
 @inner
