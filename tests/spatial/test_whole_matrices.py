@@ -92,7 +92,7 @@ def step_matrix(system: System, mixed: bool) -> np.ndarray:
         plain(mix)(plan.markers.frames, plan, scheme, None, SimpleNamespace(work=work))
         assert np.all(work.floating.mixed > 0)
     system.run(evaluate_all, plan, system.functions, inputs(system), *random_state(system), True, False, terms, work)
-    plain(newton_matrix)(plan, scheme, terms, matrix)
+    plain(newton_matrix)(plan, scheme, terms, 0, matrix, matrix)
     return matrix
 
 

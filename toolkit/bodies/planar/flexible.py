@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, model_validator
 
 from toolkit.bodies.body import ConstantNumbers, Placed
+from toolkit.bodies.chain_strains import chain_strains
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.planar.body import FloatingNumbers, MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
@@ -149,16 +150,17 @@ class Flexible(CuttableBody, StartVelocity):
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
         """Damping and stiffness always; mass and weight only of a grounded body."""
         stiffness, damping = self.some_invariants(scene, "stiffness", "damping")
-        elastic = (stiffness != 0) | (damping != 0)
+        elastic, strains = (stiffness != 0) | (damping != 0), chain_strains(stiffness)
         if self.has_frame:
             row, column = np.nonzero(elastic)
             none = np.zeros(len(row)), np.zeros(3 + len(stiffness))
-            return ConstantNumbers(3 + row, 3 + column, none[0], damping[row, column], stiffness[row, column], none[1])
+            strains = strains._replace(column=3 + strains.column)
+            return ConstantNumbers(3 + row, 3 + column, none[0], damping[row, column], stiffness[row, column], none[1], strains)
         inertia, first_moment = self.some_invariants(scene, "inertia", "first_moment")
         row, column = np.nonzero((inertia[1:, 1:] != 0) | elastic)
         weight = first_moment[:, 1:].T @ (rotation(self.angle).T @ gravity)
         mass = inertia[1:, 1:][row, column]
-        return ConstantNumbers(row, column, mass, damping[row, column], stiffness[row, column], weight)
+        return ConstantNumbers(row, column, mass, damping[row, column], stiffness[row, column], weight, strains)
 
     def floating(self, scene: Placed) -> FloatingNumbers | None:
         """Invariants of a body with a moving frame."""

@@ -10,6 +10,7 @@ import numpy as np
 from toolkit.bodies.body import ConstantNumbers
 from toolkit.bodies.kernels.constant_kernel import Changes, Constant
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
+from toolkit.compilation.arrays.strain_arrays import strain_arrays
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.common_pattern import square_size
@@ -41,22 +42,31 @@ def constant_part(
     places = _places(parts, rows, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
     row, column, first_entry = places["row"], places["column"], places["segment_start"]
     mass, damping, stiffness = map(joined, ("mass", "damping", "stiffness"))
+    factored = np.repeat([len(part.strains.weight) > 0 for part in parts], counts)
+    on_pattern = partial(_on_pattern, pattern, places["position"])
     change = partial(_changes_of, derivatives, first_entry, row, column)
     force_row, force_variable, design_force = _changes_of_forces(numbering, derivatives)
+    strains, design_strains = strain_arrays(numbering, values, derivatives, dtype)
     return Constant(
         **places,
         segment_damped=ints([[bool(np.any(part.mass) or np.any(part.damping)) for part in parts]]),
+        segment_loose=ints([[not len(part.strains.weight) or bool(np.any(part.damping)) for part in parts]]),
         mass=mass,
         damping=damping,
         stiffness=stiffness,
-        **{
-            name: _on_pattern(pattern, places["position"], of) for name, of in zip("MDK", (mass, damping, stiffness), strict=True)
-        },
-        **stiff_entries(row, column, stiffness, weights, counts)._asdict(),
+        M=on_pattern(mass),
+        D=on_pattern(damping),
+        K=on_pattern(stiffness),
+        **stiff_entries(row, column, np.where(factored, 0, stiffness), weights, counts)._asdict(),
+        strains=strains,
+        design_strains=design_strains,
+        strained=on_pattern(np.where(factored, stiffness, 0)) if np.any(factored) else np.zeros(0, dtype),
+        loose=on_pattern(np.where(factored, 0, stiffness)),
         force=joined("force"),
         design_mass=change("mass"),
         design_damping=change("damping"),
         design_stiffness=change("stiffness"),
+        design_loose=change("stiffness", [b for b, part in values.constant.items() if not len(part.strains.weight)]),
         force_row=force_row,
         force_variable=force_variable,
         design_force=design_force,
@@ -82,10 +92,20 @@ def _on_pattern(pattern: Pattern, position: np.ndarray, entries: np.ndarray) -> 
 
 
 def _changes_of(
-    derivatives: list[Quantities], first_entry: np.ndarray, row: np.ndarray, column: np.ndarray, name: str
+    derivatives: list[Quantities],
+    first_entry: np.ndarray,
+    row: np.ndarray,
+    column: np.ndarray,
+    name: str,
+    bodies: list[int] | None = None,
 ) -> Changes:
-    """What is not zero in the derivatives of one matrix, whose entries are body by body and row by row."""
-    parts = [(x, b, getattr(part, name)) for x, derivative in enumerate(derivatives) for b, part in derivative.constant.items()]
+    """What is not zero in the derivatives of one matrix, of all or some bodies, whose entries are body by body and row by row."""
+    parts = [
+        (x, b, getattr(part, name))
+        for x, derivative in enumerate(derivatives)
+        for b, part in derivative.constant.items()
+        if bodies is None or b in bodies
+    ]
     entry, variable, value = _not_zero([(first_entry[b], x, change) for x, b, change in parts])
     rows = row[entry].astype(np.int64)
     begins = np.ones(len(entry), bool)

@@ -53,7 +53,7 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     control = Control(
         options.tolerance, options.max_iterations, modified, not system.compiled, left_by_kept(options), np.inf, 0.0, False
     )
-    memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
+    memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype, options.formulation != "ggl")
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
     outcome = Outcome(np.zeros(5, np.int64), np.zeros(6))
     return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)

@@ -45,6 +45,7 @@ class Memory(NamedTuple):
     residual: np.ndarray
     correction: np.ndarray
     jacobian: np.ndarray  # (n_entries,)
+    rest: np.ndarray  # (n_entries,) the same without the factored stiffness; empty if there is none, or it is not kept apart
     mixed: np.ndarray  # (n_entries,) scratch memory of `add_state_change`
     terms: Terms
     work: Work
@@ -65,13 +66,15 @@ class Outcome(NamedTuple):
     correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the scene's size
 
 
-def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:
-    """Memory of the loop."""
+def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type, apart: bool) -> Memory:
+    """Memory of the loop; whether it keeps the factored stiffness `apart`, where there are gradients to be had of it."""
 
     def zeros(*shape: int) -> np.ndarray:
         return np.zeros(shape, dtype)
 
-    n, n_x = plan.n, plan.n_x
+    n, n_x, apart = plan.n, plan.n_x, apart and plan.n_x > 0 and len(plan.constant.strained) > 0
+    work = allocate_work(plan, dtype)
+    work.care[1] = apart
     daux = zeros(n, n_x)
     return Memory(
         aux=zeros(n),
@@ -89,8 +92,9 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         residual=zeros(n),
         correction=zeros(n),
         jacobian=zeros(len(plan.indices)),
+        rest=zeros(len(plan.indices) if apart else 0),
         mixed=zeros(len(plan.indices)),
         terms=allocate_terms(plan, dtype),
-        work=allocate_work(plan, dtype),
+        work=work,
         solver=linear_solver(lu_plan, weights[: plan.n_q], n_x, dtype),
     )
