@@ -1,13 +1,19 @@
 """What all tests share: their order in a long run, in which the plane and space are compiled once, each by a process of its own; and how
-files of other programs are read."""
+files of other programs are read, and programs of the preprocessing run."""
 
 from __future__ import annotations
 
 import gc
+import runpy
+import subprocess
+import sys
+import warnings
 from collections.abc import Iterator
-from io import BytesIO
+from contextlib import redirect_stderr, redirect_stdout
+from io import BytesIO, StringIO
 from math import inf
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -16,6 +22,7 @@ from preprocessing.foreign_files.apart import Ended
 from preprocessing.foreign_files.child import reading
 from preprocessing.foreign_files.wire import send
 from toolkit.command_line.rehearsal import rehearse
+from toolkit.foundation.processes import preprocessing_process
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 
@@ -64,6 +71,26 @@ def all_read_here() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(apart, "run", _read)
         yield
+
+
+@pytest.fixture
+def programs_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Programs of the preprocessing run here, which saves their imports, where nothing of their process is tested."""
+    monkeypatch.setattr(preprocessing_process, "program", lambda *words: list(words))
+    monkeypatch.setattr(preprocessing_process, "subprocess", SimpleNamespace(run=_run))
+
+
+def _run(command: list[str], *, input: str | None, **_options: object) -> subprocess.CompletedProcess[str]:
+    output, errors, code = StringIO(), StringIO(), 0
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(output), redirect_stderr(errors), warnings.catch_warnings():
+        patch.setattr(sys, "argv", command)
+        patch.setattr(sys, "stdin", StringIO(input))
+        warnings.filterwarnings("ignore", ".*found in sys.modules", RuntimeWarning)  # a program that is imported already
+        try:
+            runpy.run_module(command[0], run_name="__main__")
+        except SystemExit as end:
+            code = end.code
+    return subprocess.CompletedProcess(command, code or 0, output.getvalue(), errors.getvalue())
 
 
 def _read(reader: str, path: Path, _bounds: object, *more: str) -> Ended:

@@ -61,18 +61,19 @@ def refused(*arguments: str) -> str:
     return done.stderr
 
 
-def start(*arguments: str, **options) -> subprocess.Popen:
-    """Start a command in a process of its own."""
-    command = [sys.executable, "-m", "toolkit.command_line.cli", *arguments]
-    return subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+@pytest.fixture(scope="module")
+def simulated() -> tuple[str, str]:
+    """What a motion prints that is started as users start it, and what it imports."""
+    command = [sys.executable, "-X", "importtime", "-m", "toolkit.command_line.cli", "simulate", SCENE, "--json"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout, done.stderr
 
 
 @pytest.mark.parametrize("arguments", [("simulate",), ("statics",), ("sensitivity",), ("sensitivity", "--static")])
-def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_nothing_else(arguments, capfd):
-    if arguments == ("simulate",):  # as users start it
-        process = start(arguments[0], SCENE, *arguments[1:], "--json")
-        output, errors = process.communicate()
-        assert process.returncode == 0, errors
+def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_nothing_else(arguments, simulated, capfd):
+    if arguments == ("simulate",):
+        output, _ = simulated
     else:
         done = run(arguments[0], SCENE, *arguments[1:], "--json")
         assert done.exit_code == 0, done.stderr
@@ -365,19 +366,16 @@ def test_help_and_start_import_nothing_heavy():
     assert done.stdout.split() == []
 
 
-def test_simulate_imports_no_drawing():
-    code = (
-        f"import sys; from toolkit.command_line.cli import app; app(['modes', {SCENE!r}], standalone_mode=False)\n"
-        "print(sorted(sys.modules))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert "'numba'" in done.stdout
-    for heavy in ("pyvista", "vtk", "matplotlib", "gmsh", "preprocessing"):
-        assert f"'{heavy}'" not in done.stdout
+def test_simulate_imports_no_drawing(simulated):
+    imported = {
+        line.rpartition("|")[2].strip().partition(".")[0] for line in simulated[1].splitlines() if line.startswith("import time:")
+    }
+    assert "numba" in imported
+    assert not imported & {"pyvista", "vtk", "vtkmodules", "matplotlib", "gmsh", "preprocessing"}
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another kind")
-def test_an_interrupt_ends_a_command_with_one_line_and_the_code_of_shells():
+def test_an_interrupt_ends_a_command_with_one_line_and_the_code_of_shells(monkeypatch, capsys):
     code = (
         "import os, signal, toolkit.command_line.cli as c; c.read = lambda *_: os.kill(os.getpid(), signal.SIGINT);"
         "signal.signal(signal.SIGINT, signal.default_int_handler); c.main()"  # a process in the background is born deaf to it
@@ -388,8 +386,15 @@ def test_an_interrupt_ends_a_command_with_one_line_and_the_code_of_shells():
     told = "interrupted: files that were finished are kept, none is half written."
     assert done.stderr == f"{told}\n"
     assert done.stdout == ""
-    done = subprocess.run([*command, "--json"], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert (done.returncode, json.loads(done.stdout)) == (128 + signal.SIGINT, {"error": told})
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "read", interrupted)
+    monkeypatch.setattr(sys, "argv", ["ffrf", "statics", SCENE, "--json"])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert (end.value.code, json.loads(capsys.readouterr().out)) == (128 + signal.SIGINT, {"error": told})
 
 
 def test_paths_of_models_start_at_the_scene_not_at_the_working_directory(tmp_path, monkeypatch):
@@ -411,10 +416,11 @@ def test_quiet_leaves_standard_error_to_errors(tmp_path):
     assert "cannot be read" in runner.invoke(app, ["statics", "nowhere.toml", "--quiet"]).stderr
 
 
-def test_certify_shows_that_exact_methods_agree_and_where_differences_stop():
-    done = CliRunner().invoke(app, ["certify", str(SCENE), "--static", "--variables", "t_w,x_A", "--json"])
-    assert done.exit_code == 0, done.output
-    found = json.loads(done.stdout)
+@pytest.mark.usefixtures("programs_here")
+def test_certify_shows_that_exact_methods_agree_and_where_differences_stop_and_draws_it(tmp_path):
+    picture = tmp_path / "certificate.png"
+    found = record("certify", SCENE, "--static", "--variables", "t_w,x_A", "--output", str(picture))
+    assert picture.read_bytes().startswith(b"\x89PNG")
     for method in ("adjoint", "complex-step"):
         largest = max(value for slopes in found["relative_differences"][method].values() for value in slopes.values())
         assert largest < 5e-10, method  # see AGREEMENT of test_sensitivity
@@ -471,11 +477,7 @@ def test_certify_takes_every_number_of_a_scene():
     assert found["taylor_rates"] == pytest.approx({"angle": 2, "kinetic": 2, "height": 2}, abs=0.2)  # not quite asymptotic
 
 
-def test_certify_draws_its_certificate_and_refuses_what_is_no_picture_before_the_work(tmp_path):
-    picture = tmp_path / "certificate.png"
-    done = run("certify", str(SCENE), "--static", "--variables", "t_w,x_A", "--output", str(picture))
-    assert done.exit_code == 0
-    assert picture.read_bytes().startswith(b"\x89PNG")
+def test_certify_refuses_what_is_no_picture_before_the_work(tmp_path):
     assert "End it with .png or .svg" in refused("certify", str(SCENE), "--output", str(tmp_path / "certificate.txt"))
     assert "does not exist" in refused("certify", str(SCENE), "--output", str(tmp_path / "nowhere" / "certificate.png"))
 

@@ -21,7 +21,7 @@ from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
 from toolkit.scene.space import PLANE
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.clock import repeated
-from toolkit.system.system import formulas_of
+from toolkit.system.formulas import formulas_of
 
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"

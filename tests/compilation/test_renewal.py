@@ -17,8 +17,8 @@ from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.bodies.planar.body import MarkerNumbers
 from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import number
-from toolkit.compilation.patterns.kept_pattern import GROUPS, NewEntryError, renew
-from toolkit.compilation.quantities import STEP, Quantities, evaluate_quantities, seen_quantities
+from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
+from toolkit.compilation.quantities import GROUPS, STEP, Quantities, evaluate_quantities, seen_quantities
 from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.loads.planar.torque import Torque
@@ -224,13 +224,19 @@ def test_a_number_that_becomes_zero_leaves_a_place_that_does_no_harm():
 
 def test_curves_that_a_system_remembers_are_those_of_its_own_numbers():
     scene = read_scene(next(path for path in MODELS if path.parent.name == "morphing_wing"))
-    system = prepare(scene)
+    (path,) = (each for each in scene.available_paths() if each.endswith("curve.duration"))
+    system = prepare(scene, [path])
     (curve,) = system.values.curves.values()
+    (slope,) = (rates.curves[0] for rates in system.derivatives)
     sets = [np.linspace(0.0, 1.0 + 0.1 * k, 5) for k in range(6)]  # more than are remembered
     for times in (*sets, *sets):
-        found = system.curve_values(times)
-        assert np.array_equal(found[:, 0], curve.evaluate(times))
-        found[:] = np.nan  # whoever has them may write to them
-    (path,) = (each for each in scene.available_paths() if each.endswith("curve.duration"))
+        for found, expected in zip(
+            system.curves(times), (curve.evaluate(times), np.imag(slope.evaluate(times)) / STEP), strict=True
+        ):
+            assert np.array_equal(found[:, 0], expected)
+            found[:] = np.nan  # whoever has them may write to them
     moved = scene.with_number(path, 2.0 * scene.number(path))
-    assert np.array_equal(renewed(system, moved, [path]).curve_values(sets[0]), prepare(moved).curve_values(sets[0]))
+    for found, expected in zip(
+        renewed(system, moved, [path]).curves(sets[0]), prepare(moved, [path]).curves(sets[0]), strict=True
+    ):
+        assert np.array_equal(found, expected)

@@ -21,6 +21,7 @@ from toolkit.foundation.processes.own_process import HOME, safe_path
 from toolkit.reduced_model.file import load
 from toolkit.render.motion.animation import mp4
 from toolkit.render.packages import RenderError
+from toolkit.render.space import probe
 from toolkit.render.space.probe import drawing_environment
 from toolkit.sensitivity.certificate.rebuilt_bodies import build_all
 from toolkit.studies.places.place import Place, done_at
@@ -179,7 +180,8 @@ def test_the_path_of_processes_lacks_the_current_folder_unless_the_program_is_th
     assert safe_path() == [str(HOME), "/elsewhere"]
 
 
-def test_the_trial_picture(trap):
+def test_the_trial_picture(trap, monkeypatch):
+    monkeypatch.setattr(probe, "_DRAWN", {})
     with suppress(RenderError):  # a machine without OpenGL, which the trial has found out
         drawing_environment()
     assert not trap.exists()

@@ -146,6 +146,7 @@ def test_one_frame_that_its_spin_stiffens_does_as_the_theory_of_small_deflection
     assert along[times >= UP].mean() == pytest.approx(ELONGATION, rel=3e-3)
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_check_deformation_knows_what_the_spin_stiffens(folder):
     """Under the same forces, of which the spin keeps back a part, elements that turn are off by the shortening of the beam alone."""
     solution = ffrf.compile(chain_scene(folder, "spin_stiffening = true", MOTOR, 2)).simulate().solution

@@ -24,6 +24,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.chord_condition import Chord, chord_of
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.entries.rates import rates_at
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
 
@@ -277,7 +278,7 @@ def test_the_chord_follows_the_place_of_its_end_on_a_beam():
     slopes = {}
     for item in ("stiffness", "interfaces.A.rotation"):
         shape = model.item(item).shape
-        slopes[item] = scattered(*design.rates(item, {"arc_length_B": 0}).by(0), int(np.prod(shape))).reshape(shape)
+        slopes[item] = scattered(*rates_at(design, item, {"arc_length_B": 0}).by(0), int(np.prod(shape))).reshape(shape)
     rotation = model.interfaces["A"].rotation[0] + 1e-30j * slopes["interfaces.A.rotation"][0]
     stiffness = model.invariants.stiffness + 1e-30j * slopes["stiffness"]
     found = np.imag(rotation[1:] @ np.linalg.solve(stiffness, rotation[1:])) / 1e-30

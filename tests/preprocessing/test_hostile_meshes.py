@@ -102,6 +102,7 @@ ARCHIVES: dict[str, tuple[dict[str, object], str]] = {
 }
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("kind", ARCHIVES)
 def test_an_archive_whose_parts_do_not_fit_together_is_refused_before_compiled_code_sees_it(tmp_path, kind):
     changed, message = ARCHIVES[kind]
@@ -177,6 +178,7 @@ def claimed(shape: str) -> bytes:
     return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode() + bytes(16)
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("shape", ["(1000000000000, 3)", "(0, 3)", "(-1, 2)", "(1, 3)"])
 def test_an_array_that_is_not_in_its_file_is_refused(tmp_path, shape):
     (tmp_path / "nodes.npy").write_bytes(claimed(shape))
@@ -194,6 +196,7 @@ class Trap:
         return Path.touch, (self.mark,)
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("name", ["field.npy", "field.npz"])
 def test_pickled_objects_are_never_executed(tmp_path, name):
     array = np.array([Trap(tmp_path / "executed")], object)
@@ -205,6 +208,7 @@ def test_pickled_objects_are_never_executed(tmp_path, name):
     assert not (tmp_path / "executed").exists()
 
 
+@pytest.mark.usefixtures("read_here")
 def test_nodes_at_one_place_and_beyond_reason_are_refused(tmp_path):
     for rows in (np.ones((4, 2)), np.full((3, 2), 1e308) * [[1, 1], [1, -1], [-1, 1]], np.zeros((1, 2))):
         np.save(tmp_path / "nodes.npy", rows)
@@ -374,6 +378,7 @@ def body_of(folder: Path, mesh: str) -> Path:
     return folder / "body.toml"
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("kind", ["full", "static", "eigenmodes"])
 def test_a_body_that_is_clamped_at_every_node_is_refused(tmp_path, kind):
     mesh = rectangle("quad", (2, 1), 1.0, 0.2)
@@ -384,6 +389,7 @@ def test_a_body_that_is_clamped_at_every_node_is_refused(tmp_path, kind):
         build(path)
 
 
+@pytest.mark.usefixtures("read_here")
 def test_more_modes_than_a_body_has_coordinates_are_refused(tmp_path):
     mesh = rectangle("quad8", (20, 4), 1.0, 0.2)
     path = write_body(tmp_path, mesh, 'kind = "eigenmodes"\ncount = 1000000000')

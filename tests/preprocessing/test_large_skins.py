@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -27,20 +28,30 @@ ROUND_OFF = 1e-13
 """Relative: sums of the same numbers in another order."""
 
 
+def written(folder: Path, elements: int, more: str = "", nodes: tuple[int, ...] | None = None) -> Path:
+    """A wing's skin.toml with as many elements, and its three interface points at nodes."""
+    for name in ("high_speed.dat", "low_speed.dat", "scene.toml"):
+        (folder / name).write_bytes((WING / name).read_bytes())
+    text = (WING / "skin.toml").read_text().replace("elements = 30", f"elements = {elements}")
+    for node, place in zip((10, 25, 30), nodes or (elements // 3, elements * 5 // 6, elements), strict=True):
+        text = text.replace(f"node = {node} ", f"node = {place} ")
+    (folder / "skin.toml").write_text(text + more)
+    return folder / "skin.toml"
+
+
 @pytest.fixture
 def skin(tmp_path):
-    """A wing's skin.toml with as many elements, and its three interface points at nodes."""
+    return partial(written, tmp_path)
 
-    def written(elements: int, more: str = "", nodes: tuple[int, ...] | None = None) -> Path:
-        for name in ("high_speed.dat", "low_speed.dat", "scene.toml"):
-            (tmp_path / name).write_bytes((WING / name).read_bytes())
-        text = (WING / "skin.toml").read_text().replace("elements = 30", f"elements = {elements}")
-        for node, place in zip((10, 25, 30), nodes or (elements // 3, elements * 5 // 6, elements), strict=True):
-            text = text.replace(f"node = {node} ", f"node = {place} ")
-        (tmp_path / "skin.toml").write_text(text + more)
-        return tmp_path / "skin.toml"
 
-    return written
+@pytest.fixture(scope="module")
+def fine(tmp_path_factory):
+    """Skins of 300 and of 600 elements: their files -> their models, which are saved beside them too."""
+    paths = [written(tmp_path_factory.mktemp("fine"), elements) for elements in (300, 600)]
+    models = {path: build(path) for path in paths}
+    for path, model in models.items():
+        save(model, path.with_suffix(".h5"))
+    return models
 
 
 @pytest.fixture
@@ -57,25 +68,19 @@ def stored(model) -> int:
     return sum(arrays) + sum(len(each.value) for group in (model.affine, model.derivatives) for each in group.values())
 
 
-def test_what_is_stored_of_600_elements_grows_with_their_number(skin, tmp_path):
+def test_what_is_stored_of_600_elements_grows_with_their_number(fine):
     """Counted, not timed. Every element adds as many entries; more than their share would be a table with the square of their number."""
-    found = []
-    for elements in (300, 600):
-        model = build(skin(elements))
-        save(model, tmp_path / "skin.h5")
-        found.append((stored(model), (tmp_path / "skin.h5").stat().st_size))
-        assert model.n_f == 3 * elements
+    assert [model.n_f for model in fine.values()] == [3 * 300, 3 * 600]
+    found = [(stored(model), path.with_suffix(".h5").stat().st_size) for path, model in fine.items()]
     (entries, size), (twice, twice_the_size) = found
     assert twice == pytest.approx(2 * entries, rel=0.01)
     assert twice_the_size < 2.2 * size
 
 
-def test_the_motion_of_600_elements_is_that_of_300(skin):
+def test_the_motion_of_600_elements_is_that_of_300(fine):
     """Both are finer than the contour's file, and the mesh of the reference wing is 3 % off: the largest stress is in an element's end."""
     stress = []
-    for elements in (300, 600):
-        path = skin(elements)
-        save(build(path), path.with_suffix(".h5"))
+    for path in fine:
         scene = ffrf.read_scene(path.with_name("scene.toml"))
         run = ffrf.compile(scene, variables=["t_w", "E"]).simulate(gradients=True)
         stress.append((run.values["max_stress"], run.gradients["max_stress"]["t_w"]))

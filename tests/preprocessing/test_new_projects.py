@@ -101,7 +101,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-@pytest.mark.usefixtures("in_this_process")
+@pytest.mark.usefixtures("programs_here")
 def test_what_cannot_be_is_refused_with_nothing_written(case, tmp_path):
     (kind, *options), message = REFUSED[case]
     done = CliRunner().invoke(app, ["new", kind, str(tmp_path / "mine"), *options])
@@ -111,7 +111,7 @@ def test_what_cannot_be_is_refused_with_nothing_written(case, tmp_path):
     assert not (tmp_path / "mine").exists()
 
 
-@pytest.mark.usefixtures("in_this_process")
+@pytest.mark.usefixtures("programs_here")
 def test_a_mesh_of_an_unlikely_size_is_questioned_by_its_units(tmp_path):
     command = [
         "new",
@@ -132,6 +132,7 @@ def test_a_mesh_of_an_unlikely_size_is_questioned_by_its_units(tmp_path):
     assert size_question(BRACKET, "mm-t-s") == ""
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_the_command_says_what_it_wrote_and_a_second_one_overwrites_nothing(tmp_path):
     first, second = (CliRunner().invoke(app, ["new", "linkage", str(tmp_path / "mine")]) for _ in range(2))
     assert "then ffrf sensitivity" in first.stdout

@@ -148,6 +148,7 @@ def test_the_droop_keeps_lengths_height_and_slope_and_sinks_the_nose():
     assert skin.target_positions(target, nose)[1] == pytest.approx(skin.position(nose)[1] - 6, abs=1e-3)
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_the_command_says_what_it_wrote_and_what_comes_next(tmp_path):
     folder = tmp_path / "my wing"
     done = CliRunner().invoke(app, ["new", "wing", str(folder), "--airfoil", str(AIRFOILS / "e171.dat")])
@@ -206,7 +207,7 @@ def test_the_program_in_its_own_process_refuses_with_nothing_written(tmp_path):
 
 
 @pytest.mark.parametrize("case", REFUSED)
-@pytest.mark.usefixtures("in_this_process")
+@pytest.mark.usefixtures("programs_here")
 def test_what_cannot_be_is_refused_with_nothing_written(case, tmp_path):
     refused(case, tmp_path)
 
@@ -252,6 +253,7 @@ def test_a_droop_that_no_skin_can_make_is_refused():
         drooped(contour, skin, 500.0, 550.0)
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_json_names_the_files_and_the_next_commands(tmp_path):
     asked = ["new", "wing", str(tmp_path / "wing"), "--airfoil", str(REFERENCE / "high_speed.dat"), "--json"]
     told = json.loads(CliRunner().invoke(app, asked).stdout)

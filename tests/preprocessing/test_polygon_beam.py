@@ -11,6 +11,7 @@ from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.entries.rates import rates_at
 from toolkit.reduced_model.model import ReducedModel
 
 SECTION = Section(youngs_modulus=2.0, density=3.0, thickness=0.1, width=0.5)
@@ -67,11 +68,11 @@ def test_shapes_of_a_beam_follow_the_place_of_an_interface_point():
     ]
     (up, place_up), (down, place_down) = spread
     values, vectors = np.linalg.eigh(model.invariants.stiffness)
-    rate = scattered(*design.rates("stiffness", {"arc_length_tip": 0}).by(0), values.size**2).reshape(values.size, -1)
+    rate = scattered(*rates_at(design, "stiffness", {"arc_length_tip": 0}).by(0), values.size**2).reshape(values.size, -1)
     # constraint modes have unit columns at the point and so no freedom; differences of second order in a step of 1e-3
     np.testing.assert_allclose(np.diag(vectors.T @ rate @ vectors), (up - down) / (2 * h), atol=1e-5 * np.abs(up).max())
     moved = scattered(
-        *design.rates("interfaces.tip.position", {"arc_length_tip": 0}).by(0), model.interfaces["tip"].position.size
+        *rates_at(design, "interfaces.tip.position", {"arc_length_tip": 0}).by(0), model.interfaces["tip"].position.size
     )
     np.testing.assert_allclose(
         moved.reshape(model.interfaces["tip"].position.shape)[0, :, 0], (place_up - place_down)[:, 0] / (2 * h), atol=1e-9

@@ -12,6 +12,7 @@ from preprocessing import build
 from preprocessing.elements.patches import distribute
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.entries.rates import rates_at
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -102,7 +103,7 @@ def test_a_group_has_its_own_thickness_and_the_rest_keeps_the_body_s(tmp_path):
     path = write_wing(tmp_path, "[interface_points]", "[groups.nose]\nelements = [10, 14]\nthickness = 1.2\n\n[interface_points]")
     model = load(path.with_name("skin.h5"))
     assert (model.nominal["thickness"], model.nominal["thickness_nose"]) == (1.5, 1.2)
-    rates = [DesignPoint(model).rates("stress_operator", {name: 0}) for name in ("thickness", "thickness_nose")]
+    rates = [rates_at(DesignPoint(model), "stress_operator", {name: 0}) for name in ("thickness", "thickness_nose")]
     elements = [set(model.stress.element[each.entry // model.n_f]) for each in rates]
     assert elements == [set(range(10)) | set(range(15, 30)), set(range(10, 15))]
 

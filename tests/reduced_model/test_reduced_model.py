@@ -14,6 +14,7 @@ from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.foundation.files.hdf5 import Content
 from toolkit.reduced_model.dependence import Derivatives
 from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.entries.rates import rates_at
 from toolkit.reduced_model.file import PARTS, load, save
 from toolkit.reduced_model.model import Invariants, ReducedModel
 
@@ -398,7 +399,7 @@ def test_a_derivative_away_from_the_nominal_design_is_refused(model):
     with pytest.raises(InputError, match=r"'thickness' .* is fixed at 1\.5"):
         moved.value("stiffness")
     with pytest.raises(InputError, match=r"'thickness' .* is fixed at 1\.5"):
-        moved.rates("stiffness", {"width": 0})
+        rates_at(moved, "stiffness", {"width": 0})
 
 
 def test_what_does_not_depend_on_the_moved_parameter_is_not_refused(model):

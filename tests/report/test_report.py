@@ -55,7 +55,7 @@ FIGURES = {
     "error_sensitivity_skin",
     "certificate",
     "monitors",
-} | {f"stress_sensitivity_skin_{variable}" for variable in ("t_w", "M_t", "x_A", "y_A", "E")}
+} | {f"stress_sensitivity_skin_{variable}" for variable in ("t_w", "M_t")}
 ROOT = MODELS.parents[1]
 VOID = {"meta", "link", "img", "input"}
 
@@ -95,12 +95,14 @@ def rows(path):
 
 @pytest.fixture(scope="module")
 def scene_file(tmp_path_factory):
-    """The reference scene in steps twice as long, which make a dozen instants."""
+    """The reference scene in steps twice as long, which make a dozen instants, with a variable of a body and one of a load."""
     folder = tmp_path_factory.mktemp("scene") / "wing"
     shutil.copytree(MODELS, folder)
     text = WING.read_text()
     assert "step = 0.05" in text
-    (folder / "scene.toml").write_text(text.replace("step = 0.05", "step = 0.1"))
+    text, left_out = re.subn(r'^(x_A|y_A|E) = "\w+\..*\n', "", text.replace("step = 0.05", "step = 0.1"), flags=re.MULTILINE)
+    assert left_out == 3
+    (folder / "scene.toml").write_text(text)
     return folder / "scene.toml"
 
 
@@ -177,7 +179,7 @@ def test_the_smooth_maximum_approaches_the_true_one_from_above_within_its_bound(
 
 def test_all_methods_agree_to_their_own_accuracy(wing):
     head, *lines = rows(wing / "tables" / "gradients.csv")
-    assert len(lines) == 25
+    assert len(lines) == 10
     # truncation and round-off of the differences; the complex step leaves the round-off of a thin skin
     for method, tolerance in (("forward-difference", 1e-2), ("central-difference", 1e-3), ("complex-step", 5e-10)):
         column = head.index(f"relative difference to {method}")
@@ -190,9 +192,9 @@ def test_the_price_of_every_method_is_listed_with_its_runs(wing):
     assert runs == {
         "primal analysis": 1,
         "primal analysis and direct differentiation": 1,
-        "forward-difference": 6,
-        "central-difference": 11,
-        "complex-step": 5,
+        "forward-difference": 3,
+        "central-difference": 5,
+        "complex-step": 2,
     }
 
 

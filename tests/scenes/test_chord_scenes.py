@@ -200,6 +200,7 @@ def test_gradients_of_the_motion_are_those_of_the_complex_step(tmp_path):
         assert abs(ours[x] - judge[x]) * sizes[x] <= 1e-9 * largest, x  # Newton's tolerance, 1e-10, over 200 steps
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_gradients_by_length_and_section_are_those_of_models_built_afresh(tmp_path):
     """As `ffrf certify` compares them, of a frame in the plane on a chord that its length and angle turn."""
     (tmp_path / "rod.toml").write_text(FRAME)
@@ -284,6 +285,7 @@ def test_a_rod_on_a_chord_that_is_clamped_is_told_to_have_an_end_frame(tmp_path)
     assert frame_choices(held.model_copy(update={"joints": {"O": held.joints["O"], "A": held.joints["A"]}})) == {}
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_the_meter_of_large_deformation_knows_the_chord(tmp_path):
     """Against corotational elements on the same chord, under the forces of the instant that deforms them most."""
     run = simulate(prepare(scene(tmp_path, BasisChoice("full", chord=("A", "B")), 400)))

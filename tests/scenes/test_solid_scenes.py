@@ -21,7 +21,7 @@ from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.preparation import prepare
 
-pytestmark = pytest.mark.usefixtures("read_here")
+pytestmark = pytest.mark.usefixtures("read_here", "programs_here")
 
 LENGTH, HEIGHT = 0.5, 0.02
 CRAIG_BAMPTON = 'kind = "craig-bampton"\ncount = 4'

@@ -147,6 +147,7 @@ def test_gradients_are_those_of_fresh_models_by_single_variables(equilibrium, pa
     compare(*equilibrium, "static", [parameter])
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_fresh_models_agree_and_find_a_wrong_derivative_in_the_file(tmp_path):
     """Wrong by 1 % in one item by one parameter: methods at run time agree with each other on it, fresh models do not."""
     scene, names = project(tmp_path, "craig-bampton"), ["bodies.skin.chord", "bodies.skin.bulge", "loads.drive.torque"]
@@ -166,6 +167,7 @@ def test_fresh_models_agree_and_find_a_wrong_derivative_in_the_file(tmp_path):
     assert all("bodies.skin.chord" in text for text in wrong)
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_a_frozen_basis_is_measured_but_not_blamed(tmp_path):
     scene = project(tmp_path, "craig-bampton")
     skin = tmp_path / "skin.toml"

@@ -54,7 +54,7 @@ def test_an_equilibrium_takes_direct_differentiation():
 
 def test_derivatives_that_do_not_fit_into_memory_leave_the_adjoint():
     scene = chain(20, steps=20).model_copy(update={"responses": forces(20)})
-    scene = scene.model_copy(update={"solver": scene.solver.model_copy(update={"memory": 1e-4})})
+    scene = scene.model_copy(update={"solver": scene.solver.model_copy(update={"memory": 8e-5})})
     choice = choose(Compiled(scene, ("density3",)), "transient")
     method, reason = choice.method, choice.reason
     assert (method, "would take" in reason) == ("adjoint", True)

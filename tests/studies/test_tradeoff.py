@@ -333,6 +333,7 @@ def test_the_command_writes_table_json_and_picture(tmp_path):
         assert (tmp_path / picture).stat().st_size > 5000
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_model(tmp_path):
     """A coarse mesh is that of a skin file in which its keys stand, interface points at the same places."""
     pytest.importorskip("gmsh")

@@ -183,6 +183,7 @@ def test_sparse_matrices_of_many_coordinates_say_what_dense_ones_do(held, n, par
     assert sparse[2:] == pytest.approx(dense[2:], rel=1e-6)  # the dense ones lose six digits
 
 
+@pytest.mark.usefixtures("programs_here")
 def test_the_missed_part_is_what_corotational_elements_add(tmp_path):
     across = np.array([-AXIS[1], AXIS[0]])
     solution = at_rest(beams(tmp_path, "", -0.3 * CANTILEVER * AXIS + 0.001 * across, "grounded"))

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from toolkit.analyses.statics import equilibrium_beside, solve_statics
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths, time_grid
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.itself import Itself
 from toolkit.solvers.start.initial_conditions import Motion, State, consistent_motion, moving, with_accelerations
 from toolkit.solvers.start.kept_start import kept_start
 from toolkit.solvers.start.written_velocities import written_velocities
@@ -36,7 +39,13 @@ def run_start(
 
 def run_levels(options: RunOptions) -> np.ndarray:
     """Levels of the constraints in which the accelerations of a start are found."""
-    return start_levels(options, step_lengths(time_grid(options)))
+    return _levels(Itself(options)).copy()
+
+
+@lru_cache(maxsize=8)
+def _levels(same: Itself[RunOptions]) -> np.ndarray:
+    """Of the same options, which many designs of a scene have."""
+    return start_levels(same.item, step_lengths(time_grid(same.item)))
 
 
 def run_motion(

@@ -18,7 +18,7 @@ from toolkit.solvers.static.passed_limits import refuse_passed_limits
 from toolkit.solvers.transient.adaptive import advance_adaptively
 from toolkit.solvers.transient.newton import CONVERGED
 from toolkit.solvers.transient.run import Run, allocate_history, failure, foreseen, prepare_run, take_steps
-from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, STATUS, History
+from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, STATUS, History, Memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.bodies.physics import speed_limits
@@ -81,6 +81,7 @@ def simulate(
         if system.compiled:  # a complex step takes the steps of its real design, which have been checked
             refuse_passed_limits(system, run.options, run.times, history.q, history.acc)
     refuse_half_turns(system, run.times, history.q)
+    system.give_back(Memory, run.memory)
     return Solution.from_padded(
         system,
         run.times,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -38,7 +38,7 @@ class Placed(Protocol):
     def arc_lengths(self, body: Any) -> dict[str, Any]:
         """Interface points of a body that the scene puts elsewhere along it, by their names in the reduced model."""
 
-    def of_body(self, body: Any, what: str, make: Callable[[], T]) -> T:
+    def of_body(self, body: Any, what: Hashable, make: Callable[[], T]) -> T:
         """What is made of one of its bodies; a scene that remembers its answers has it made once."""
 
 

@@ -34,13 +34,17 @@ def no_strains() -> Strains:
     return Strains(np.zeros((0, 2 * PER_NODE), np.int64), np.zeros((0, 2 * PER_NODE)), np.zeros(0))
 
 
-def chain_strains(stiffness: np.ndarray) -> Strains:
-    """Of a stiffness (n_f, n_f), real or complex, of a chain that is held at one of its ends; none of any other body."""
-    count, rest = divmod(len(stiffness), PER_NODE)
-    if rest or count < 2:
+def chain_strains(row: np.ndarray, column: np.ndarray, stiffness: np.ndarray, n_f: int) -> Strains:
+    """Of entries of a symmetric stiffness (n_f, n_f), real or complex, of a chain that is held at one of its ends; none of other bodies."""
+    count, rest = divmod(n_f, PER_NODE)
+    first, second = row // PER_NODE, column // PER_NODE
+    if rest or count < 2 or np.any(stiffness[np.abs(first - second) > 1] != 0):
         return no_strains()
+    own, between = np.zeros((2, count, PER_NODE, PER_NODE), stiffness.dtype)
+    for blocks, on in ((own, first == second), (between, first + 1 == second)):
+        blocks[first[on], row[on] % PER_NODE, column[on] % PER_NODE] = stiffness[on]
+    between = between[:-1]
     node = PER_NODE * np.arange(count)[:, None] + np.arange(PER_NODE)
-    own, between = (stiffness[rows[:, :, None], columns[:, None, :]] for rows, columns in ((node, node), (node[:-1], node[1:])))
     bend = between[:, 2, 2] / 2
     if not np.all(np.real(bend) > 0):
         return no_strains()
@@ -54,8 +58,7 @@ def chain_strains(stiffness: np.ndarray) -> Strains:
     held.value[:, :PER_NODE] = 0
     found = Strains(*(np.concatenate(pair) for pair in zip(free, held, strict=True)))
     same = _same(own, _on_nodes(found, count), own, own) and _same(between, _between(free), own[:-1], own[1:])
-    entries = np.count_nonzero(own) + 2 * np.count_nonzero(between)
-    return found if same and np.count_nonzero(stiffness) == entries else no_strains()
+    return found if same else no_strains()
 
 
 def _factors(column: np.ndarray, bend: np.ndarray, block: np.ndarray) -> Strains:

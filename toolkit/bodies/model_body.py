@@ -84,7 +84,7 @@ class ModelBody(Body):
 
         What the model's arrays depend on is read only if a value is not the nominal one, be it by an imaginary step.
         """
-        return scene.of_body(self, f"design {parts}", lambda: self._design_point(scene, *parts))
+        return scene.of_body(self, ("design", *parts), lambda: self._design_point(scene, *parts))
 
     def _design_point(self, scene: Placed, *parts: str) -> DesignPoint:
         model, first_order = scene.model(self.model), self.extrapolation == "first-order"

@@ -29,7 +29,7 @@ from toolkit.scene.space import PLANE, SPACE, Space
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.preparation import Kind, prepare, solve
-from toolkit.system.system import formulas_of
+from toolkit.system.formulas import formulas_of
 from toolkit.validity.judge import judge
 from toolkit.validity.motion.energy_balance import energy_balance
 

@@ -6,7 +6,6 @@ That is exact to round-off, and it happens before time starts to run.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from operator import is_
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from toolkit.compilation.dependence import Affected
 from toolkit.compilation.numbering import Numbering
-from toolkit.compilation.quantities import OPEN, STEP, Part, Quantities, Seen, made_of, owners_of, parts_of
+from toolkit.compilation.quantities import GROUPS, OPEN, STEP, Part, Quantities, Seen, made_of, owners_of, parts_of
 from toolkit.compilation.remembered import Remembered
 from toolkit.curves.curve import Curve
 from toolkit.description.design import Design
@@ -53,8 +52,9 @@ def renewed_derivatives(
 def _rates(moved: Quantities, wanted: Callable[[str, Any], bool] = lambda _group, _part: True) -> Quantities:
     """Derivatives from numbers with a complex step, without those that nobody wants."""
     found: dict[str, Any] = {"gravity": _imag(moved.gravity)}
-    for group in (f.name for f in fields(Quantities) if f.name != "gravity"):
-        kept = {k: part for k, part in getattr(moved, group).items() if wanted(group, part)}
+    for group in GROUPS:
+        given = getattr(moved, group)
+        kept = {k: part for k, part in given.items() if wanted(group, part)} if given else {}
         found[group] = kept if group == "curves" else {k: _imag(part) for k, part in kept.items()}
     return Quantities(**found)
 

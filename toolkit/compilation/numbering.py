@@ -70,6 +70,22 @@ class Numbering:
     def _affected(self) -> dict[tuple[str, ...], Affected]:
         return {}
 
+    @cached_property
+    def row_lengths(self) -> np.ndarray:
+        """What rows of joints, and the lengths of quaternions, are compared with: 1 for a length, nan for an angle."""
+        rows = [np.nan if row.quantity == "angle" else 1.0 for each in self.forms.rows for row in each]
+        return np.array([*rows, *(np.nan for _ in self.length)])
+
+    @cached_property
+    def runs(self) -> dict[Any, Any]:
+        """What `body_arrays` has found out about entries that are not zero in derivatives of the bodies' matrices."""
+        return {}
+
+    @cached_property
+    def owners(self) -> dict[Affected | None, Any]:
+        """What `quantities.owners_of` has found."""
+        return {}
+
     @property
     def n(self) -> int:
         """Number of unknowns, coordinates and multipliers."""
@@ -107,7 +123,8 @@ def _owners(first: dict[str, int], end: int, unknowns: np.ndarray) -> list[str]:
 
 def grips_of(path: str, component: Component) -> list[tuple[str, ...]]:
     """The markers of a component: (body, point), and its path if they have axes of its own."""
-    return [(*grip, path) if component.axes is not None else grip for grip in component.grips]
+    own = () if component.axes is None else (path,)
+    return [(*grip, *own) for grip in component.grips]
 
 
 def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Numbering:
@@ -158,7 +175,7 @@ def _with_state(scene: Scene) -> dict[str, Load]:
     return {f"loads.{name}": load for name, load in scene.loads.items() if isinstance(load, Load) and load.state is not None}
 
 
-def weights(scene: Scene, remembered: Remembered | None = None) -> np.ndarray:
+def weights(scene: Scene, numbering: Numbering, remembered: Remembered | None = None) -> np.ndarray:
     """What makes each unknown comparable, shape (n,): displacement over the scene's size, or angle; free of units.
 
     For a coordinate it scales its change, for a multiplier the violation of its constraint row; states of loads are integrals over time,
@@ -166,8 +183,6 @@ def weights(scene: Scene, remembered: Remembered | None = None) -> np.ndarray:
     """
     placed: Any = remembered or Remembered(scene)
     states = [np.nan if load.state == "angle" else 1.0 for load in _with_state(scene).values()]
-    lengths = np.concatenate([*(body.coordinate_lengths(placed) for body in scene.all_bodies().values()), states])
-    rows = [np.nan if quantity == "angle" else 1.0 for joint in scene.joints.values() for _, quantity in joint.rows]
-    rows += [np.nan for name in scene.pieces() if scene.body(name).turns == QUATERNION]
-    lengths = np.concatenate([np.real(lengths), rows])
+    bodies = [np.real(body.coordinate_lengths(placed)) for body in scene.all_bodies().values()]
+    lengths = np.concatenate([*bodies, states, numbering.row_lengths])
     return np.where(np.isnan(lengths), 1.0, lengths / placed.size)

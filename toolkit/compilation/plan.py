@@ -19,7 +19,7 @@ from toolkit.compilation.arrays.spatial_arrays import (
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.joint_pattern import joint_entries
 from toolkit.compilation.patterns.pattern import Pattern, block, build_pattern
-from toolkit.compilation.patterns.touched import touched
+from toolkit.compilation.patterns.touched import touched, touched_alike
 from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.equations.equations import Plan
 from toolkit.scene.scene import Scene
@@ -35,6 +35,7 @@ NEEDS = {
 }
 """Part of the plan -> groups of `Quantities` that its arrays follow from; with design variables joints and loads also from the markers."""
 THROUGH_MARKERS = ("joints", "loads", "pressures")
+CURVES = ("curve_index", "curve_variable")
 
 
 class Kept(NamedTuple):
@@ -86,8 +87,11 @@ def build_plan(
         name: getattr(kept.plan, name) if kept and not kept.changed & _needs(name, derivatives) else make()
         for name, make in makers.items()
     }
-    curve_index, curve_variable = curve_pairs(derivatives)
-    touched_row, touched_variable = touched(len(derivatives), **parts, curve_index=curve_index, curve_variable=curve_variable)
+    parts |= dict(zip(CURVES, curve_pairs(derivatives), strict=True))
+    if kept and touched_alike(parts, {name: getattr(kept.plan, name) for name in parts}):
+        touched_row, touched_variable = kept.plan.touched_row, kept.plan.touched_variable
+    else:
+        touched_row, touched_variable = touched(len(derivatives), **parts)
     return Plan(
         n_q=numbering.n_q,
         n=numbering.n,
@@ -96,8 +100,6 @@ def build_plan(
         indices=pattern.indices,
         **parts,
         dropped=np.zeros(0, np.int64),
-        curve_index=curve_index,
-        curve_variable=curve_variable,
         touched_row=touched_row,
         touched_variable=touched_variable,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -43,6 +43,9 @@ class Quantities:
     curves: dict[int, Curve]
 
 
+GROUPS = tuple(field.name for field in fields(Quantities) if field.name != "gravity")
+
+
 class Part(NamedTuple):
     """One item's share of a group: what the scene writes about it, and its numbers as they follow from a scene."""
 
@@ -78,15 +81,22 @@ def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected |
 
 
 def seen_quantities(
-    scene: Scene, numbering: Numbering, affected: Affected | None = None, remembered: Remembered | None = None
+    scene: Scene,
+    numbering: Numbering,
+    affected: Affected | None = None,
+    remembered: Remembered | None = None,
+    watched: Collection[str] | None = None,
 ) -> tuple[Quantities, Seen]:
-    """The same, and how they came about."""
+    """The same, and how they came about; what is asked for them only in groups that are `watched`, by default in all."""
     placed, parts = remembered or Remembered(scene), parts_of(scene, numbering, owners_of(scene, numbering, affected))
     asked: Asked = {}
     groups: dict[str, dict[int, Any]] = {group: {} for group in parts}
     for group, owners in parts.items():
         for owner, part in owners.items():
-            groups[group][owner], asked[group, owner] = placed.watched(part.make)
+            if watched is None or group in watched:
+                groups[group][owner], asked[group, owner] = placed.watched(part.make)
+            else:
+                groups[group][owner] = part.make(placed)
     return _quantities(groups, scene), Seen(placed, parts, asked)
 
 
@@ -102,8 +112,15 @@ def _quantities(groups: dict[str, dict[int, Any]], scene: Scene) -> Quantities:
 
 
 def owners_of(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Owners:
-    """All owners of a scene's numbers, or those among some items and markers."""
+    """All owners of a scene's numbers, or those among some items and markers; looked up once for all numbers of the scene."""
+    known = numbering.owners
+    if affected not in known:
+        known[affected] = _owners_of(scene, numbering, affected)
+    found: Owners = known[affected]
+    return found
 
+
+def _owners_of(scene: Scene, numbering: Numbering, affected: Affected | None) -> Owners:
     def chosen(items: Iterable[Item]) -> list[int]:
         return [k for k, item in enumerate(items) if affected is None or item in affected.items]
 
@@ -123,8 +140,9 @@ def owners_of(scene: Scene, numbering: Numbering, affected: Affected | None = No
 def parts_of(scene: Scene, numbering: Numbering, owners: Owners) -> dict[str, dict[int, Part]]:
     """What some owners have numbers from, by group and number."""
     everybody: Mapping[str, Any] = scene.all_bodies()
-    bodies, joints, loads = list(everybody.values()), list(scene.joints.values()), loads_of(scene)
-    pressures = [pressure for _, pressure in pressures_on_pieces(scene)]
+    bodies, joints = list(everybody.values()), list(scene.joints.values())
+    loads = loads_of(scene) if owners["loads"] else []
+    pressures = [pressure for _, pressure in pressures_on_pieces(scene)] if owners["pressures"] else []
     curves = [curve for _, curve in curves_of(scene)] if owners["curves"] else []
     gravity, width = scene.gravity, scene.space.load_parameters
     heavy = tuple(each for each in scene.loads.values() if isinstance(each, UniformGravity))

@@ -92,16 +92,16 @@ class Remembered:
         """Interface points of a body that the scene puts elsewhere along it."""
         return self.once(("arc lengths", Itself(body)), lambda: self._scene.arc_lengths(body))
 
-    def of_body(self, body: Any, what: str, make: Callable[[], T]) -> T:
+    def of_body(self, body: Any, what: Hashable, make: Callable[[], T]) -> T:
         """What is made of one of its bodies, once. Its questions count each time, as if it were made each time."""
-        key, outer = (what, Itself(body)), self._asked
+        key, outer = (what, id(body)), self._asked
         if key not in self._kept:
             self._asked = set()
             try:
-                self._kept[key] = make(), self._asked
+                self._kept[key] = make(), self._asked, body  # which nothing else has the number of as long as it is kept
             finally:
                 self._asked = outer
-        found, asked = self._kept[key]
+        found, asked, _ = self._kept[key]
         if outer is not None:
             outer |= asked
         made: T = found

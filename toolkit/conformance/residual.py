@@ -14,7 +14,8 @@ from toolkit.description.design import DesignVariable
 from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
 from toolkit.foundation.kernel import plain
 from toolkit.scene.scene import Scene
-from toolkit.system.system import System, compile_scene, plain_formulas_of
+from toolkit.system.formulas import plain_formulas_of
+from toolkit.system.system import System, compile_scene
 
 LEVELS = np.array([1.0, 0.7, 0.3])
 """Weights of acceleration, velocity and position of the constraint rows: all three count, none like another."""

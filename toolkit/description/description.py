@@ -68,7 +68,12 @@ class Description(BaseModel):
         InputError
             The path leads nowhere, or to what is not a number.
         """
-        return _replace(self, path.split("."), value, path)
+        return self.with_all({path: value})
+
+    def with_all(self, values: Mapping[str, Any]) -> Self:
+        """The same with several numbers by their paths, of which there is at least one."""
+        found: Self = _replace(self, [(path.split("."), value, path) for path, value in values.items()])
+        return found
 
 
 class Registered(Description):
@@ -121,6 +126,15 @@ def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield from numbers_below(f"{path}.{_AXES[index] if _is_pair(value) else index}", below)
 
 
+def holds_complex(value: Any) -> bool:
+    """Whether any number below a value is complex."""
+    if isinstance(value, Description):
+        return any(holds_complex(below) for _, below in value)
+    if isinstance(value, Mapping):
+        return any(map(holds_complex, value.values()))
+    return any(map(holds_complex, value)) if isinstance(value, (tuple, list)) else isinstance(value, complex)
+
+
 def number_at(value: Any, keys: Sequence[str]) -> Any | None:
     """The number that keys lead to from a value, as `numbers_below` names it; None if there is none."""
     for key in keys:
@@ -144,25 +158,24 @@ def _is_pair(value: Any) -> bool:
     return len(value) == 2 and all(isinstance(item, (float, complex)) for item in value)
 
 
-def _replace(owner: Any, keys: list[str], value: Any, path: str) -> Any:
+def _replace(owner: Any, changes: Sequence[tuple[list[str], Any, str]]) -> Any:
+    """A copy with other numbers: the keys that lead to each from here, its value, and its whole path for messages."""
+    keys, value, path = changes[0]
     if not keys:
         if not isinstance(owner, (float, complex)):
             raise InputError(f"{path!r} is not a number of the scene, but {owner!r}. Give the path of a number.")
         return value
-    key, rest = keys[0], keys[1:]
-    if isinstance(owner, Description):
+    items: dict[str, Any] = {}
+    if isinstance(owner, Description | Mapping):
         items = dict(owner)
-        if key in items:
-            return owner.model_copy(update={key: _replace(items[key], rest, value, path)})
-    elif isinstance(owner, Mapping):
-        items = dict(owner)
-        if key in items:
-            return {**items, key: _replace(items[key], rest, value, path)}
     elif isinstance(owner, tuple):
         items = {_AXES[i] if _is_pair(owner) else str(i): item for i, item in enumerate(owner)}
-        if key in items:
-            items[key] = _replace(items[key], rest, value, path)
-            return tuple(items.values())
-    else:
-        items = {}
-    raise InputError(f"{path!r} leads nowhere: there is no {key!r}; possible here: {', '.join(items) or 'nothing'}.")
+    below: dict[str, list[tuple[list[str], Any, str]]] = {}
+    for (key, *rest), value, path in changes:
+        if key not in items:
+            raise InputError(f"{path!r} leads nowhere: there is no {key!r}; possible here: {', '.join(items) or 'nothing'}.")
+        below.setdefault(key, []).append((rest, value, path))
+    found = {key: _replace(items[key], some) for key, some in below.items()}
+    if isinstance(owner, Description):
+        return owner.model_copy(update=found)
+    return tuple({**items, **found}.values()) if isinstance(owner, tuple) else {**items, **found}

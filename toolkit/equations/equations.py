@@ -126,7 +126,7 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     terms.applied[:] = 0
     rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
     plane, frames = plan.markers.plane, plan.markers.frames
-    update_poses(plane, frames, plan.markers, work.markers, q, v, acc, work.scratch)
+    update_poses(plane, frames, plan.markers, work.markers, q, v, acc, linearize, work.scratch)
     if not inputs.inertia:
         set_frames(frames, work.markers, q, rate, acceleration)
     if linearize:

@@ -98,11 +98,11 @@ def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
     return tuple(([first_class(function, signature) for function in functions] * SLOTS)[:SLOTS])
 
 
-def first_class(function: CPUDispatcher, signature: Any = None) -> Any:
-    """A kernel compiled for one signature (by default its last), as an argument for other kernels, compiled without its code."""
+@cache
+def first_class(function: CPUDispatcher, signature: Any) -> Any:
+    """A kernel compiled for one signature, as an argument for other kernels, compiled without its code."""
     if not isinstance(function, CPUDispatcher):
         return function
-    signature = signature or function.nopython_signatures[-1]
     with warnings.catch_warnings(), rare_collections():
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
         function.compile(signature)

@@ -69,16 +69,6 @@ def unit_cross(i, e, c):
 
 
 @inner
-def still(e, out):
-    """A vector that no deformation turns."""
-    for c in range(3):
-        out.value[c] = e[c]
-    for array in (out.by, out.along_rate, out.along_growth, out.curved):
-        array[:] = 0
-    out.by_by[:] = 0
-
-
-@inner
 def turn(phi, rate, growth, e, out):
     """R e and all its derivatives."""
     x, along, step, square = dot(phi, phi), dot(phi, e), dot(phi, rate), dot(rate, rate)

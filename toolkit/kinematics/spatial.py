@@ -223,4 +223,4 @@ def axes_along(direction: Any) -> np.ndarray:
     first = aside - third * (aside @ third)
     first = first / np.sqrt(first @ first)
     (x, y, z), (a, b, c) = third.tolist(), first.tolist()
-    return np.column_stack([first, [y * c - z * b, z * a - x * c, x * b - y * a], third])
+    return np.array([[a, y * c - z * b, x], [b, z * a - x * c, y], [c, x * b - y * a, z]])

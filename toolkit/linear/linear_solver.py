@@ -65,6 +65,16 @@ def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> L
     )
 
 
+def cleared(solver: LinearSolver, weights: np.ndarray) -> None:
+    """Make used memory what `linear_solver` reserves; `weights` are copied."""
+    for memory in (solver.lu, *solver.kept, solver.work, solver.residual, solver.pivots, solver.scale, solver.mode):
+        memory.fill(0)
+    for block in (solver.work_block, solver.residual_block, solver.solution_block):
+        block.fill(0)
+    solver.quality.fill(TRUSTED_REFINEMENT)
+    solver.weights[:] = weights
+
+
 def updates_of(plan: LUPlan) -> int:
     """Multiplications of a sparse factorisation: every entry right of a pivot that changes meets all of them in each row below."""
     beside = (plan.row_start[1:] - plan.diagonal - 1)[plan.still[0] :]

@@ -14,13 +14,13 @@ from toolkit.markers.spatial.marker_kernel import update_spatial_markers
 
 
 @kernel
-def update_poses(plane, frames, markers, state, q, v, acc, scratch):
-    """Evaluate all markers, without their design derivatives. `scratch` is (3, 3)."""
+def update_poses(plane, frames, markers, state, q, v, acc, linearize, scratch):
+    """Evaluate all markers, without their design derivatives; B_v, B_a and b_q only to `linearize`. `scratch` is (3, 3)."""
     if plane is not None:
         update_markers(markers, state, q, v, acc, scratch)
     if frames is not None:
         update_frames(frames, state.frames, q, v, acc)
-        update_spatial_markers(markers, state, q, v, acc)
+        update_spatial_markers(markers, state, q, v, acc, linearize)
 
 
 @inner
@@ -30,7 +30,7 @@ def update_positions(plane, frames, markers, state, q, rest):
         update_places(markers, state, q)
     if frames is not None:
         update_frames(frames, state.frames, q, rest, rest)
-        update_spatial_markers(markers, state, q, rest, rest)
+        update_spatial_markers(markers, state, q, rest, rest, False)
 
 
 @inlined

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property, lru_cache
 from typing import Any
@@ -12,11 +12,9 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
 from toolkit.foundation.listed_names import listed, meant
-from toolkit.reduced_model.dependence import SMALL, Derivatives, Polynomial, Slopes, Together, Told, scattered, told_of
+from toolkit.reduced_model.dependence import SMALL, Together, Told, scattered, told_of
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
 from toolkit.reduced_model.thin_arrays import sparing
-
-NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
 
 KEPT = 8
 """Design points that are kept with what was evaluated there: complex steps in other numbers of a scene ask for the same ones again."""
@@ -57,12 +55,12 @@ class DesignPoint:
         return {}
 
     @cached_property
-    def _p(self) -> np.ndarray:
+    def p(self) -> np.ndarray:
         return np.array([self.values.get(name, nominal) for name, nominal in self.model.nominal.items()])
 
     def parameter(self, number: int) -> Any:
         """Value of the parameter with a number, real or complex."""
-        return self._p[number]
+        return self.p[number]
 
     @cached_property
     def _steps(self) -> dict[int, Any]:
@@ -90,9 +88,13 @@ class DesignPoint:
 
     def some_invariants(self, *items: str) -> tuple[np.ndarray, ...]:
         """Those of some names; errors as `invariants`, of a stiffness if it is among them."""
+        self.check_extrapolated(items)
+        return tuple(map(self.value, items))
+
+    def check_extrapolated(self, items: Sequence[str]) -> None:
+        """Refuse the same, if it is among some items."""
         if self.first_order and "stiffness" in items:
             self.check_stiffness(self.value("stiffness"))
-        return tuple(map(self.value, items))
 
     def check_stiffness(self, stiffness: np.ndarray) -> None:
         """Refuse a stiffness at this design, of the body or of a part of it, that a tangent has led to and that no body has.
@@ -155,58 +157,65 @@ class DesignPoint:
 
     def _evaluated(self, item: str) -> np.ndarray:
         nominal = self.model.item(item)
-        told = self._told(item, nominal) if self._steps else None
-        if told is None:
+        if not self._steps or self._told(item) is None:
             return nominal
+        here, flat = self.filled(item)
+        found = np.zeros(nominal.size, flat.dtype)
+        found[here] = flat
+        return found.reshape(nominal.shape)
+
+    def filled(self, item: str) -> tuple[np.ndarray | slice, np.ndarray]:
+        """Places in a flattened item where it can differ from zero at designs of this kind, or all, and its values there; as `value`."""
+        told = self._told(item) if self._steps else None
+        if told is None:
+            return slice(None), self.model.item(item).ravel()
         flat = told.own if told.polynomial is None else self._by_polynomial(item, told)
         for k, (entry, slope) in told.tangents.items():
             flat = flat + scattered(entry, self._steps[k] * slope, len(told.own))
-        if not any(real for _, real, _ in self._kind[1:]):
+        if not any(real for _, real, _ in self.kind[1:]):
             flat = told.own + 1j * np.imag(flat)  # the nominal body itself, whose last digits a thin skin feels
-        found = np.zeros(nominal.size, flat.dtype)
-        found[told.here] = flat
-        return found.reshape(nominal.shape)
+        return told.here, flat
 
     @cached_property
-    def _kind(self) -> tuple[Any, ...]:
+    def kind(self) -> tuple[Any, ...]:
         """What decides, beside the values, from what its items follow: parameters that are off, and whether by a real or complex step."""
         return (self.first_order, *((k, np.real(step) != 0, k in self._complex) for k, step in self._steps.items()))
 
-    def _told(self, item: str, nominal: np.ndarray) -> Told | None:
+    def _told(self, item: str) -> Told | None:
         """What the file tells of an item that moves, None of others; looked up once for all designs of a kind."""
-        known, key = self.model.told, (self._kind, item)
+        known, key = self.model.told, (self.kind, item)
         if key not in known:
-            known[key] = self._looked_up(item, nominal)
+            known[key] = self._looked_up(item)
         found: Told | None = known[key]
         return found
 
-    def _looked_up(self, item: str, nominal: np.ndarray) -> Told | None:
+    def _looked_up(self, item: str) -> Told | None:
         if None not in self.model.dependence(item) and not self.moves(item):
             return None
         by_tangent = [k for k in self._steps if self._is_tangent(item, k)]
-        self._check(item, by_tangent)
+        self.check(item, by_tangent)
         derivatives, polynomials = self.model.dependence(item)
         tangents = {k: derivatives[item].by(k) for k in by_tangent}  # type: ignore[index]
-        return told_of(nominal, (polynomials or {}).get(item), tangents, self._complex)
+        return told_of(self.model.item(item), (polynomials or {}).get(item), tangents, self._complex)
 
     def _by_polynomial(self, item: str, told: Told) -> np.ndarray:
         """Values of an item's polynomial on its places, found at once for all items that designs of this kind have asked for."""
         key = "polynomial of {}".format
         if key(item) not in self._known:
-            recorded = self.model.told.get((self._kind, told.complex))
+            recorded = self.model.told.get((self.kind, told.complex))
             if recorded is None or item not in recorded.places:
                 recorded = self._recorded(item, told, recorded)
-            self._known.update({key(name): values for name, values in recorded(self._p).items()})
+            self._known.update({key(name): values for name, values in recorded(self.p).items()})
         found: np.ndarray = self._known[key(item)]
         return found
 
     def _recorded(self, item: str, told: Told, others: Together | None) -> Together:
         """An item with others; alone if they are too large together."""
-        wanted = {} if others is None else {name: self.model.told[self._kind, name] for name in others.places}
+        wanted = {} if others is None else {name: self.model.told[self.kind, name] for name in others.places}
         found = Together.of({**wanted, item: told})
         if len(found.polynomial.entry) > SMALL:
             return Together.of({item: told})
-        self.model.told[self._kind, told.complex] = found
+        self.model.told[self.kind, told.complex] = found
         return found
 
     def rows(self, item: str) -> Any:
@@ -221,36 +230,6 @@ class DesignPoint:
         if key not in self._known:
             self._known[key] = sparing(self.value(item))
         return self._known[key]
-
-    def rates(self, item: str, numbers: Mapping[str, int]) -> Derivatives:
-        """Derivatives of an item by parameters: their numbers, places in the flattened item, and values there, to be summed.
-
-        Parameters
-        ----------
-        numbers : the wanted parameters, and the number that each shall have in the result
-
-        Raises
-        ------
-        InputError
-            Nothing that was loaded tells a derivative at this design.
-        """
-        linear, polynomial, slopes = self._told_rates(item, tuple(numbers.items()))
-        return linear if polynomial is None else linear + polynomial.rates(np.real(self._p), slopes)
-
-    def _told_rates(
-        self, item: str, numbers: tuple[tuple[str, int], ...]
-    ) -> tuple[Derivatives, Polynomial | None, Slopes | None]:
-        """What the file tells of derivatives; looked up once for all designs of a kind."""
-        known, key = self.model.told, (self._kind, item, numbers)
-        if key not in known:
-            by_name = dict(numbers)
-            wanted = np.array([by_name.get(name, -1) for name in self.model.parameters])
-            derivatives, polynomials = self.model.dependence(item)
-            polynomial, tangent = (polynomials or {}).get(item), (derivatives or {}).get(item, NONE)
-            self._check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
-            known[key] = tangent.renumbered(wanted), polynomial, polynomial and polynomial.slopes_by(wanted)
-        found: tuple[Derivatives, Polynomial | None, Slopes | None] = known[key]
-        return found
 
     def moves(self, item: str) -> bool:
         """Whether an item is not where it is at the nominal design, be it by an imaginary step."""
@@ -271,7 +250,7 @@ class DesignPoint:
         polynomial = (self.model.dependence(item)[1] or {}).get(item)
         return self._is_tangent(item, k) or (polynomial is not None and polynomial.depends_on(k))
 
-    def _check(self, item: str, by_tangent: list[int]) -> None:
+    def check(self, item: str, by_tangent: list[int]) -> None:
         """Refuse what the file does not tell; a tangent leads away from the nominal design only where that was asked for."""
         names = self.model.parameters
         if None in self.model.dependence(item):

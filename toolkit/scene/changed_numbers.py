@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any
 
@@ -32,6 +32,7 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
     if not isinstance(numbers, Mapping):
         raise InputError(f'numbers are given by name, as in {{"points.A.x": 73.0}}, not as {type(numbers).__name__}.')
     paths: list[str] = []
+    alone: dict[str, float] = {}
     for name, value in numbers.items():
         if not isinstance(name, str):
             raise InputError(f"{name!r} is no name of a number. Give short names or paths.")
@@ -45,36 +46,47 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
         if (twice := next((path for path in mine if path in paths), None)) is not None:
             raise InputError(f"{name!r} is the same number as another one that is given, {twice}. Give it once.")
         paths += mine
-        scene = _with_value(scene, name, real)
-    for path in paths:
-        _check(scene, path)
+        if scene.factors_of(name) == (1.0,):
+            alone[mine[0]] = real
+        else:
+            scene = _with_value(scene, name, mine, real)
+    scene = scene.with_all(alone)
+    _check(scene, paths)
     return scene, paths
 
 
-def _with_value(scene: Scene, name: str, value: float) -> Scene:
-    """A copy in which a number, or a design variable of several, has a value; numbers that were the factor times the old one stay so."""
+def _with_value(scene: Scene, name: str, paths: Sequence[str], value: float) -> Scene:
+    """A copy in which a design variable has a value; numbers that were the factor times the old one stay so."""
     old = scene.value_of(name)
-    for path, factor in zip(scene.paths_of(name), scene.factors_of(name), strict=True):
+    for path, factor in zip(paths, scene.factors_of(name), strict=True):
         number = scene.number(path)
         scene = scene.with_number(path, factor * value if number == factor * old else number + factor * (value - old))
     return scene
 
 
-def _check(scene: Scene, path: str) -> None:
-    """Validate all records between the scene and one of its numbers, the innermost first."""
-    keys: list[str] = path.split(".")
-    found: list[tuple[str, Description]] = []
-    owner: Any = scene
-    for depth, key in enumerate(keys, 1):
-        owner = _below(owner, key)
-        if isinstance(owner, Description):
-            found.append((".".join(keys[:depth]), owner))
-    for where, record in reversed(found):
-        given = {**dict(record), **(record.model_extra or {})}
-        try:
-            type(record).model_validate(given)
-        except ValidationError as error:
-            raise InputError("\n".join(messages(error, type(record), given, where, {}))) from error
+def _check(scene: Scene, paths: Sequence[str]) -> None:
+    """Validate all records between the scene and its numbers, each once, for one number after the other the innermost first."""
+    checked: set[str] = set()
+    for path in paths:
+        keys: list[str] = path.split(".")
+        found: list[tuple[str, Description]] = []
+        owner: Any = scene
+        for depth, key in enumerate(keys, 1):
+            owner = _below(owner, key)
+            if isinstance(owner, Description):
+                found.append((".".join(keys[:depth]), owner))
+        for where, record in reversed(found):
+            if where not in checked:
+                _check_record(where, record)
+        checked |= {where for where, _ in found}
+
+
+def _check_record(where: str, record: Description) -> None:
+    given = {**dict(record), **(record.model_extra or {})}
+    try:
+        type(record).model_validate(given)
+    except ValidationError as error:
+        raise InputError("\n".join(messages(error, type(record), given, where, {}))) from error
 
 
 def _below(owner: Any, key: str) -> Any:

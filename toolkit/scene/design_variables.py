@@ -20,10 +20,10 @@ NOT_DESIGN = {
 """Tables of a scene whose numbers have no derivative, and why."""
 
 
-def variables_of(scene: Any, names: Iterable[str]) -> Design:
+def variables_of(scene: Any, names: Collection[str]) -> Design:
     """Design variables of a scene by short name or path; errors as `Scene.design_variables`."""
     variables: list[DesignVariable] = []
-    available, users = dict.fromkeys(scene.available_paths()), dict[str, str]()
+    available, users = dict.fromkeys(scene.available_paths() if names else ()), dict[str, str]()
     for name in names:
         paths = scene.paths_of(name)
         for path in paths:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, Self, TypeVar
@@ -194,7 +194,7 @@ class Scene(Description):
                 found[point.interface] = point.arc_length
         return found
 
-    def of_body(self, _body: Any, _what: str, make: Callable[[], T]) -> T:
+    def of_body(self, _body: Any, _what: Hashable, make: Callable[[], T]) -> T:
         """What is made of a body, each time anew: see `compilation.remembered`."""
         return make()
 
@@ -298,7 +298,15 @@ class Scene(Description):
             owner = getattr(self, group)
             changed = owner[name].model_copy(update={key: value}) if group == "points" else _with_extra(owner[name], key, value)
             return self.model_copy(update={group: {**owner, name: changed}})
-        return super().with_number(path, value)
+        return super().with_all({path: value})
+
+    def with_all(self, values: Mapping[str, Any]) -> Self:
+        """The same with several numbers."""
+        written = {path: value for path, value in values.items() if self._written(path) is not None}
+        found = super().with_all(written) if written else self
+        for path, value in values.items():
+            found = found if path in written else found.with_number(path, value)
+        return found
 
     def paths_of(self, name: str) -> tuple[str, ...]:
         """Paths of the numbers of a design variable, by its short name, or of one number by its path."""
@@ -312,13 +320,21 @@ class Scene(Description):
 
     def value_of(self, name: str) -> float:
         """Value of a design variable: the first of its numbers over its factor."""
-        return float(np.real(self.number(self.paths_of(name)[0]))) / self.factors_of(name)[0]
+        return self.value_at(self.paths_of(name)[0]) / self.factors_of(name)[0]
+
+    def value_at(self, path: str) -> float:
+        """The number at a path, without an imaginary step."""
+        return float(np.real(self.number(path)))
 
     def moved(self, variable: DesignVariable, step: Any) -> Self:
         """A copy in which a design variable has grown by a step, real or complex."""
         found = self
         for path, factor in zip(variable.paths, variable.factors, strict=True):
-            found = found.with_number(path, found.number(path) + factor * step)
+            written = found._written(path)
+            if written is None:
+                found = found.with_number(path, found.number(path) + factor * step)
+            else:
+                found = super(Scene, found).with_all({path: written + factor * step})
         return found
 
     def design_variables(self, names: list[str] | None = None) -> Design:

@@ -4,9 +4,8 @@
     adjoint:  the linearised equations again and their factors, evaluation of the design partials, and per response a transposed solve
 
 The work is counted from the compiled scene. Its price was measured on a wing and chains of 10 to 1000 unknowns, with 1 to 600 variables and
-1 to 20 responses, where the choice was the better method or at most a quarter slower, mostly equal; on a loaded machine up to 1.6 times
-slower. `python -m tests.benchmarks.method_choice` measures it again; on another machine all prices change together, so that the choice
-stays.
+1 to 20 responses, in time of the processor, where the choice was the better method or at most a tenth slower. `python -m
+tests.benchmarks.method_choice` measures it again; on another machine all prices change together, so that the choice stays.
 """
 
 from __future__ import annotations
@@ -16,14 +15,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.description.time_grid import time_grid
+from toolkit.foundation.itself import Itself
 from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind, responses_of
 from toolkit.system.system import System
 
-DIRECT = np.array([3.8, 0.22, 0.0015, 0.0013])
+DIRECT = np.array([2.1, 0.12, 0.00054, 0.00014])
 """Price in us of the parts of `direct_work`."""
-ADJOINT = np.array([6.2, 0.45, 0.07, 0.0024])
+ADJOINT = np.array([2.3, 0.137, 0.0094, 0.0011])
 """Price in us of the parts of `adjoint_work`."""
 
 
@@ -50,7 +51,24 @@ def choose(compiled: Compiled, kind: Kind, keep_states: bool = False) -> Choice:
     if kind == "static":
         return Choice("direct", "direct differentiation, because an equilibrium costs one more solve by either method.")
     scene, system = compiled.scene, compiled.full
-    needed = 24 * len(time_grid(scene.solver)) * system.n * (1 + system.n_x)
+    key = (
+        Choice,
+        Itself(scene.solver),
+        Itself(scene.responses),
+        system.n,
+        system.n_x,
+        _entries(system),
+        len(system.plan.touched_row),
+    )
+    if key not in compiled.decided:
+        compiled.decided[key] = _chosen(compiled, scene, system)
+    found: Choice = compiled.decided[key]
+    return found
+
+
+def _chosen(compiled: Compiled, scene: Scene, system: System) -> Choice:
+    """For a motion, whose states need not be kept."""
+    needed = 8 * len(time_grid(scene.solver)) * (3 * system.n + system.n_x * (2 * system.n_q + system.n))
     if scene.solver.local_error is None and needed > GIGABYTE * scene.solver.memory:
         return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.")
     n_r = len(responses_of(scene))

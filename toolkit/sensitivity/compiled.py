@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from toolkit.description.design import Design
 from toolkit.scene.changed_numbers import with_numbers
@@ -98,6 +99,11 @@ class Compiled:
     @cached_property
     def _chosen_for_gradients(self) -> dict[Kind, Choices]:
         return {}
+
+    @cached_property
+    def decided(self) -> dict[Hashable, Any]:
+        """What others have decided for all numbers of the scene, each under a key of its own; all of one origin share it."""
+        return {} if self.base is None else self.base.decided
 
     @cached_property
     def _others(self) -> dict[Hashable, Compiled]:

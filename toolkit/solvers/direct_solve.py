@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 from toolkit.compilation.frame_hints import hint_of_floating, hint_of_grounded
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.linear.dense_lu import SWEEPS
-from toolkit.linear.linear_solver import DENSE_TOLERANCE, TRUSTED_REFINEMENT, linear_solver, solve_once
+from toolkit.linear.linear_solver import DENSE_TOLERANCE, TRUSTED_REFINEMENT, LinearSolver, cleared, linear_solver, solve_once
 from toolkit.system.system import System
 
 NULL, ALIKE = 1e-12, 10.0
@@ -75,12 +75,15 @@ def _scales(system: System, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _compiled(system: System, values: np.ndarray, block: np.ndarray, where: str) -> np.ndarray:
     """The step loop's own solver."""
-    plan, out = system.plan, np.zeros_like(block)
-    solver = linear_solver(system.lu_plan, system.weights[: plan.n_q], block.shape[1], system.dtype)
+    plan, out, key = system.plan, np.zeros_like(block), (LinearSolver, block.shape[1])
+    weights = system.weights[: plan.n_q]
+    solver = system.scratch(key, lambda: linear_solver(system.lu_plan, weights.copy(), block.shape[1], system.dtype))
+    cleared(solver, weights)
     first, result = block[:, 0].copy(), np.zeros(system.n)
     failed = system.run(solve_once, solver, plan.indptr, plan.indices, values, first, result, block, out)
     if failed >= 0:
         raise SingularSystemError(f"{where}: {diagnosis(system, values, failed)}")
+    system.give_back(key, solver)
     return out
 
 

@@ -34,7 +34,8 @@ LOST = {
 def turned_angles(plan, first, second, q, rest, work, out):
     """atan2(e_1a . e_2b, e_1a . e_1b) of two markers at all times, (n_t,)."""
     for n in range(len(q)):
-        update_poses(plan.markers.plane, plan.markers.frames, plan.markers, work.markers, q[n], rest, rest, work.scratch)
+        markers = plan.markers
+        update_poses(markers.plane, markers.frames, markers, work.markers, q[n], rest, rest, False, work.scratch)
         a, b, cosine, sine = work.markers.y[first], work.markers.y[second], 0 * q[n, 0], 0 * q[n, 0]
         for i in range(3, 6):
             cosine += a[i] * b[i]

@@ -27,8 +27,11 @@ class MarkerStates:
         self.system = system
         self._state: np.ndarray = np.zeros((3, system.n), system.dtype)
         scratch: np.ndarray = np.zeros((3, 3), system.dtype)
-        given = markers.plane, markers.frames, markers, self.found, *self._state, scratch
-        self._formulas = [system.prepared(function, *given) for function in (update_poses, update_pose_designs)]
+        given = markers.plane, markers.frames, markers, self.found, *self._state
+        self._formulas = [
+            system.prepared(update_poses, *given, True, scratch),
+            system.prepared(update_pose_designs, *given, scratch),
+        ]
 
     def at(self, q: np.ndarray, v: np.ndarray | float = 0.0, a: np.ndarray | float = 0.0) -> Any:
         """All markers at coordinates, rates and accelerations (n_q,); holds until the next call."""

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from toolkit.compilation.checks import check_numbers
-from toolkit.compilation.dependence import GROUPS
+from toolkit.compilation.dependence import GROUPS, Affected
 from toolkit.compilation.derivatives import renewed_derivatives
 from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
-from toolkit.compilation.quantities import seen_quantities
+from toolkit.compilation.quantities import OPEN, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.joints.row_checks import keeps_rows
@@ -55,8 +55,8 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     placed = Remembered(scene, system.placed)
     check_numbers(scene, placed)
     numbering = system.numbering
-    affected = numbering.affected_by(scene, paths)
-    new, seen = seen_quantities(scene, numbering, affected, placed)
+    affected = _stirred(system, scene, numbering.affected_by(scene, paths))
+    new, seen = seen_quantities(scene, numbering, affected, placed, OPEN)
     asks_alike = all(system.asked[owner] == asked for owner, asked in seen.asked_by_components.items())
     joints = list(scene.joints.values())
     if not asks_alike or not all(keeps_rows(joints[j], placed, numbering.forms.rows[j]) for j in new.joints):
@@ -71,11 +71,22 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     except NewEntryError:
         return compile_scene(scene, names, numbering.seen)
     moved = any(group in ("points", "bodies") for group, _ in affected.items)
-    sizes = weights(scene, placed) if moved else system.weights
+    sizes = weights(scene, numbering, placed) if moved else system.weights
     if not np.array_equal(sizes, system.weights):
         changed.add("constant")
     plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, frozenset(changed)))
-    design = Design(tuple(replace(each, value=scene.value_of(each.name)) for each in system.design))
+    design = Design(tuple(replace(each, value=scene.value_at(each.paths[0]) / each.factors[0]) for each in system.design))
     found = replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
     found.__dict__.update(placed=placed, **({} if "curves" in changed else {"known_curves": system.known_curves}))
     return found.compiled_as(system)
+
+
+def _stirred(system: System, scene: Scene, affected: Affected) -> Affected:
+    """What may change, without joints that are written as they were and ask the scene for nothing: most only name points and bodies."""
+    before = system.scene.joints
+    same = {
+        ("joints", name)
+        for j, (name, joint) in enumerate(scene.joints.items())
+        if joint is before[name] and not system.asked["joints", j]
+    }
+    return Affected(affected.items - same, affected.markers)

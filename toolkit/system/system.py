@@ -2,45 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numba.core.registry import CPUDispatcher
 from scipy.sparse import csr_array
 
-from toolkit.compilation.arrays.component_arrays import families
-from toolkit.compilation.arrays.joint_arrays import laws_of
 from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
 from toolkit.compilation.patterns.moving import moving_unknowns
 from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Asked, Quantities, loads_of, seen_quantities
+from toolkit.compilation.quantities import STEP, Asked, Quantities, seen_quantities
 from toolkit.compilation.remembered import Remembered
+from toolkit.description.description import holds_complex
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
-from toolkit.foundation.kernel import plain, slots
+from toolkit.foundation.kernel import plain
 from toolkit.foundation.near_ties import first_largest
-from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
-from toolkit.joints.kernels.laws import angle_law
 from toolkit.linear.sparse_analysis import LUPlan, analyse
-from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
-from toolkit.loads.planar.torque import torque
 from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.evaluation_memory import EvaluationMemory
+from toolkit.system.formulas import formulas_of, plain_formulas_of
 from toolkit.system.gathered_design import GatheredDesign, gathered_design
+from toolkit.system.handed_records import HandedRecords
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
+from toolkit.system.remembered_curves import Known, remembered
 
-REMEMBERED, SHORT = 4, 10_000
-"""Sets of times whose curves a system remembers: the start, the end and the steps of a run; and most times of such a set, as longer runs
-take so long that curves are nothing beside them."""
+R = TypeVar("R")
+SHORT = 10_000
+"""Most terms of a product that is summed up here, as beside the work of more of them a call of a library is nothing."""
+
+FEW = 1000
+"""Unknowns up to which the memory of a run is left to the next one."""
 
 
 @dataclass(frozen=True)
@@ -98,28 +99,19 @@ class System:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         if not self.compiled:
             return plain(function)(*arguments)
-        return call(function, *map(self._handed_on, arguments))
+        return call(function, *map(self._handed.of, arguments))
 
     def prepared(self, function: CPUDispatcher, *arguments: Any) -> Callable[[], Any]:
         """A kernel with its arguments, looked up once: for whoever writes other numbers into their arrays and calls it again and again."""
         if not self.compiled:
             return partial(plain(function), *arguments)
-        given = [in_memory(self._handed_on(each)) for each in arguments]
+        given = [in_memory(self._handed.of(each)) for each in arguments]
         return partial(entry_point(function, *given), *given)
 
-    def _handed_on(self, given: Any) -> Any:
-        """An argument, or what compiled code takes for it where it is a part of this system, which never changes: made once."""
-        known = id(given)
-        if known not in self._packed:
-            return given
-        if self._packed[known] is None:
-            self._packed[known] = in_memory(given)
-        return self._packed[known]
-
     @cached_property
-    def _packed(self) -> dict[int, Any]:
-        """Records of this system by identity, as compiled code takes them; None as long as nobody has asked for one."""
-        return {id(part): None for part in (self.plan, *self.plan, self.functions, *self.functions) if isinstance(part, tuple)}
+    def _handed(self) -> HandedRecords:
+        """Records of this system, which never change, as compiled code takes them."""
+        return HandedRecords((self.plan, *self.plan, self.functions, *self.functions))
 
     @cached_property
     def unit_of_states(self) -> np.ndarray:
@@ -148,7 +140,7 @@ class System:
             bool(inertia),
             bool(joints_only),
         )
-        memory, plan, functions = self._memory, self._handed_on(self.plan), self._handed_on(self.functions)
+        memory, plan, functions = self._memory, self._handed.of(self.plan), self._handed.of(self.functions)
         given = plan, functions, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
         if memory.formula is None:
             memory.formula = entry_point(evaluate_all, *given)
@@ -173,7 +165,7 @@ class System:
     def backward(self) -> GatheredDesign:
         """The plan of a backward run, and what that gathers for all variables together."""
         found = gathered_design(self.plan)
-        self._packed[id(found.plan)] = None
+        self._handed.take(found.plan)
         return found
 
     def refuse_changed_files(self) -> None:
@@ -182,9 +174,45 @@ class System:
 
     def compiled_as(self, other: System) -> System:
         """This system with the compiled equations of another one, whose plan has arrays of the same types: to look at these takes longer
-        than a short run."""
-        self.__dict__.update(evaluator=other.evaluator)
+        than a short run. If they are of the same shapes too, it has that one's scratch memory."""
+        self.__dict__.update(evaluator=other.evaluator, unit_of_states=other.unit_of_states)
+        if (
+            self._keeps_memory
+            and self._handed.of(self.plan).same_shapes(other._handed.of(other.plan))
+            and self._touches_as(other)
+        ):
+            self._handed.share_spare(other._handed)
+            self.__dict__.update(_memory=other._memory)
         return self
+
+    def _touches_as(self, other: System) -> bool:
+        """Whether the design variables act on the same equations as those of another one."""
+        pairs = ((getattr(each.plan, name) for each in (self, other)) for name in ("touched_row", "touched_variable"))
+        return all(mine is its or np.array_equal(mine, its) for mine, its in pairs)
+
+    def scratch(self, key: Hashable, make: Callable[[], R]) -> R:
+        """A record of scratch memory, whatever it holds: that of a run which has given it back under the key, or else a new one."""
+        return self._handed.scratch(key, make) if self._keeps_memory else make()
+
+    def give_back(self, key: Hashable, record: Any) -> None:
+        """Leave a record of `scratch` to the next run of this system, or of one that is compiled as it is."""
+        if self._keeps_memory:
+            self._handed.give_back(key, record)
+
+    @property
+    def _keeps_memory(self) -> bool:
+        """Whether runs are so short that new memory takes long beside them."""
+        return self.compiled and self.n <= FEW
+
+    def times(self, values: np.ndarray, block: np.ndarray, first: int = 0) -> np.ndarray:
+        """Rows from the `first` on of the product of a matrix, by its values on the common pattern, with a block (n, k)."""
+        begins = self.plan.indptr[first]
+        if (len(values) - begins) * block.shape[1] > SHORT:
+            large: np.ndarray = self.matrix(values)[first:] @ block
+            return large
+        terms = values[begins:, None] * block[self.plan.indices[begins:]]
+        found: np.ndarray = np.add.reduceat(terms, self.plan.indptr[first:-1] - begins, axis=0)
+        return found
 
     def matrix(self, values: np.ndarray) -> csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""
@@ -244,30 +272,32 @@ class System:
 
     def curves(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """f, f', f'' of all time curves (n_t, n_curves, 3) and of their active design derivatives (n_t, n_d, 3)."""
-        pairs = zip(self.plan.curve_index, self.plan.curve_variable, strict=True)
-        changes = [np.imag(self.derivatives[x].curves[c].evaluate(times)) / STEP for c, x in pairs]
-        found = np.zeros((len(times), len(changes), 3))
-        for d, change in enumerate(changes):
-            found[:, d] = change
-        return self.curve_values(times), found
+        return self.curve_values(times), remembered(self._known_changes, times, self._curve_changes)
 
     def curve_values(self, times: np.ndarray) -> np.ndarray:
         """The first of these alone; those of the last times are remembered, because the parts of an analysis ask for the same ones."""
-        key = times.dtype.str, times.tobytes()
-        found = self.known_curves.get(key)
-        if found is None:
-            found = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
-            for c, curve in enumerate(self.values.curves.values()):
-                found[:, c] = curve.evaluate(times)
-            if len(self.known_curves) >= REMEMBERED:
-                self.known_curves.clear()
-            if len(times) <= SHORT:
-                self.known_curves[key] = found
-        return found.copy()
+        return remembered(self.known_curves, times, self._curve_values)
+
+    def _curve_values(self, times: np.ndarray) -> np.ndarray:
+        found: np.ndarray = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
+        for c, curve in enumerate(self.values.curves.values()):
+            found[:, c] = curve.evaluate(times)
+        return found
+
+    def _curve_changes(self, times: np.ndarray) -> np.ndarray:
+        pairs = list(zip(self.plan.curve_index, self.plan.curve_variable, strict=True))
+        found = np.zeros((len(times), len(pairs), 3))
+        for d, (c, x) in enumerate(pairs):
+            found[:, d] = np.imag(self.derivatives[x].curves[c].evaluate(times)) / STEP
+        return found
 
     @cached_property
-    def known_curves(self) -> dict[tuple[str, bytes], np.ndarray]:
+    def known_curves(self) -> Known:
         """Those of the last times: of all systems that have the same curves."""
+        return {}
+
+    @cached_property
+    def _known_changes(self) -> Known:
         return {}
 
     @property
@@ -281,23 +311,6 @@ class System:
         return Inputs(curves[0], curves_x[0], scale, np.asarray(levels, float), True, False)
 
 
-def _formulas(scene: Scene) -> tuple[list, list]:
-    """The different open formulas of the scene's joints, and the formulas of its loads; there is always one."""
-    return laws_of(list(scene.joints.values())) or [angle_law], families(loads_of(scene)) or [torque]
-
-
-def formulas_of(scene: Scene) -> tuple[tuple, tuple]:
-    """The formulas of the scene's joints and loads, ready for the compiled loop."""
-    joints, loads = _formulas(scene)
-    return slots(joints, LAW_SIGNATURE), slots(loads, LOAD_SIGNATURE)
-
-
-def plain_formulas_of(scene: Scene) -> tuple[tuple, tuple]:
-    """The same as plain Python."""
-    joints, loads = _formulas(scene)
-    return tuple(map(plain, joints)), tuple(map(plain, loads))
-
-
 def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[tuple[str, str], ...] = ()) -> System:
     """Compile a scene with the named design variables (none by default) and, on request, markers that no component needs.
 
@@ -308,14 +321,15 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     """
     files = file_states(scene)
     scene = with_parts(scene)
-    check_numbers(scene)
+    placed = Remembered(scene)
+    check_numbers(scene, placed)
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
-    values, seen = seen_quantities(scene, numbering)
+    values, seen = seen_quantities(scene, numbering, remembered=placed)
     changes = derivatives(scene, numbering, variables, seen)
     on_common_pattern(values, changes)
-    dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
-    sizes = weights(scene)
+    dtype = complex if holds_complex(scene) else float
+    sizes = weights(scene, numbering, placed)
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q, moving_unknowns(numbering, values, plan.markers.coordinate))

@@ -62,7 +62,7 @@ class Constant(NamedTuple):
     mass: np.ndarray
     damping: np.ndarray
     stiffness: np.ndarray
-    M: np.ndarray  # (n_pattern,) the same matrices on the whole pattern
+    M: np.ndarray  # (n_pattern,) the same matrices on the whole pattern; (0,) of no entries
     D: np.ndarray
     K: np.ndarray
     soft: np.ndarray  # the stiffness where it is added as usual, otherwise 0
@@ -144,6 +144,8 @@ def precise_sum(part, first, last, q, halves):
 @inlined
 def constant_jacobian(part, apart, I_acc, A_q, A_v):
     """The same in every step: what all else is added to; `apart` is 1 if the factored stiffness is left out."""
+    if len(part.M) == 0:
+        I_acc[:], A_q[:], A_v[:] = 0, 0, 0
     copy(part.M, I_acc)
     copy(part.loose if apart == 1 else part.K, A_q)
     copy(part.D, A_v)

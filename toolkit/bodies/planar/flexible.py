@@ -16,6 +16,7 @@ from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Number, Pair
 from toolkit.description.quantity import Quantity
 from toolkit.kinematics.planar import rotation
+from toolkit.reduced_model.entries.elastic import elastic_matrices
 from toolkit.reduced_model.model import Invariants, generalized_lengths
 
 ACROSS = np.array([0.0, 0.0, 1.0])
@@ -149,18 +150,17 @@ class Flexible(CuttableBody, StartVelocity):
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
         """Damping and stiffness always; mass and weight only of a grounded body."""
-        stiffness, damping = self.some_invariants(scene, "stiffness", "damping")
-        elastic, strains = (stiffness != 0) | (damping != 0), chain_strains(stiffness)
+        design = self.design_point(scene)
         if self.has_frame:
-            row, column = np.nonzero(elastic)
-            none = np.zeros(len(row)), np.zeros(3 + len(stiffness))
+            row, column, (damping, stiffness) = elastic_matrices(design, "damping", "stiffness")
+            strains = chain_strains(row, column, stiffness, design.model.n_f)
             strains = strains._replace(column=3 + strains.column)
-            return ConstantNumbers(3 + row, 3 + column, none[0], damping[row, column], stiffness[row, column], none[1], strains)
-        inertia, first_moment = self.some_invariants(scene, "inertia", "first_moment")
-        row, column = np.nonzero((inertia[1:, 1:] != 0) | elastic)
-        weight = first_moment[:, 1:].T @ (rotation(self.angle).T @ gravity)
-        mass = inertia[1:, 1:][row, column]
-        return ConstantNumbers(row, column, mass, damping[row, column], stiffness[row, column], weight, strains)
+            none = np.zeros(len(row)), np.zeros(3 + design.model.n_f)
+            return ConstantNumbers(3 + row, 3 + column, none[0], damping, stiffness, none[1], strains)
+        row, column, (mass, damping, stiffness) = elastic_matrices(design, "inertia", "damping", "stiffness")
+        weight = design.value("first_moment")[:, 1:].T @ (rotation(self.angle).T @ gravity)
+        strains = chain_strains(row, column, stiffness, design.model.n_f)
+        return ConstantNumbers(row, column, mass, damping, stiffness, weight, strains)
 
     def floating(self, scene: Placed) -> FloatingNumbers | None:
         """Invariants of a body with a moving frame."""

@@ -17,6 +17,7 @@ from toolkit.compilation.patterns.common_pattern import square_size
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.patterns.stiff_entries import stiff_entries
 from toolkit.compilation.quantities import Quantities
+from toolkit.foundation.itself import Itself
 
 
 def constant_part(
@@ -39,25 +40,26 @@ def constant_part(
         return np.concatenate([np.asarray(getattr(part, name)) for part in parts]).astype(dtype)
 
     counts = [len(part.row) for part in parts]
+    body = np.repeat(np.arange(len(counts)), counts)
     places = _places(parts, rows, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
     row, column, first_entry = places["row"], places["column"], places["segment_start"]
     mass, damping, stiffness = map(joined, ("mass", "damping", "stiffness"))
     factored = np.repeat([len(part.strains.weight) > 0 for part in parts], counts)
     on_pattern = partial(_on_pattern, pattern, places["position"])
-    change = partial(_changes_of, derivatives, first_entry, row, column)
+    change = partial(_changes_of, numbering.runs, derivatives, first_entry, row, column)
     force_row, force_variable, design_force = _changes_of_forces(numbering, derivatives)
     strains, design_strains = strain_arrays(numbering, values, derivatives, dtype)
     return Constant(
         **places,
-        segment_damped=ints([[bool(np.any(part.mass) or np.any(part.damping)) for part in parts]]),
-        segment_loose=ints([[not len(part.strains.weight) or bool(np.any(part.damping)) for part in parts]]),
+        segment_damped=(np.bincount(body, (mass != 0) | (damping != 0), len(counts)) > 0).astype(np.int64),
+        segment_loose=(np.bincount(body, ~factored | (damping != 0), len(counts)) > 0).astype(np.int64),
         mass=mass,
         damping=damping,
         stiffness=stiffness,
         M=on_pattern(mass),
         D=on_pattern(damping),
         K=on_pattern(stiffness),
-        **stiff_entries(row, column, np.where(factored, 0, stiffness), weights, counts)._asdict(),
+        **stiff_entries(row, column, np.where(factored, 0, stiffness), weights, body, len(counts))._asdict(),
         strains=strains,
         design_strains=design_strains,
         strained=on_pattern(np.where(factored, stiffness, 0)) if np.any(factored) else np.zeros(0, dtype),
@@ -85,13 +87,14 @@ def _places(parts: list[ConstantNumbers], rows: list, pattern: Pattern) -> dict[
 
 
 def _on_pattern(pattern: Pattern, position: np.ndarray, entries: np.ndarray) -> np.ndarray:
-    """Entries of a matrix at their places among all that are stored."""
-    found = np.zeros(len(pattern.indices), entries.dtype)
+    """Entries of a matrix at their places among all that are stored, if there are any."""
+    found = np.zeros(len(pattern.indices) if len(entries) else 0, entries.dtype)
     np.add.at(found, position, entries)
     return found
 
 
 def _changes_of(
+    known: dict[Any, Changes],
     derivatives: list[Quantities],
     first_entry: np.ndarray,
     row: np.ndarray,
@@ -99,7 +102,8 @@ def _changes_of(
     name: str,
     bodies: list[int] | None = None,
 ) -> Changes:
-    """What is not zero in the derivatives of one matrix, of all or some bodies, whose entries are body by body and row by row."""
+    """What is not zero in the derivatives of one matrix, of all or some bodies, whose entries are body by body and row by row; `known` from
+    other numbers."""
     parts = [
         (x, b, getattr(part, name))
         for x, derivative in enumerate(derivatives)
@@ -107,11 +111,19 @@ def _changes_of(
         if bodies is None or b in bodies
     ]
     entry, variable, value = _not_zero([(first_entry[b], x, change) for x, b, change in parts])
+    key = Itself(row), entry.tobytes(), variable.tobytes()
+    if key not in known:
+        known[key] = _runs(entry, variable, row, column)
+    return known[key]._replace(value=value)
+
+
+def _runs(entry: np.ndarray, variable: np.ndarray, row: np.ndarray, column: np.ndarray) -> Changes:
+    """Runs of entries, without values."""
     rows = row[entry].astype(np.int64)
     begins = np.ones(len(entry), bool)
     begins[1:] = (rows[1:] != rows[:-1]) | (variable[1:] != variable[:-1])
     first = np.flatnonzero(begins)
-    return Changes(rows[first], variable[first], np.append(first, len(entry)), column[entry], value)
+    return Changes(rows[first], variable[first], np.append(first, len(entry)), column[entry], np.zeros(0))
 
 
 def _changes_of_forces(numbering: Numbering, derivatives: list[Quantities]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
 from toolkit.compilation.patterns.common_pattern import SHARED, placed
-from toolkit.compilation.quantities import Quantities
-
-GROUPS = tuple(field.name for field in fields(Quantities) if field.name != "gravity")
+from toolkit.compilation.quantities import GROUPS, Quantities
 
 
 class NewEntryError(Exception):
@@ -40,8 +37,11 @@ def renew(old: Quantities, new: Quantities, entries: Quantities, changed: set[st
     if not np.array_equal(old.gravity, new.gravity):
         changed.add("gravity")
     for group in GROUPS:
-        before, known = getattr(old, group), getattr(entries, group)
-        found = {owner: _on(part, known[owner]) for owner, part in getattr(new, group).items()}
+        before, known, given = getattr(old, group), getattr(entries, group), getattr(new, group)
+        if not given:
+            parts[group] = before
+            continue
+        found = {owner: _on(part, known[owner]) for owner, part in given.items()}
         parts[group] = {**before, **found}
         if group not in changed and not all(_equal(before[owner], part) for owner, part in found.items()):
             changed.add(group)
@@ -51,7 +51,7 @@ def renew(old: Quantities, new: Quantities, entries: Quantities, changed: set[st
 def _on(part: Any, known: Any) -> Any:
     """The part on the entries of a known one."""
     fields = getattr(part, "_fields", ())
-    if "row" in fields and np.array_equal(part.row, known.row) and np.array_equal(part.column, known.column):
+    if "row" in fields and _same(part.row, known.row) and _same(part.column, known.column):
         return part
     if "row" in fields:
         size = 1 + max(int(max(each.row.max(initial=0), each.column.max(initial=0))) for each in (part, known))
@@ -60,10 +60,15 @@ def _on(part: Any, known: Any) -> Any:
         return part._replace(
             row=known.row, column=known.column, **{name: placed(getattr(part, name), place, len(known.row)) for name in shared}
         )
-    if "columns" in fields and not np.array_equal(part.columns, known.columns):
+    if "columns" in fields and not _same(part.columns, known.columns):
         place = _places(known.columns, part.columns)
         return part._replace(columns=known.columns, shape=placed(part.shape, place, len(known.columns)))
     return part
+
+
+def _same(one: np.ndarray, other: np.ndarray) -> bool:
+    """As `np.array_equal`, in half of the time."""
+    return one.shape == other.shape and bool((one == other).all())
 
 
 def _places(known: np.ndarray, wanted: np.ndarray) -> np.ndarray:

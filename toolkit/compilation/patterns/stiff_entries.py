@@ -27,15 +27,15 @@ class StiffEntries(NamedTuple):
 
 
 def stiff_entries(
-    row: np.ndarray, column: np.ndarray, stiffness: np.ndarray, weights: np.ndarray, counts: list[int]
+    row: np.ndarray, column: np.ndarray, stiffness: np.ndarray, weights: np.ndarray, body: np.ndarray, bodies: int
 ) -> StiffEntries:
     """The stiff entries row by row, for `constant_kernel`, and before them the stiffness without them.
 
-    Entries of a body (`counts`: how many each has) are compared as |K_ik| / (w_i w_k): the work of a motion by the scene's size, free of
+    Entries of one `body`, whose number each has, are compared as |K_ik| / (w_i w_k): the work of a motion by the scene's size, free of
     units.
     """
     size = np.abs(np.real(stiffness)) / (weights[row] * weights[column])
-    body, largest = np.repeat(np.arange(len(counts)), counts), np.zeros(len(counts))
+    largest = np.zeros(bodies)
     np.maximum.at(largest, body, size)
     chosen = np.flatnonzero((size > 0) & (size >= FELT * largest[body]))
     chosen = chosen[np.argsort(row[chosen], kind="stable")]

@@ -5,6 +5,7 @@ The loop visits these entries alone, so that hundreds of variables cost it littl
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from itertools import chain
 from typing import Any
 
@@ -19,6 +20,34 @@ from toolkit.loads.kernels.load_kernel import Loads
 from toolkit.loads.kernels.pressure_kernel import Pressures
 from toolkit.markers.planar.marker_kernel import Markers
 from toolkit.markers.spatial.marker_kernel import SpatialMarkers
+
+
+def touched_alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Whether the parts of two plans of one scene are such that the same entries can differ from zero."""
+    pairs = zip(_causes(**one), _causes(**other), strict=True)
+    return all(mine is its or np.array_equal(mine, its) for mine, its in pairs)
+
+
+def _causes(
+    constant: Constant,
+    floating: Floating | SpatialFloating,
+    markers: Markers | SpatialMarkers,
+    joints: Joints,
+    loads: Loads,
+    pressures: Pressures | None,
+    curve_index: np.ndarray,
+    curve_variable: np.ndarray,
+) -> Iterator[np.ndarray]:
+    """What `touched` looks at and numbers of a scene can change."""
+    yield from (constant.force_row, constant.force_variable)
+    for change in (constant.design_mass, constant.design_damping, constant.design_stiffness):
+        yield from (change.row, change.variable)
+    yield from (floating.block_body, floating.block_variable, floating.gravity_variable)
+    yield from (markers.design_start, markers.design_variable)
+    yield from (joints.of, joints.design, loads.design_start, loads.design_variable)
+    if pressures is not None:
+        yield from (pressures.block_load, pressures.block_variable)
+    yield from (curve_index, curve_variable)
 
 
 def touched(

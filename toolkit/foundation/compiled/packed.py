@@ -47,6 +47,8 @@ class PackedType(types.Type):
 
     def __init__(self, of: types.BaseTuple) -> None:
         self.of: Any = of
+        self.sizes = np.array(_sizes(of), bool)
+        """Which of its words are no addresses."""
         kind = getattr(of, "instance_class", tuple).__name__
         super().__init__(name=f"Packed{kind}_{sha256(layout(of).encode()).hexdigest()[:16]}")
 
@@ -90,6 +92,10 @@ class Packed:
         self.record, self.words = record, np.array(words, np.int64)
         self.address = address_of(self.words)
 
+    def same_shapes(self, other: Packed) -> bool:
+        """Whether another record has the same numbers, and arrays of the same shapes."""
+        return self.kind is other.kind and np.array_equal(self.words[self.kind.sizes], other.words[self.kind.sizes])
+
 
 @typeof_impl.register(Packed)
 @typeof_impl.register(Formula)
@@ -129,7 +135,7 @@ def _collect(given: Any, words: list[Any]) -> Any:
         words.append(address_of(given))
         words += given.shape
         words += given.strides
-        return key_of(given)
+        return given.dtype, given.ndim, given.flags.num & LAID_OUT  # as `key_of`, which a scene's hundred arrays would call
     if isinstance(given, tuple):
         return type(given), *[_collect(each, words) for each in given]
     if isinstance(given, Formula):
@@ -140,6 +146,13 @@ def _collect(given: Any, words: list[Any]) -> Any:
     elif given is not None:
         words.append(int(given))
     return type(given)
+
+
+def _sizes(kind: Any) -> list[bool]:
+    """Of the words of a value of a type, which are no addresses."""
+    if isinstance(kind, types.Tuple | types.UniTuple | types.NamedTuple | types.NamedUniTuple):
+        return [each for part in kind.types for each in _sizes(part)]
+    return [not (isinstance(kind, types.Array | FormulaType) and k == 0) for k in range(words_of(kind))]
 
 
 def words_of(kind: Any) -> int:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.kinematics.nodal_rotation import TurnedVector, still, turn, turned_vector
+from toolkit.kinematics.nodal_rotation import TurnedVector, turn, turned_vector
 from toolkit.kinematics.spatial import Frames, FrameState, frame_state
 
 POSE = 12
@@ -124,14 +124,11 @@ def update_local(markers, state, m):
     for i in range(3):
         state.local[m, i], motion[0, i], motion[1, i] = sums[0, i], sums[1, i], sums[2, i]
         motion[2, i] = 0
-        for row in range(12):
-            state.by[row, i] = 0
-    for block in range(3, markers.size[m], 3):
+    for k in range(3, markers.size[m] if markers.bends[m] == 0 else 3):
+        state.local[m, k], motion[0, k], motion[1, k], motion[2, k] = markers.point[m, k], 0, 0, 0
+    for block in range(3, markers.size[m] if markers.bends[m] == 1 else 3, 3):
         turned, e = state.turned, markers.point[m, block : block + 3]
-        if markers.bends[m] == 1:
-            turn(sums[0, 3:6], sums[1, 3:6], sums[2, 3:6], e, turned)
-        else:
-            still(e, turned)
+        turn(sums[0, 3:6], sums[1, 3:6], sums[2, 3:6], e, turned)
         for c in range(3):
             k = block + c
             state.local[m, k] = turned.value[c]
@@ -148,14 +145,14 @@ def update_local(markers, state, m):
 
 
 @inlined
-def update_spatial_markers(markers, state, q, v, acc):
-    """Evaluate all markers, without their design derivatives; their frames are up to date."""
+def update_spatial_markers(markers, state, q, v, acc, linearize):
+    """Evaluate all markers, without their design derivatives; their frames are up to date. B_v, B_a and b_q only to `linearize`."""
     for m in range(len(markers.frame)):
         shape_sums(markers, m, q, v, acc, state.sums)
         update_local(markers, state, m)
         update_pose(markers, state, m, q, v, acc)
-        update_frame_columns(markers, state, m)
-        update_elastic_columns(markers, state, m)
+        update_frame_columns(markers, state, m, linearize)
+        update_elastic_columns(markers, state, m, linearize)
 
 
 @inlined
@@ -163,7 +160,7 @@ def update_pose(markers, state, m, q, v, acc):
     """y, B v, B a and b."""
     f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
     for array in (state.y[m], state.rate[m], state.acceleration[m], state.centripetal[m]):
-        array[:] = 0
+        array[:size] = 0
     for i in range(3):
         state.y[m, i] = state.y[m, i] + markers.point[m, 12 + i]
     for i in range(markers.moves[m]):
@@ -181,23 +178,29 @@ def update_pose(markers, state, m, q, v, acc):
 
 
 @inlined
-def update_frame_columns(markers, state, m):
-    """Columns of r and beta."""
+def update_frame_columns(markers, state, m, linearize):
+    """Columns of r and beta; a marker that feels no elastic coordinates has no X_m', and the W_k of a quaternion are zero."""
     f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
     first = markers.start[m] + markers.moves[m]
     for i in range(markers.moves[m]):
         state.B[markers.start[m] + i, i] = 1
+    elastic = first + markers.turns[m] < markers.start[m + 1]
     for k in range(markers.turns[m]):
-        for array in (state.B[first + k], state.B_v[first + k], state.B_a[first + k], state.b_q[first + k]):
-            array[:] = 0
-        apply(size, frames.A_k[f, k], local, state.B[first + k], 1.0)
-        apply(size, frames.V_k[f, k], local, state.B_v[first + k], 1.0)
-        apply(size, frames.A_k[f, k], motion[0], state.B_v[first + k], 1.0)
-        apply(size, frames.X_k[f, k], local, state.B_a[first + k], 1.0)
-        apply(size, frames.A_k[f, k], motion[1], state.B_a[first + k], 1.0)
-        apply(size, frames.W_k[f, k], local, state.b_q[first + k], 1.0)
-        apply(size, frames.V_k[f, k], motion[0], state.b_q[first + k], 2.0)
-        apply(size, frames.A_k[f, k], motion[2], state.b_q[first + k], 1.0)
+        B, B_v, B_a, b_q = state.B[first + k], state.B_v[first + k], state.B_a[first + k], state.b_q[first + k]
+        B[:size] = 0
+        apply(size, frames.A_k[f, k], local, B, 1.0)
+        if not linearize:
+            continue
+        B_v[:size], B_a[:size], b_q[:size] = 0, 0, 0
+        apply(size, frames.V_k[f, k], local, B_v, 1.0)
+        apply(size, frames.X_k[f, k], local, B_a, 1.0)
+        if markers.turns[m] == 1:
+            apply(size, frames.W_k[f, k], local, b_q, 1.0)
+        if elastic:
+            apply(size, frames.A_k[f, k], motion[0], B_v, 1.0)
+            apply(size, frames.A_k[f, k], motion[1], B_a, 1.0)
+            apply(size, frames.V_k[f, k], motion[0], b_q, 2.0)
+            apply(size, frames.A_k[f, k], motion[2], b_q, 1.0)
 
 
 @inlined
@@ -210,19 +213,20 @@ def combine(rows, weights, target):
 
 
 @inlined
-def update_elastic_columns(markers, state, m):
+def update_elastic_columns(markers, state, m, linearize):
     """Columns of the elastic coordinates."""
     f, size, frames = markers.frame[m], markers.size[m], state.frames
     for k in range(markers.start[m] + markers.moves[m] + markers.turns[m], markers.start[m + 1]):
         slope = state.slope[k]
-        slope[:] = 0
+        slope[:size], state.B[k, :size] = 0, 0
         if markers.bends[m] == 1:
             combine(state.by, markers.shape[k, 3:6], slope)
         for i in range(3):
             slope[i] = slope[i] + markers.shape[k, i]
-        for array in (state.B[k], state.B_v[k], state.B_a[k], state.b_q[k]):
-            array[:] = 0
         apply(size, frames.A[f], slope, state.B[k], 1.0)
+        if not linearize:
+            continue
+        state.B_v[k, :size], state.B_a[k, :size], state.b_q[k, :size] = 0, 0, 0
         if markers.turns[m] > 0:
             apply(size, frames.V[f], slope, state.B_v[k], 1.0)
             apply(size, frames.X[f], slope, state.B_a[k], 1.0)

@@ -28,10 +28,12 @@ plotter.close()
 sys.exit(None if image.min() < image.max() else "the picture is empty")
 """
 _PATIENCE = 120  # s; a first import of a cold installation takes several seconds
+_DRAWN: dict[tuple[str | None, str | None], dict[str, str]] = {}
+"""The screen and window that are asked for -> the environment under which a trial picture was drawn: what has worked is not tried again."""
 
 
 def drawing_environment() -> dict[str, str]:
-    """Environment variables under which a picture can be drawn here, found by drawing one in a subprocess.
+    """Environment variables under which a picture can be drawn here, found by drawing one in a subprocess, the first time.
 
     Raises
     ------
@@ -39,11 +41,14 @@ def drawing_environment() -> dict[str, str]:
         pyvista is not installed, or no OpenGL library works; names the packages that bring them.
     """
     require("pyvista")
+    asked = os.environ.get("DISPLAY"), os.environ.get(VARIABLE)
+    if asked in _DRAWN:
+        return _DRAWN[asked]
     failures = []
     for environment in _candidates():
         problem = _trial(environment)
         if problem is None:
-            return environment
+            return _DRAWN.setdefault(asked, environment)
         failures.append(problem)
     raise RenderError(
         f"pictures of space need OpenGL, and a trial picture failed ({'; '.join(failures)}). "

@@ -7,11 +7,13 @@ With f = g_z^T lam, conjugate to the pose (r, e_1, e_2, e_3) of marker a:
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from toolkit.equations.equations import Work, allocate_work
+from toolkit.foundation.compiled.calls import in_memory
 from toolkit.joints.kernels.records import DESIGN
 from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, change_spatial_number, evaluate_spatial_joint
 from toolkit.system.marker_states import marker_states
@@ -28,7 +30,8 @@ def spatial_joint_force(
     plan, work, state = system.plan, allocate_work(system.plan, system.dtype), marker_states(system, q)
     joints, markers = plan.joints, plan.markers
     acc: np.ndarray = np.concatenate([np.zeros(system.n_q, system.dtype), lam])
-    system.run(evaluate_spatial_joint, system.functions[0], joints, j, state, acc, work.joint)
+    evaluate = system.prepared(evaluate_spatial_joint, system.functions[0], joints, j, state, acc, work.joint)
+    evaluate()
     value = _wrench(work.joint.pose[0], work.joint.force[0])
     rows, count = joints.row[j] - system.n_q, joints.n_rows[j]
     by_lam: np.ndarray = np.zeros((6, system.n - system.n_q), system.dtype)
@@ -37,11 +40,12 @@ def spatial_joint_force(
     by_x = np.zeros((6, system.n_x))
     _add_number_designs(system, j, work, lam[rows : rows + count], by_x)
     for side in range(2):
-        m = joints.marker[j, side]
-        for k in range(markers.start[m], markers.start[m + 1]):
-            by_q[:, markers.coordinate[k]] += _change(system, j, side, state.B[k].copy(), acc, state, work.joint)
-        for d in range(markers.design_start[m], markers.design_start[m + 1]):
-            by_x[:, markers.design_variable[d]] += np.real(_change(system, j, side, state.y_x[d].copy(), acc, state, work.joint))
+        m, other = joints.marker[j, side], joints.marker[j, 1 - side]
+        state.rate[other] = 0
+        by_pose = _by_pose(evaluate, state.rate[m], side, lam[rows : rows + count], work.joint)
+        own, moved = slice(*markers.start[m : m + 2]), slice(*markers.design_start[m : m + 2])
+        by_q[:, markers.coordinate[own]] += by_pose @ state.B[own].T
+        by_x[:, markers.design_variable[moved]] += np.real(by_pose @ state.y_x[moved].T)
     return value, by_q, by_lam, by_x
 
 
@@ -52,25 +56,24 @@ def _wrench(z: np.ndarray, f: np.ndarray) -> np.ndarray:
     return -np.concatenate([f[:3], torque])
 
 
-def _change(system: System, j: int, side: int, y: np.ndarray, acc: np.ndarray, state: Any, joint: Any) -> np.ndarray:
-    """Derivative of (F, M) in a direction y of one marker's pose: with y as its rate, the joint's kernel gives g_zz y."""
-    joints = system.plan.joints
-    for k in range(2):
-        state.rate[joints.marker[j, k]] = y if k == side else 0
-    system.run(evaluate_spatial_joint, system.functions[0], joints, j, state, acc, joint)
-    rows = slice(joints.row[j], joints.row[j] + joints.n_rows[j])
-    dforce = acc[rows] @ joint.slope[: joints.n_rows[j], 1]
-    found = _wrench(joint.pose[0], dforce)
-    if side == 0:
-        moved: np.ndarray = np.zeros(NUMBERS, system.dtype)
-        moved[:12] = y
-        found[3:] += _wrench(moved, joint.force[0])[3:]
-    return found
+def _by_pose(evaluate: Callable[[], Any], rate: np.ndarray, side: int, lam: np.ndarray, joint: Any) -> np.ndarray:
+    """Derivative of (F, M) by the pose of one marker (6, 12): with a direction as its rate, the joint's kernel gives g_zz of it.
+
+    There are as many directions as a pose has numbers, however many coordinates and variables move it.
+    """
+    found = []
+    for y in np.eye(NUMBERS // 2, dtype=rate.dtype):
+        rate[:] = y
+        evaluate()
+        found.append(_wrench(joint.pose[0], lam @ joint.slope[: len(lam), 1]))
+        if side == 0:
+            found[-1][3:] += _wrench(np.concatenate([y, 0 * y]), joint.force[0])[3:]
+    return np.stack(found, axis=1)
 
 
 def _add_number_designs(system: System, j: int, work: Work, lam: np.ndarray, by_x: np.ndarray) -> None:
     """What the numbers of the rows change, such as a length."""
-    joints = system.plan.joints
+    joints, joint = system.plan.joints, in_memory(work.joint) if system.compiled else work.joint
     for d in range(joints.of[j, DESIGN], joints.of[j, DESIGN + 1]):
-        system.run(change_spatial_number, joints, j, d, lam[joints.design[d, 1]], np.zeros(3), work.joint)
+        system.run(change_spatial_number, joints, j, d, lam[joints.design[d, 1]], np.zeros(3), joint)
         by_x[:, joints.design[d, 0]] += np.real(_wrench(work.joint.pose[0], work.joint.force[1]))

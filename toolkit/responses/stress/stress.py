@@ -15,7 +15,7 @@ from toolkit.description.point import BodyPoint
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.reduced_model.dependence import Derivatives
-from toolkit.reduced_model.design_point import NONE
+from toolkit.reduced_model.entries.rates import NONE, rates_at
 from toolkit.reduced_model.model import place_parameter
 from toolkit.reduced_model.thin_arrays import LARGE
 from toolkit.responses.response import Partials, Response, felt_steps
@@ -24,6 +24,9 @@ from toolkit.responses.stress.von_mises import point_slope, point_stress
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
+
+KEPT = 1_000_000
+"""Components of stress up to which a solution keeps them for its next response."""
 
 
 def stress_operator(scene: Scene, body: str) -> np.ndarray:
@@ -53,6 +56,9 @@ def by_instant(states: np.ndarray, matrix: Any) -> np.ndarray:
     Stress is a difference of large displacements, and a smooth maximum multiplies the last digits of that difference by its exponent: so
     those of a window must be those of the whole run.
     """
+    if isinstance(matrix, np.ndarray):
+        found: np.ndarray = np.matmul(states[:, None], matrix)[:, 0]  # for which numpy calls BLAS for one state after the other
+        return found
     return np.stack([state @ matrix for state in states]) if len(states) else states @ matrix
 
 
@@ -86,7 +92,7 @@ def _rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives
         return NONE
     if item == "stress_operator" and isinstance(scene.bodies.get(body), CutBody):
         return _rates_by_steps(solution, body)
-    found = design_point(scene, body, *DEPENDENCE, *parts).rates(item, names)
+    found = rates_at(design_point(scene, body, *DEPENDENCE, *parts), item, names)
     columns, factors = (np.array(each) for each in zip(*(numbers for _, *numbers in driven), strict=True))
     return Derivatives(columns[found.parameter], found.entry, factors[found.parameter] * found.value)
 
@@ -160,9 +166,16 @@ class StressResponse(Response):
 
     def components(self, solution: Solution) -> np.ndarray:
         """Components of stress at the times that count, (n_t, n_s, 1 or 6)."""
+        known, key = solution.known, (StressResponse, self.body, self.when)
+        if key in known:
+            kept: np.ndarray = known[key]
+            return kept
         where = elastic_coordinates(solution, self.body)
         q = solution.q[:, where] if self.when == "all" else solution.q[-1:, where]
-        return stress_components(solution.system.placed, self.body, q)
+        found = stress_components(solution.system.placed, self.body, q)
+        if found.size <= KEPT:
+            known[key] = found
+        return found
 
     def twice(self, components: np.ndarray) -> bool:
         """Whether the opposite sign counts too."""

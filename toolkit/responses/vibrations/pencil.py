@@ -9,8 +9,8 @@ import numpy as np
 from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.foundation.kernel import plain
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
+from toolkit.system.formulas import plain_formulas_of
 from toolkit.system.solution import Solution
-from toolkit.system.system import plain_formulas_of
 
 STEP = 1e-30
 """Complex step: far below round-off."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -11,13 +11,15 @@ from scipy.sparse import csr_array
 from toolkit.analyses.run_start import run_levels, run_motion
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths
+from toolkit.equations.equations import Plan
+from toolkit.foundation.compiled.calls import in_memory
 from toolkit.foundation.errors import SingularSystemError
-from toolkit.responses.response import STATES, Partials
-from toolkit.solvers.start.initial_conditions import State, rates_of_states, through_accelerations
+from toolkit.responses.response import Partials
+from toolkit.solvers.start.initial_conditions import State, rates_of_states
 from toolkit.solvers.transient.adjoint_steps import AdjointMemory, adjoint_memory, integrate_backwards
 from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
 from toolkit.solvers.transient.prediction import SAME, STEEP
-from toolkit.solvers.transient.scheme import Scheme
+from toolkit.solvers.transient.scheme import START, Scheme
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -36,8 +38,9 @@ class Sweep(NamedTuple):
     scheme: Scheme
     transposition: np.ndarray
     memory: AdjointMemory
+    packed: Any  # the same as compiled code takes it
     gradient: np.ndarray
-    start: np.ndarray  # (n,) [a; lam] of the start, once the sweep is there
+    start: np.ndarray  # (3, 1, n) q, v and [a; lam] of the start, once the sweep is there
 
 
 def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int) -> Sweep:
@@ -48,9 +51,10 @@ def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int
     ratios[np.abs(ratios - 1) <= SAME] = 1.0
     ratios[ratios > STEEP] = 0.0
     memory = adjoint_memory(system.backward.plan, system.backward.gathered, system.lu_plan, system.weights, n_r)
-    gradient, start = np.zeros((system.n_x, n_r)), np.zeros(system.n)
+    gradient, start = np.zeros((system.n_x, n_r)), np.zeros((3, 1, system.n))
     scheme, places = scheme_of(options), transposition(system)
-    return Sweep(system, options, to_each, ratios, relaxed(to_each), scheme, places, memory, gradient, start)
+    packed = in_memory(memory)
+    return Sweep(system, options, to_each, ratios, relaxed(to_each), scheme, places, memory, packed, gradient, start)
 
 
 def sweep(
@@ -76,16 +80,24 @@ def sweep(
 def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found: Sequence[Partials]) -> None:
     system, steps = state.system, slice(first + piece.start, first + piece.stop)
     begins, ends = steps.start == 0, steps.stop == len(window.whole_run)
-    by_q, by_v, by_a, by_lam = (_stacked(system, piece, found, name) for name in STATES)
-    curves, curves_x = system.curves(window.times[piece])
+    by = tuple(_stacked(system, piece, found, *names) for names in (("q",), ("v",), ("a", "multipliers")))
     levels = constraint_levels(state.options, state.lengths[steps], state.relaxation[steps])
     states = _padded(system, window, piece)
     if begins:
-        state.start[:] = states[2, 0]
+        state.start[:] = states[:, :1]
+    _run_back(
+        state, system.backward.plan, window.times[piece], (state.lengths[steps], state.ratios[steps], levels, state.scheme),
+        (begins, ends), states, by,
+    )  # fmt: skip
+
+
+def _run_back(
+    state: Sweep, plan: Plan, times: np.ndarray, steps: tuple, bounds: tuple[bool, bool], states: np.ndarray, by: tuple
+) -> None:
+    system = state.system
     failed = system.run(
-        integrate_backwards, system.evaluator, system.backward.plan, system.functions, curves, curves_x, state.lengths[steps],
-        state.ratios[steps], levels, state.scheme, state.transposition, begins, ends, *states,
-        by_q, by_v, by_a + by_lam, state.memory, state.gradient,
+        integrate_backwards, system.evaluator, plan, system.functions, *system.curves(times), *steps, state.transposition, *bounds,
+        *states, *by, state.packed, state.gradient,
     )  # fmt: skip
     if failed >= 0:
         raise SingularSystemError(
@@ -98,19 +110,32 @@ def end_sweep(state: Sweep) -> np.ndarray:
     """The start's part added: the gradient (n_x, n_r)."""
     system, n_r = state.system, state.gradient.shape[1]
     q_bar, v_bar, acc_bar = (each[:, :n_r] for each in state.memory.bars[:3])
-    state.gradient[:] += system.backward.gradient(state.memory.sums)
     start = run_motion(system, state.options)
     if isinstance(start, State):
         parts = [(q_bar, start.dq), (v_bar, start.dv), (acc_bar, start.dacc)]
     else:
-        levels = run_levels(state.options)
-        state.gradient[:] += through_accelerations(system, levels, start, state.start, acc_bar, state.transposition)
+        _through_accelerations(state)
         _, dv = rates_of_states(system, start.q, start.dq, start.v, start.dv, 0.0)  # those of the loads' own states too
         parts = [(q_bar, start.dq), (v_bar, dv)]
     for bar, change in parts:
         if np.any(change):
             state.gradient[:] += change.T @ bar
+    state.gradient[:] += system.backward.gradient(state.memory.sums)
     return state.gradient
+
+
+def _through_accelerations(state: Sweep) -> None:
+    """Back from [a; lam] of the start to its coordinates and velocities, as a step of no length.
+
+    States of loads have no mass, and start without acceleration, whatever the design is.
+    """
+    system, nothing = state.system, np.zeros((1, state.system.n, state.gradient.shape[1]))
+    plan, states = system.backward.plan, system.numbering.states
+    if len(states):
+        plan = plan._replace(dropped=np.concatenate([plan.dropped, states]))
+    state.memory.bars.aux[:] = 0
+    steps = np.zeros(1), np.ones(1), run_levels(state.options)[None], START
+    _run_back(state, plan, np.zeros(1), steps, (False, True), state.start, (nothing,) * 3)
 
 
 def _padded(system: System, window: Solution, piece: slice) -> np.ndarray:
@@ -121,13 +146,14 @@ def _padded(system: System, window: Solution, piece: slice) -> np.ndarray:
     return states
 
 
-def _stacked(system: System, piece: slice, found: Sequence[Partials], name: str) -> np.ndarray:
-    """One kind of partial derivatives of all responses, at its place among the unknowns: (n_t, n, n_r)."""
+def _stacked(system: System, piece: slice, found: Sequence[Partials], *names: str) -> np.ndarray:
+    """Some kinds of partial derivatives of all responses, at their places among the unknowns: (n_t, n, n_r)."""
     stacked = np.zeros((piece.stop - piece.start, system.n, len(found)))
-    where = slice(system.n_q, system.n) if name == "multipliers" else slice(0, system.n_q)
-    for r, partials in enumerate(found):
-        if getattr(partials, name) is not None:
-            stacked[:, where, r] = np.real(getattr(partials, name)[piece])
+    for name in names:
+        where = slice(system.n_q, system.n) if name == "multipliers" else slice(0, system.n_q)
+        for r, partials in enumerate(found):
+            if getattr(partials, name) is not None:
+                stacked[:, where, r] = np.real(getattr(partials, name)[piece])
     return stacked
 
 

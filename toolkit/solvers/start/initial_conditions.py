@@ -161,9 +161,12 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
         )
     change = terms.A_x[n_q:]
     if np.any(dq):
-        change = change + system.matrix(terms.A_q)[n_q:] @ dq
+        change = change + system.times(terms.A_q, dq, n_q)
+    sizes = np.abs(change)
+    if sizes.max(initial=0) <= POSITION_TOLERANCE:
+        return
     largest = max(dq.max(initial=0), -dq.min(initial=0))
-    violating = np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + largest))
+    violating = np.argwhere(sizes > POSITION_TOLERANCE * (1 + largest))
     for i, x in violating:
         raise NoDerivativeError(
             f"design variable {system.design.names[x]!r} would violate {names[n_q + i]} at the start while the positions stay. "
@@ -198,38 +201,9 @@ def initial_accelerations(
 ACCELERATIONS = "initial accelerations"
 
 
-def through_accelerations(
-    system: System,
-    levels: np.ndarray,
-    motion: Motion,
-    acc: np.ndarray,
-    bar: np.ndarray,
-    transposition: np.ndarray,
-    time: float = 0.0,
-) -> np.ndarray:
-    """What the design changes through `acc`, [a; lam] of `with_accelerations`, backwards: (n_x, n_r) from derivatives `bar` (n, n_r) by it.
-
-        A dacc = - R_x,   so that   dacc^T bar = - R_x^T mu   with   A^T mu = bar
-
-    `transposition` (n_entries,) is the place of the transposed entry of every entry of the pattern.
-    """
-    v, dv = rates_of_states(system, motion.q, motion.dq, motion.v, motion.dv, time)
-    terms = system.evaluate(system.inputs(time, levels), motion.q, v, acc, design=True)
-    mu = solve_linear(system, (terms.I_acc + system.unit_of_states)[transposition], bar, ACCELERATIONS)
-    rows, variables = system.plan.touched_row, system.plan.touched_variable
-    change = terms.I_x[rows, variables] + terms.A_x[rows, variables]
-    found = np.zeros((system.n_x, mu.shape[1]))
-    np.add.at(found, variables, change[:, None] * mu[rows])
-    if np.any(motion.dq):
-        found += motion.dq.T @ (system.matrix(terms.I_q + terms.A_q).T @ mu)
-    if np.any(dv):
-        found += dv.T @ (system.matrix(terms.A_v).T @ mu)
-    return -found
-
-
 def total_change(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -> np.ndarray:
     """Derivative of the residual by the design at constant [a; lam], through coordinates, velocities and explicitly, (n, n_x)."""
     change: np.ndarray = terms.I_x + terms.A_x
     if np.any(dv):
-        change = system.matrix(terms.A_v) @ dv + change
-    return system.matrix(terms.I_q + terms.A_q) @ dq + change if np.any(dq) else change
+        change = system.times(terms.A_v, dv) + change
+    return system.times(terms.I_q + terms.A_q, dq) + change if np.any(dq) else change

@@ -45,7 +45,7 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
     options, order = run.options, 2 if run.options.quasi_static else 3
     allowed = float(options.local_error or np.inf)
     run = run._replace(control=run.control._replace(largest_error=allowed, easy_error=allowed * (SAFETY / WORTH) ** order))
-    chunks: list[tuple[np.ndarray, ...]] = [tuple(item[None] for item in start)]
+    chunks: list[tuple[np.ndarray, ...]] = [empty_history(run.system, 1, start)[:6]]
     times, h, places = [0.0], min(options.step, options.end_time), stops(run.system, options)
     for stop, after in pairwise([*places, np.inf]):
         while times[-1] < stop:
@@ -56,7 +56,7 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
                 chunks.append(chunk)
                 times += piece.times[1 : done + 1].tolist()
                 run = run._replace(relaxation=piece.relaxation[done - 1 : done])
-                check_memory(run.system, options, len(times), start)
+                check_memory(run.system, options, len(times))
             if status in (REJECTED, EASY):
                 made = run.outcome.correction[LAST_ERROR if status == REJECTED else LATE_ERROR]
                 ratio = SAFETY * (allowed / max(made, allowed / GROW**4)) ** (1 / order)

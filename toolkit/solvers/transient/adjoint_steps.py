@@ -184,6 +184,8 @@ def integrate_backwards(
         before:  keep (b_v + h b_q),  ratio c  (of w),  old k + (1 - ratio) c  (of acc),
                  c = h^2 beta_old b_q + h gamma_old b_v - carry k
 
+    With the scheme `START`, of the start alone, [a; lam] are found from coordinates and velocities, whose bars it leaves.
+
     Returns -1, or the number of the unknown that a step does not determine.
     """
     memory.work.care[0] = LEFT_OUT
@@ -202,8 +204,9 @@ def integrate_backwards(
             w_i, w_a = scheme.weight_inertial, scheme.weight_applied
             add_design(plan, scheme, levels[step], w_i, w_a, q[step], v[step], acc[step], memory.multiplier, memory, gradient)
             step_back(plan, now, ratios[step], transposition, memory)
-    if begins:
+    if begins or scheme.h == 0:
         add_up(memory.sums)
+    if begins:
         for i in range(plan.n_q):
             for r in range(gradient.shape[1]):
                 memory.bars.acc[i, r] += memory.bars.aux[i, r]

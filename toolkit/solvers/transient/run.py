@@ -15,7 +15,7 @@ from toolkit.solvers.transient.generalized_alpha import integrate
 from toolkit.solvers.transient.ggl.ggl_step import Ggl, allocate_ggl
 from toolkit.solvers.transient.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
 from toolkit.solvers.transient.scheme import Scheme
-from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, History, Memory, Outcome, allocate_memory
+from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, History, Memory, Outcome, taken_memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -53,7 +53,7 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     control = Control(
         options.tolerance, options.max_iterations, modified, not system.compiled, left_by_kept(options), np.inf, 0.0, False
     )
-    memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype, options.formulation != "ggl")
+    memory = taken_memory(system, options.formulation != "ggl")
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
     outcome = Outcome(np.zeros(5, np.int64), np.zeros(6))
     return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)
@@ -91,13 +91,13 @@ def allocate_history(system: System, options: RunOptions, n_t: int, start: tuple
     InputError
         The states need more memory than `solver.memory`.
     """
-    check_memory(system, options, n_t, start)
+    check_memory(system, options, n_t)
     return empty_history(system, n_t, start)
 
 
-def check_memory(system: System, options: RunOptions, n_t: int, start: tuple) -> None:
+def check_memory(system: System, options: RunOptions, n_t: int) -> None:
     """Refuse more states than fit into memory, as `allocate_history`."""
-    needed = 8 * n_t * sum(item.size for item in start)
+    needed = 8 * n_t * (3 * system.n + system.n_x * (2 * system.n_q + system.n))
     if needed > GIGABYTE * options.memory:
         coarser = "solver.step" if options.local_error is None else "solver.local_error"
         raise InputError(
@@ -110,9 +110,12 @@ def check_memory(system: System, options: RunOptions, n_t: int, start: tuple) ->
 def empty_history(system: System, n_t: int, start: tuple) -> History:
     """Memory for n_t states, the first filled in."""
     arrays: list[np.ndarray] = [np.zeros((n_t, *item.shape), system.dtype) for item in start[:3]]
-    arrays += [*zeros_in_large_pages(3, n_t, *start[3].shape)]  # together, so that they have few pages
+    n_x, rows = start[3].shape[1], (system.n_q, system.n_q, system.n)
+    memory = zeros_in_large_pages(n_t * n_x * sum(rows))  # together, so that they have few pages
+    parts = np.split(memory, n_t * n_x * np.cumsum(rows)[:2])
+    arrays += [part.reshape(n_t, count, n_x) for part, count in zip(parts, rows, strict=True)]
     for array, item in zip(arrays, start, strict=True):
-        array[0] = item
+        array[0] = item[: array.shape[1]]
     return History(*arrays, *(array.reshape(n_t, -1) for array in arrays[3:]))
 
 

@@ -58,6 +58,10 @@ QUASI_STATIC = Scheme(1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0
 """v_+ = (q_+ - q_n) / h, implicit Euler, without inertia: of first order in the forces of dampers, exact without them."""
 
 
+START = Scheme(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, True)
+"""A step of no length, which moves nothing and finds the accelerations and multipliers of a start."""
+
+
 def generalized_alpha(name: str, rho_inf: float, h: float = 1.0) -> Scheme:
     """Coefficients by name, for steps of length h.
 

@@ -10,9 +10,9 @@ from toolkit.solvers.transient.scheme import by_acceleration
 
 @inner
 def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, memory, out):
-    """out += factor_i (I_q dq + I_acc dacc) + factor_a (A_q dq + A_v dv), the term with I_acc only on request; dq, dv, dacc (n, n_x).
+    """out += factor_i (I_q dq + I_acc dacc) + factor_a (A_q dq + A_v dv), the term with I_acc only on request.
 
-    Where A_q lacks the factored stiffness, that is added.
+    dq and dv are (n_q, n_x), dacc and out (n, n_x). Where A_q lacks the factored stiffness, that is added.
     """
     I_q, A_q, mixed, moved, rate = terms.I_q, terms.A_q, memory.mixed, memory.moved, memory.rate
     for e in range(len(mixed)):
@@ -29,6 +29,7 @@ def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, me
         copy_columns(dacc, moved)
         for i in range(plan.n):
             add_rows(out[i], 1.0, factor_i, terms.I_acc, plan.indices, plan.indptr[i], plan.indptr[i + 1], moved)
+        moved[plan.n_q :] = 0
 
 
 @inner

@@ -6,8 +6,9 @@ import numpy as np
 
 from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
 from toolkit.foundation.vectors.rows import filled_up
-from toolkit.linear.linear_solver import LinearSolver, linear_solver
+from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
+from toolkit.system.system import System
 
 
 class History(NamedTuple):
@@ -16,10 +17,10 @@ class History(NamedTuple):
     q: np.ndarray  # (n_t, n)
     v: np.ndarray
     acc: np.ndarray
-    dq: np.ndarray  # (n_t, n, n_x)
+    dq: np.ndarray  # (n_t, n_q, n_x)
     dv: np.ndarray
-    dacc: np.ndarray
-    flat_dq: np.ndarray  # (n_t, n n_x) the same memory, for formulas that serve vectors and blocks alike
+    dacc: np.ndarray  # (n_t, n, n_x)
+    flat_dq: np.ndarray  # (n_t, n_q n_x) the same memory, for formulas that serve vectors and blocks alike
     flat_dv: np.ndarray
     flat_dacc: np.ndarray
 
@@ -33,7 +34,7 @@ class Memory(NamedTuple):
     carried: np.ndarray  # (n,) carried part of the residual
     dcarried: np.ndarray  # (n, n_x filled up)
     pseudo_load: np.ndarray
-    moved: np.ndarray  # scratch memory of `add_state_change`, as the next one
+    moved: np.ndarray  # scratch memory of `add_state_change`, as the next one; zero in the rows of multipliers
     rate: np.ndarray
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
@@ -45,7 +46,7 @@ class Memory(NamedTuple):
     residual: np.ndarray
     correction: np.ndarray
     jacobian: np.ndarray  # (n_entries,)
-    rest: np.ndarray  # (n_entries,) the same without the factored stiffness; empty if there is none, or it is not kept apart
+    rest: np.ndarray  # (n_entries,) the same without the factored stiffness; empty without that or gradients
     mixed: np.ndarray  # (n_entries,) scratch memory of `add_state_change`
     terms: Terms
     work: Work
@@ -66,15 +67,31 @@ class Outcome(NamedTuple):
     correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the scene's size
 
 
-def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type, apart: bool) -> Memory:
-    """Memory of the loop; whether it keeps the factored stiffness `apart`, where there are gradients to be had of it."""
+def taken_memory(system: System, apart: bool) -> Memory:
+    """Memory of the loop: that of a run which has given it back, or new; whether that may keep the factored stiffness `apart`."""
+    plan, weights = system.plan, system.weights[: system.n_q]
+    memory = system.scratch(Memory, lambda: allocate_memory(plan, system.lu_plan, weights.copy(), system.dtype))
+    _clear(tuple(part for part in memory if not isinstance(part, Work | LinearSolver)))
+    cleared(memory.solver, weights)
+    memory.work.care[1] = apart and len(memory.rest) > 0
+    return memory  # in `work` states are evaluated one after the other anyway
+
+
+def _clear(part: tuple) -> None:
+    for each in part:
+        if isinstance(each, tuple):
+            _clear(each)
+        elif isinstance(each, np.ndarray):
+            each.fill(0)
+
+
+def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:
+    """Memory of the loop."""
 
     def zeros(*shape: int) -> np.ndarray:
         return np.zeros(shape, dtype)
 
-    n, n_x, apart = plan.n, plan.n_x, apart and plan.n_x > 0 and len(plan.constant.strained) > 0
-    work = allocate_work(plan, dtype)
-    work.care[1] = apart
+    n, n_x, apart = plan.n, plan.n_x, plan.n_x > 0 and len(plan.constant.strained) > 0
     daux = zeros(n, n_x)
     return Memory(
         aux=zeros(n),
@@ -95,6 +112,6 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         rest=zeros(len(plan.indices) if apart else 0),
         mixed=zeros(len(plan.indices)),
         terms=allocate_terms(plan, dtype),
-        work=work,
+        work=allocate_work(plan, dtype),
         solver=linear_solver(lu_plan, weights[: plan.n_q], n_x, dtype),
     )

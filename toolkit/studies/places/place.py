@@ -9,6 +9,7 @@ from itertools import islice
 from typing import TypeVar
 
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.studies.places.dask_cluster import on_cluster
 from toolkit.studies.places.processes import in_processes
 
@@ -83,11 +84,12 @@ def done_at(
 def _here(work: Callable[[Task], Found], tasks: Mapping[Key, Task], threads: int) -> Iterator[tuple[Key, Found]]:
     """The first task alone, which compiles what all need, then so many at once as there are threads.
 
-    A step loop leaves Python to the other threads while it runs. No thread writes what another one reads: every design has its own plan and
-    memory, so that its numbers do not depend on the company.
+    A step loop leaves Python to the other threads while it runs. No thread writes what another one reads: every design has its own plan,
+    and memory that it shares with nobody until it leaves it to the next one, so that its numbers do not depend on the company.
     """
     if threads <= 1:
-        yield from ((key, work(task)) for key, task in tasks.items())
+        with one_thread():  # to limit that for each of them anew takes a hundredth of a short one
+            yield from ((key, work(task)) for key, task in tasks.items())
         return
     yield from ((key, work(task)) for key, task in islice(tasks.items(), 1))
     pool = ThreadPoolExecutor(threads, "design")

@@ -74,12 +74,14 @@ def add_turning_block(part, frames, state, b, acc, gravity, scale, work, border,
             array[:] = 0
         A_l, V_l = state.A_k[b, column], state.V_k[b, column]
         by_transpose(A_l, work.s_q, 1.0, mass)
-        by_transpose(A_l, work.s_acc, 1.0, inertial)
         by_transpose(state.X_k[b, column], work.s_q, 1.0, inertial)
-        by_transpose(V_l, work.s_v, 2.0, applied)
-        by_transpose(state.W_k[b, column], work.s_q, 1.0, applied)
-        by_transpose(A_l, work.s_v, 2.0, by_rate)
         by_transpose(V_l, work.s_q, 2.0, by_rate)
+        if part.turns[b] == 1:  # W_k of a quaternion is zero
+            by_transpose(state.W_k[b, column], work.s_q, 1.0, applied)
+        if part.n_f[b] > 0:
+            by_transpose(A_l, work.s_acc, 1.0, inertial)
+            by_transpose(V_l, work.s_v, 2.0, applied)
+            by_transpose(A_l, work.s_v, 2.0, by_rate)
         for row in range(part.turns[b]):
             place, A_k = border[n_r + row] + n_r + column, state.A_k[b, row]
             I_acc[place] += product(A_k, mass)

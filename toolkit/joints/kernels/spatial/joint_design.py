@@ -16,20 +16,15 @@ def spatial_joint_design(joints, j, markers, state, acc, curve_variable, curve_i
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
             x = markers.design_variable[d]
             for i in range(joints.of[j, N_ROWS]):
-                direction_row(
-                    joints,
-                    j,
-                    i,
-                    side,
+                y, rate, acceleration, centripetal = (
                     state.y_x[d],
                     state.rate_x[d],
                     state.acceleration_x[d],
                     state.centripetal_x[d],
-                    levels,
-                    work,
                 )
-                I_x[joints.of[j, FIRST_ROW] + i, x] += work.row[0, i]
-                A_x[joints.of[j, FIRST_ROW] + i, x] += work.row[1, i]
+                inertial, total, velocity, phi = direction_row(joints, j, i, side, y, rate, acceleration, centripetal, work)
+                I_x[joints.of[j, FIRST_ROW] + i, x] += levels[0] * inertial
+                A_x[joints.of[j, FIRST_ROW] + i, x] += levels[0] * total + levels[1] * velocity + levels[2] * phi
             direction_force(joints, j, side, state.y_x[d], acc, work)
             add_both(joints, j, markers, state, work.force[1], I_x[:, x])
             add_spatial_force_design(markers, state, m, d, work.force[0, 12 * side : 12 * side + 12], 1.0, I_x)

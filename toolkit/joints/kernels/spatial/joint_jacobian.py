@@ -11,12 +11,8 @@ from toolkit.markers.spatial.marker_forces import add_spatial_stiffness
 
 
 @inlined
-def direction_row(joints, j, i, side, y, rate, acceleration, centripetal, levels, work):
-    """Derivatives of one constraint row in one direction of one marker, as of planar joints.
-
-    Row 2 of `work.row` is the derivative by the coordinate's velocity: k_2 (g_z 2 B_v + 2 w^T g_zz B) + k_1 g_z B.
-    """
-    k2, k1, k0 = levels[0], levels[1], levels[2]
+def direction_row(joints, j, i, side, y, rate, acceleration, centripetal, work):
+    """Derivatives of one constraint row in one direction of one marker: of g_z (B a), of its rest at acceleration level, of g_z w, of g."""
     inertial, total, velocity, position = 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0]
     for e in range(joints.felt_start[ROWS * j + i], joints.felt_start[ROWS * j + i + 1]):
         if joints.felt[e] // 4 == side:
@@ -27,43 +23,63 @@ def direction_row(joints, j, i, side, y, rate, acceleration, centripetal, levels
                 total += g * centripetal[k] + work.slope[i, 3, z] * y[k] + 2 * bent * rate[k]
                 velocity += g * rate[k] + bent * y[k]
                 position += g * y[k]
-    work.row[0, i] = k2 * inertial
-    work.row[1, i] = k2 * total + k1 * velocity + k0 * position
-    work.row[2, i] = 2 * k2 * velocity + k1 * position
-    work.row[3, i] = position
+    return inertial, total, velocity, position
+
+
+@inlined
+def linear_row(joints, form, side, y, rate, acceleration, centripetal):
+    """The same of a row without products, such as those of a ball joint."""
+    inertial, total, velocity, position = 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0]
+    for e in range(joints.start[form, 0] + 1, joints.start[form, 1]):
+        if joints.place[e] // 12 == side:
+            g, k = joints.value[e], joints.place[e] % 12
+            inertial += g * acceleration[k]
+            total += g * centripetal[k]
+            velocity += g * rate[k]
+            position += g * y[k]
+    return inertial, total, velocity, position
 
 
 @inner
 def spatial_joint_jacobian(joints, j, markers, state, levels, acc, work, I_acc, I_q, A_q, A_v):
-    """Derivatives of the residual by q, v, a and lam, scattered into the pattern; entries that are never anything have no place there."""
+    """Derivatives of the residual by q, v, a and lam, scattered into the pattern; entries that are never anything have no place there.
+
+    That by a coordinate's velocity is k_2 (g_z 2 B_v + 2 w^T g_zz B) + k_1 g_z B.
+    """
     a, b = joints.of[j, 0], joints.of[j, 1]
     n_a = markers.start[a + 1] - markers.start[a]
     n = n_a + markers.start[b + 1] - markers.start[b]
-    rows = joints.of[j, N_ROWS]
+    rows, k2, k1, k0 = joints.of[j, N_ROWS], levels[0], levels[1], levels[2]
     position = joints.position[joints.of[j, POSITION] :]
     by_row, by_column = position[n * n :], position[n * n + rows * n :]
-    for side in range(2):
-        m = joints.of[j, side]
-        for k in range(markers.start[m], markers.start[m + 1]):
-            local = k - markers.start[m] + side * n_a
-            for i in range(rows):
-                at, transposed = by_row[i * n + local], by_column[local * rows + i]
-                if at >= 0:
-                    direction_row(joints, j, i, side, state.B[k], state.B_v[k], state.B_a[k], state.b_q[k], levels, work)
-                    I_acc[at] += levels[0] * work.row[3, i]
-                    I_acc[transposed] += work.row[3, i]
-                    I_q[at] += work.row[0, i]
-                    A_q[at] += work.row[1, i]
-                    A_v[at] += work.row[2, i]
-        add_spatial_stiffness(markers, state, m, work.force[0, 12 * side : 12 * side + 12], 1.0, position, n, side * n_a, I_q)
     form = joints.of[j, FORM]
     for i in range(rows):
-        lam = acc[joints.of[j, FIRST_ROW] + i]
-        for f in range(joints.of[j, LAW + 1 + 2 * i]):
-            add_pairs(joints, j, form, lam * work.composed[i, f, 0], markers, state, position, n, n_a, I_q)
-            form += 1
-        if joints.of[j, LAW + 2 * i] != PLAIN:
+        law, forms, lam = joints.of[j, LAW + 2 * i], joints.of[j, LAW + 1 + 2 * i], acc[joints.of[j, FIRST_ROW] + i]
+        linear = law == PLAIN and joints.start[form, 1] == joints.start[form + 1, 0]
+        for side in range(2):
+            m = joints.of[j, side]
+            for k in range(markers.start[m], markers.start[m + 1]):
+                local = k - markers.start[m] + side * n_a
+                at, transposed = by_row[i * n + local], by_column[local * rows + i]
+                if at >= 0:
+                    B, B_v, B_a, b_q = state.B[k], state.B_v[k], state.B_a[k], state.b_q[k]
+                    if linear:
+                        inertial, total, velocity, phi = linear_row(joints, form, side, B, B_v, B_a, b_q)
+                    else:
+                        inertial, total, velocity, phi = direction_row(joints, j, i, side, B, B_v, B_a, b_q, work)
+                    I_acc[at] += k2 * phi
+                    I_acc[transposed] += phi
+                    I_q[at] += k2 * inertial
+                    A_q[at] += k2 * total + k1 * velocity + k0 * phi
+                    A_v[at] += 2 * k2 * velocity + k1 * phi
+        for f in range(forms):
+            add_pairs(joints, j, form + f, lam * work.composed[i, f, 0], markers, state, position, n, n_a, I_q)
+        form += forms
+        if law != PLAIN:
             add_bend(joints, j, i, lam, markers, state, work, position, n, n_a, I_q)
+    for side in range(2):
+        force = work.force[0, 12 * side : 12 * side + 12]
+        add_spatial_stiffness(markers, state, joints.of[j, side], force, 1.0, position, n, side * n_a, I_q)
 
 
 @inner

@@ -15,6 +15,7 @@ from toolkit.joints.kernels.laws import FORMS, PLAIN, PROFILE
 from toolkit.joints.kernels.profile import VALUES, carrier, change_profile, of_profile, read_profile
 from toolkit.joints.kernels.records import CONSTANT, CURVE, FIRST_ROW, FORM, LAW, LINEAR, N_ROWS, PHI
 from toolkit.joints.kernels.records import SPATIAL_NUMBERS as NUMBERS
+from toolkit.joints.kernels.records import SPATIAL_ROWS as ROWS
 from toolkit.markers.spatial.marker_forces import add_spatial_force
 
 
@@ -114,10 +115,11 @@ def spatial_joint_residual(joints, j, markers, state, curves, levels, work, iner
     k2, k1, k0 = levels[0], levels[1], levels[2]
     for i in range(joints.of[j, N_ROWS]):
         growth, total, rate, target = 0 * work.pose[0, 0], 0 * work.pose[0, 0], 0 * work.pose[0, 0], 0 * work.pose[0, 0]
-        for k in range(NUMBERS):
-            growth += work.slope[i, 0, k] * work.pose[2, k]
-            total += work.slope[i, 0, k] * work.pose[3, k] + work.slope[i, 1, k] * work.pose[1, k]
-            rate += work.slope[i, 0, k] * work.pose[1, k]
+        for e in range(joints.felt_start[ROWS * j + i], joints.felt_start[ROWS * j + i + 1]):
+            for k in range(3 * joints.felt[e], 3 * joints.felt[e] + 3):
+                growth += work.slope[i, 0, k] * work.pose[2, k]
+                total += work.slope[i, 0, k] * work.pose[3, k] + work.slope[i, 1, k] * work.pose[1, k]
+                rate += work.slope[i, 0, k] * work.pose[1, k]
         row = joints.of[j, FIRST_ROW] + i
         if joints.of[j, CURVE] >= 0 and i == joints.of[j, N_ROWS] - 1:
             f = curves[joints.of[j, CURVE]]

@@ -1,0 +1,59 @@
+"""Square matrices of the elastic coordinates at one design, on the entries where any of them can differ from zero."""
+
+from __future__ import annotations
+
+from functools import reduce
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toolkit.reduced_model.design_point import DesignPoint
+
+
+class ElasticMatrices(NamedTuple):
+    """Entries of several matrices, row by row."""
+
+    row: np.ndarray
+    column: np.ndarray
+    values: tuple[np.ndarray, ...]
+
+
+def elastic_matrices(design: DesignPoint, *items: str) -> ElasticMatrices:
+    """Invariants of some names, with one row for each elastic coordinate, or with one more before them, which is left out.
+
+    Raises
+    ------
+    InputError
+        As `DesignPoint.some_invariants`.
+    """
+    design.check_extrapolated(items)
+    found = [design.filled(item) for item in items]
+    known, key = design.model.told, ("elastic", design.kind, items)
+    if key not in known:
+        n_f, sizes = design.model.n_f, [design.model.item(item).shape[0] for item in items]
+        known[key] = _common(n_f, [_inside(here, n_f, size) for (here, _), size in zip(found, sizes, strict=True)])
+    row, column, places = known[key]
+    values = [_on(len(row), flat, *at) for (_, flat), at in zip(found, places, strict=True)]
+    filled = reduce(np.logical_or, (value != 0 for value in values))
+    if not filled.all():
+        row, column, values = row[filled], column[filled], [value[filled] for value in values]
+    return ElasticMatrices(row, column, tuple(values))
+
+
+def _inside(here: np.ndarray | slice, n_f: int, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of places in a flattened matrix those of elastic coordinates, numbered among these; and which ones of all places they are."""
+    row, column = (each - (size - n_f) for each in np.divmod(np.arange(size * size)[here], size))
+    elastic = np.flatnonzero((row >= 0) & (column >= 0))
+    return row[elastic] * n_f + column[elastic], elastic
+
+
+def _common(n_f: int, parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray, list[Any]]:
+    """Rows and columns of the union; of each matrix, where its entries are in that, and which of its own they are."""
+    union = reduce(np.union1d, (place for place, _ in parts))
+    return union // n_f, union % n_f, [(np.searchsorted(union, place), own) for place, own in parts]
+
+
+def _on(size: int, flat: np.ndarray, to: np.ndarray, own: np.ndarray) -> np.ndarray:
+    found = np.zeros(size, flat.dtype)
+    found[to] = flat[own]
+    return found

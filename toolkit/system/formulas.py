@@ -1,0 +1,30 @@
+"""Formulas of a scene's joints and loads, ready for the compiled loop or as plain Python."""
+
+from __future__ import annotations
+
+from toolkit.compilation.arrays.component_arrays import families
+from toolkit.compilation.arrays.joint_arrays import laws_of
+from toolkit.compilation.quantities import loads_of
+from toolkit.foundation.kernel import plain, slots
+from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
+from toolkit.joints.kernels.laws import angle_law
+from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
+from toolkit.loads.planar.torque import torque
+from toolkit.scene.scene import Scene
+
+
+def _formulas(scene: Scene) -> tuple[list, list]:
+    """The different open formulas of the scene's joints, and the formulas of its loads; there is always one."""
+    return laws_of(list(scene.joints.values())) or [angle_law], families(loads_of(scene)) or [torque]
+
+
+def formulas_of(scene: Scene) -> tuple[tuple, tuple]:
+    """The formulas of the scene's joints and loads, ready for the compiled loop."""
+    joints, loads = _formulas(scene)
+    return slots(joints, LAW_SIGNATURE), slots(loads, LOAD_SIGNATURE)
+
+
+def plain_formulas_of(scene: Scene) -> tuple[tuple, tuple]:
+    """The same as plain Python."""
+    joints, loads = _formulas(scene)
+    return tuple(map(plain, joints)), tuple(map(plain, loads))
