@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from tests.benchmarks.chain import chain
@@ -16,8 +18,12 @@ KINDS = ("start", "constant", "floating", "markers", "joints", "loads")
 
 def changes(found: Quantities, kind: str) -> set[int]:
     """Numbers of those items that have an imaginary part anywhere."""
-    items = getattr(found, kind).items()
-    return {k for k, parts in items for part in (parts if isinstance(parts, tuple) else (parts,)) if np.any(np.imag(part) != 0)}
+    return {k for k, part in getattr(found, kind).items() if is_complex(part)}
+
+
+def is_complex(part: Any) -> bool:
+    """Whether an array, or one within, has an imaginary part."""
+    return any(map(is_complex, part)) if isinstance(part, tuple) else bool(np.any(np.imag(part) != 0))
 
 
 def moved(scene: Scene, path: str) -> Scene:

@@ -20,6 +20,7 @@ from toolkit.reduced_model.entry_scales import entry_factors, entry_scales
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.thin_arrays import is_thin, places, sparing
 from toolkit.responses.stress.stress import products
+from toolkit.sensitivity.preparation import prepare
 
 MODELS = Path(__file__).parents[2] / "models"
 WING = MODELS / "morphing_wing"
@@ -27,13 +28,13 @@ ROUND_OFF = 1e-13
 """Relative: sums of the same numbers in another order."""
 
 
-def written(folder: Path, elements: int, more: str = "") -> Path:
+def written(folder: Path, elements: int, more: str = "", nodes: tuple[int, ...] | None = None) -> Path:
     """A wing's skin.toml with as many elements, and its three interface points at nodes."""
     for name in ("high_speed.dat", "low_speed.dat", "scene.toml"):
         (folder / name).write_bytes((WING / name).read_bytes())
     text = (WING / "skin.toml").read_text().replace("elements = 30", f"elements = {elements}")
-    for node in (10, 25, 30):
-        text = text.replace(f"node = {node} ", f"node = {elements * node // 30} ")
+    for node, place in zip((10, 25, 30), nodes or (elements // 3, elements * 5 // 6, elements), strict=True):
+        text = text.replace(f"node = {node} ", f"node = {place} ")
     (folder / "skin.toml").write_text(text + more)
     return folder / "skin.toml"
 
@@ -86,6 +87,19 @@ def test_the_motion_of_600_elements_is_that_of_300(fine):
     np.testing.assert_allclose(stress[0], stress[1], rtol=1e-3)
 
 
+@pytest.mark.parametrize("nodes", [(10, 25, 30), None], ids=["joints at one end", "joints all along"])
+def test_the_work_of_a_step_grows_with_the_elements(skin, nodes):
+    """Counted: entries of the factors, their updates, strains. Each element adds as many, also those of a long free end."""
+    found = []
+    for elements in (60, 120, 240):
+        path = skin(elements, nodes=nodes)
+        save(build(path), path.with_suffix(".h5"))
+        system = prepare(ffrf.read_scene(path.with_name("scene.toml")))
+        plan = system.lu_plan
+        found.append(np.array([plan.row_start[-1], len(plan.destination), len(system.plan.constant.strains.value)]))
+    np.testing.assert_array_equal(found[2] - found[1], 2 * (found[1] - found[0]))
+
+
 @pytest.mark.parametrize(
     "more", ['\n[basis]\nkind = "craig-bampton"\ncount = 5\n', '\n[basis]\nkind = "full"\nchord = ["C", "G"]\n']
 )
@@ -96,9 +110,9 @@ def test_a_basis_of_dense_matrices_has_its_old_limit(skin, more):
         read_recipe(skin(600, more))
 
 
-def test_more_elements_than_round_off_bears_are_refused(skin):
-    with pytest.raises(InputError, match=r"elements.* 600"):
-        read_recipe(skin(601))
+def test_more_elements_than_memory_bears_are_refused(skin):
+    with pytest.raises(InputError, match=r"elements.* 2000"):
+        read_recipe(skin(2001))
 
 
 @pytest.mark.usefixtures("every_array_is_thin")

@@ -400,7 +400,7 @@ def test_points_and_groups_stay_where_they_are_in_another_mesh(tmp_path):
     [
         ("[groups.nose]\nelements = [10, 19]\nthickness = 1.0", 20, "groups.nose ends where no element of a mesh of 20 does"),
         ('separate = ["thickness"]', 15, "quantities of single elements mean others in another mesh"),
-        ("", 1000, "skin.elements: .*600"),
+        ("", 3000, "skin.elements: .*2000"),
     ],
 )
 def test_a_mesh_that_does_not_fit_is_refused(tmp_path, more, elements, message):

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
+from toolkit.bodies.chain_strains import Strains, no_strains
 from toolkit.description.description import InSpace
 from toolkit.reduced_model.model import ReducedModel
 
@@ -50,6 +51,7 @@ class ConstantNumbers(NamedTuple):
     damping: np.ndarray
     stiffness: np.ndarray
     force: np.ndarray  # (size,)
+    strains: Strains = no_strains()  # the same stiffness in its factors, where these are known
 
 
 class Body(InSpace):

@@ -67,7 +67,9 @@ class Work(NamedTuple):
     markers: Any  # MarkerState or SpatialMarkerState
     scratch: np.ndarray
     rest: np.ndarray  # (n,) zeros
-    care: np.ndarray  # (1,) EXACT, unless the caller sets ROUGH or LEFT_OUT, see `constant_kernel`
+    care: (
+        np.ndarray
+    )  # (2,) EXACT, unless the caller sets ROUGH or LEFT_OUT, see `constant_kernel`; 1 if A_q lacks the factored stiffness
     halves: np.ndarray  # (2, n)
     joint: Any  # of the plan's joints
     load: LoadWork
@@ -109,7 +111,7 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
         markers=plan.markers.state(dtype),
         scratch=np.zeros((3, 3), dtype),
         rest=np.zeros(plan.n, dtype),
-        care=np.zeros(1, np.int64),
+        care=np.zeros(2, np.int64),
         halves=np.zeros((2, plan.n), dtype),
         joint=plan.joints.work(dtype),
         load=load_work(plan.loads, plan.markers.start, len(plan.markers.pose), dtype),
@@ -136,7 +138,7 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
             plan.constant, q, v, acceleration, inputs.scale, work.care[0], work.halves, terms.inertial, terms.applied
         )
     if linearize and not inputs.joints_only:
-        constant_jacobian(plan.constant, mixed, parts, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
+        constant_jacobian(plan.constant, mixed, parts, work.care[1], terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
         moving_linearized(
             plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
             terms.inertial, terms.applied, terms.I_acc, terms.I_q, terms.A_q, terms.A_v,

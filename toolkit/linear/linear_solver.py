@@ -7,6 +7,7 @@ import numpy as np
 from toolkit.foundation.kernel import copy, inner, kernel
 from toolkit.foundation.vectors.rows import add_rows, filled_up
 from toolkit.linear.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
+from toolkit.linear.factored_matrix import add_factored_block
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.linear.sparse_block import solve_block
 from toolkit.linear.sparse_lu import StillPivots, factor, multiply, solve, still_pivots
@@ -166,10 +167,11 @@ def solve_checked(solver, indptr, indices, values, rhs, solution):
 
 
 @inner
-def solve_refined_block(solver, indptr, indices, values, fresh, block, solution):
+def solve_refined_block(solver, indptr, indices, values, factored, factor, fresh, block, solution):
     """Solve for many right-hand sides, refined as often as the factors need it; block and solution (n, n_x), or filled up.
 
-    `fresh`: the factors are those of `values`, and the last refinement of a vector tells how good they are.
+    The matrix is that of `values`, to which `factor` times a `factored` one is added unless it is None. `fresh`: the factors are those
+    of this matrix, and the last refinement of a vector tells how good they are.
     """
     found, rest = solver.solution_block, solver.residual_block
     copy_columns(block, found)
@@ -181,6 +183,8 @@ def solve_refined_block(solver, indptr, indices, values, fresh, block, solution)
         copy_columns(block, rest)
         for i in range(len(rest)):
             add_rows(rest[i], 1.0, -1.0, values, indices, indptr[i], indptr[i + 1], found)
+        if factored is not None:
+            add_factored_block(factored, -factor, found, solver.work_block, rest)
         apply_inverse_block(solver, rest)
         for i in range(len(rest)):
             for x in range(found.shape[1]):
@@ -205,5 +209,5 @@ def solve_once(solver, indptr, indices, values, vector, solution, block, out):
     if failed < 0:
         failed = solve_checked(solver, indptr, indices, values, vector, solution)
     if failed < 0:
-        solve_refined_block(solver, indptr, indices, values, False, block, out)
+        solve_refined_block(solver, indptr, indices, values, None, 0.0, False, block, out)
     return failed

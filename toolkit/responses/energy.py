@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
+from scipy.sparse import csr_array
 
+from toolkit.bodies.kernels.constant_kernel import Constant
 from toolkit.responses.instant import Instant
 from toolkit.responses.response import Partials
 from toolkit.system.solution import Solution
@@ -55,11 +56,24 @@ class StrainEnergy(Energy):
         """Value, and derivatives by q and the design."""
         system, part = solution.system, solution.system.plan.constant
         q = np.where(self.counted(solution), solution.q[step], 0)
-        shape = (system.n_q, system.n_q)
-        force = coo_array((part.stiffness, (part.row, part.column)), shape=shape) @ q
+        by_entries, strains, changes = system.matrix(part.loose)[: system.n_q, : system.n_q] @ q, part.strains, part.design_loose
+        rows = csr_array((strains.value, strains.column.astype(int), strains.start), shape=(len(strains.weight), system.n_q))
+        strain = rows @ q
+        force = strains.weight * strain
         design = np.zeros(system.n_x)
-        changes = part.design_stiffness
         counts = np.diff(changes.start)
         change = changes.value * np.real(q[np.repeat(changes.row, counts)] * q[changes.column]) / 2
         np.add.at(design, np.repeat(changes.variable, counts), change)
-        return Partials(q @ force / 2, q=force, design=design)
+        _add_changes_of_strains(part, q, strain, force, design)
+        return Partials((q @ by_entries + strain @ force) / 2, q=by_entries + rows.T @ force, design=design)
+
+
+def _add_changes_of_strains(part: Constant, q: np.ndarray, strain: np.ndarray, force: np.ndarray, design: np.ndarray) -> None:
+    """Of the energy, by all variables at a fixed state; with the strains there and their forces."""
+    changes = part.design_strains
+    if not len(changes.row):
+        return
+    column = part.strains.column.reshape(len(strain), -1)[changes.row]
+    moved = np.sum(changes.value.reshape(column.shape) * q[column], axis=1)
+    change = changes.weight * strain[changes.row] ** 2 / 2 + force[changes.row] * moved
+    np.add.at(design, changes.variable, np.real(change))

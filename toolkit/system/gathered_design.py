@@ -32,12 +32,12 @@ class GatheredDesign(NamedTuple):
 def gathered_design(plan: Plan) -> GatheredDesign:
     """Changes of matrices, and of points that nothing but pins grip."""
     constant, markers, own = plan.constant, plan.markers, _gripped_by_pins(plan)
-    changes = constant.design_mass, constant.design_damping, constant.design_stiffness
+    changes = constant.design_mass, constant.design_damping, constant.design_loose
     met = [np.unique(np.concatenate([getattr(each, name) for each in changes])).astype(np.int64) for name in ("row", "column")]
     gathered = GatheredPlan(*changes, *met, *np.nonzero(own[plan.joints.marker]))
     none = Changes(*(np.zeros(size, each.dtype) for size, each in zip((0, 0, 1, 0, 0), changes[0], strict=True)))
     rest: dict[str, Any] = {
-        "constant": constant._replace(design_mass=none, design_damping=none, design_stiffness=none),
+        "constant": constant._replace(design_mass=none, design_damping=none, design_stiffness=none, design_loose=none),
         "markers": _without(markers, own) if isinstance(markers, Markers) else markers,
         "joints": plan.joints._replace(of=_designed(plan, own)),
     }

@@ -40,10 +40,10 @@ class Airfoil(Table):
         return [each for each in dict.fromkeys((self.units, self.target_units)) if each in ("mm", "m")]
 
 
-MOST_ELEMENTS, MOST_REDUCED = 600, 500
-"""Of a skin in the plane with all coordinates, whose arrays are zero nearly everywhere: at 800 and more round-off of the stiffness,
-which grows with the fourth power of their number, makes the run go on with dense factors. And of any other skin: in space there are six
-arrays with the square of twice as many coordinates, and modes are those of dense matrices, with the third power."""
+MOST_ELEMENTS, MOST_REDUCED = 2000, 500
+"""Of a skin in the plane with all coordinates, whose arrays are zero nearly everywhere, but are made and checked whole: with so many that
+takes 5 GB of memory. And of any other skin: in space there are six arrays with the square of twice as many coordinates, and modes are
+those of dense matrices, with the third power."""
 
 
 class ContourPoint(Table):

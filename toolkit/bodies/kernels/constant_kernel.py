@@ -5,8 +5,9 @@ With the constant force f, in the two groups of the residual:
     inertial: M a        applied: D v + K q - scale f,    scale = 1 but in a stepwise loaded static analysis
 
 A thin body is up to 1e9 times stiffer in stretching than in bending, so that K q is a small difference of large products. Rounded like
-any sum, it would move the state by 1e-8 of its bending, and gradients with it. So the stiffest entries of K, which make that round-off,
-are summed in twice the precision (Dekker 1971), the others as usual.
+any sum, it would move the state by 1e-8 of its bending, and gradients with it. So K is applied in its factors where these are known, see
+`linear.factored_matrix`, and of other bodies the stiffest entries, which make that round-off, are summed in twice the precision (Dekker
+1971), the others as usual.
 """
 
 from typing import NamedTuple
@@ -14,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.foundation.kernel import copy, inlined, inner
+from toolkit.linear.factored_matrix import Factored, FactoredChanges, add_factored, add_factored_changes
 
 HALVES = 134217729.0
 """2^27 + 1: splits a number into two of 26 bits, whose products are exact."""
@@ -53,6 +55,7 @@ class Constant(NamedTuple):
     segment_start: np.ndarray  # (n_segments + 1,) into the entries
     segment_size: np.ndarray  # (n_segments,) rows of the square, 0 of a list
     segment_damped: np.ndarray  # (n_segments,) 1 if a square has mass or damping, which it mostly has not
+    segment_loose: np.ndarray  # (n_segments,) 0 if nothing but mass is left of a list where stiffness is factored
     row: np.ndarray  # (n_entries,)
     column: np.ndarray
     position: np.ndarray  # where the entry is stored in the pattern
@@ -68,10 +71,15 @@ class Constant(NamedTuple):
     stiff_column: np.ndarray
     stiff_high: np.ndarray  # leading half of their digits
     stiff_low: np.ndarray  # the rest
+    strains: Factored  # the stiffness of bodies that have it in its factors
+    strained: np.ndarray  # (n_pattern,) and its entries; empty without such bodies
+    loose: np.ndarray  # (n_pattern,) K without these
     force: np.ndarray  # (n_q,)
     design_mass: Changes
     design_damping: Changes
     design_stiffness: Changes
+    design_loose: Changes  # the same without bodies that have factors
+    design_strains: FactoredChanges
     force_row: np.ndarray  # (n_d,) which entry of f
     force_variable: np.ndarray
     design_force: np.ndarray
@@ -92,6 +100,13 @@ def constant_residual(part, q, v, acc, scale, care, halves, inertial, applied):
                 add_square_product(part.mass, first, n, part.row[first], acc, inertial)
             continue
         e = first
+        while e < last and care == EXACT and part.segment_loose[s] == 0:
+            i = part.row[e]
+            by_mass = inertial[i]
+            while e < last and part.row[e] == i:
+                by_mass += part.mass[e] * acc[part.column[e]]
+                e += 1
+            inertial[i] = by_mass
         while e < last:  # row by row, whose sums stay in registers
             i = part.row[e]
             by_mass, by_rest = inertial[i], applied[i]
@@ -107,6 +122,8 @@ def constant_residual(part, q, v, acc, scale, care, halves, inertial, applied):
             halves[1, k] = q[k] - halves[0, k]
         for r in range(len(part.stiff_row)):
             applied[part.stiff_row[r]] += precise_sum(part, part.stiff_start[r], part.stiff_start[r + 1], q, halves)
+    if care == EXACT:
+        add_factored(part.strains, q, applied)
     for i in range(len(part.force)):
         applied[i] -= scale * part.force[i]
 
@@ -125,8 +142,11 @@ def precise_sum(part, first, last, q, halves):
 
 
 @inlined
-def constant_jacobian(part, mixed, parts, I_acc, I_q, A_q, A_v):
-    """The same in every step: what all else is added to; `mixed` and multiplied by its `parts` in the one matrix that all four are."""
+def constant_jacobian(part, mixed, parts, apart, I_acc, I_q, A_q, A_v):
+    """The same in every step: what all else is added to; `apart` is 1 if the factored stiffness is left out.
+
+    Where they are `mixed`, multiplied by its `parts` in the one matrix that all four are.
+    """
     if mixed:
         by_a, _, by_q, by_v = parts
         M, D, K = part.M, part.D, part.K
@@ -139,7 +159,7 @@ def constant_jacobian(part, mixed, parts, I_acc, I_q, A_q, A_v):
     if len(part.M) == 0:
         I_acc[:], A_q[:], A_v[:] = 0, 0, 0
     copy(part.M, I_acc)
-    copy(part.K, A_q)
+    copy(part.loose if apart == 1 else part.K, A_q)
     copy(part.D, A_v)
 
 
@@ -171,7 +191,8 @@ def constant_design(part, q, v, acc, scale, I_x, A_x):
     """Partial design derivatives of the residual."""
     add_changes(part.design_mass, acc, I_x)
     add_changes(part.design_damping, v, A_x)
-    add_changes(part.design_stiffness, q, A_x)
+    add_changes(part.design_loose, q, A_x)
+    add_factored_changes(part.strains, part.design_strains, q, A_x)
     for d in range(len(part.force_row)):
         A_x[part.force_row[d], part.force_variable[d]] -= scale * part.design_force[d]
 

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, model_validator
 
 from toolkit.bodies.body import ConstantNumbers, Placed
+from toolkit.bodies.chain_strains import chain_strains
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.planar.body import FloatingNumbers, MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
@@ -152,11 +153,14 @@ class Flexible(CuttableBody, StartVelocity):
         design = self.design_point(scene)
         if self.has_frame:
             row, column, (damping, stiffness) = elastic_matrices(design, "damping", "stiffness")
+            strains = chain_strains(row, column, stiffness, design.model.n_f)
+            strains = strains._replace(column=3 + strains.column)
             none = np.zeros(len(row)), np.zeros(3 + design.model.n_f)
-            return ConstantNumbers(3 + row, 3 + column, none[0], damping, stiffness, none[1])
+            return ConstantNumbers(3 + row, 3 + column, none[0], damping, stiffness, none[1], strains)
         row, column, (mass, damping, stiffness) = elastic_matrices(design, "inertia", "damping", "stiffness")
         weight = design.value("first_moment")[:, 1:].T @ (rotation(self.angle).T @ gravity)
-        return ConstantNumbers(row, column, mass, damping, stiffness, weight)
+        strains = chain_strains(row, column, stiffness, design.model.n_f)
+        return ConstantNumbers(row, column, mass, damping, stiffness, weight, strains)
 
     def floating(self, scene: Placed) -> FloatingNumbers | None:
         """Invariants of a body with a moving frame."""

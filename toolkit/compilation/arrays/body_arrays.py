@@ -10,6 +10,7 @@ import numpy as np
 from toolkit.bodies.body import ConstantNumbers
 from toolkit.bodies.kernels.constant_kernel import Changes, Constant
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
+from toolkit.compilation.arrays.strain_arrays import strain_arrays
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.common_pattern import square_size
@@ -43,22 +44,31 @@ def constant_part(
     places = _places(parts, rows, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
     row, column, first_entry = places["row"], places["column"], places["segment_start"]
     mass, damping, stiffness = map(joined, ("mass", "damping", "stiffness"))
+    factored = np.repeat([len(part.strains.weight) > 0 for part in parts], counts)
+    on_pattern = partial(_on_pattern, pattern, places["position"])
     change = partial(_changes_of, numbering.runs, derivatives, first_entry, row, column)
     force_row, force_variable, design_force = _changes_of_forces(numbering, derivatives)
+    strains, design_strains = strain_arrays(numbering, values, derivatives, dtype)
     return Constant(
         **places,
         segment_damped=(np.bincount(body, (mass != 0) | (damping != 0), len(counts)) > 0).astype(np.int64),
+        segment_loose=(np.bincount(body, ~factored | (damping != 0), len(counts)) > 0).astype(np.int64),
         mass=mass,
         damping=damping,
         stiffness=stiffness,
-        **{
-            name: _on_pattern(pattern, places["position"], of) for name, of in zip("MDK", (mass, damping, stiffness), strict=True)
-        },
-        **stiff_entries(row, column, stiffness, weights, body, len(counts))._asdict(),
+        M=on_pattern(mass),
+        D=on_pattern(damping),
+        K=on_pattern(stiffness),
+        **stiff_entries(row, column, np.where(factored, 0, stiffness), weights, body, len(counts))._asdict(),
+        strains=strains,
+        design_strains=design_strains,
+        strained=on_pattern(np.where(factored, stiffness, 0)) if np.any(factored) else np.zeros(0, dtype),
+        loose=on_pattern(np.where(factored, 0, stiffness)),
         force=joined("force"),
         design_mass=change("mass"),
         design_damping=change("damping"),
         design_stiffness=change("stiffness"),
+        design_loose=change("stiffness", [b for b, part in values.constant.items() if not len(part.strains.weight)]),
         force_row=force_row,
         force_variable=force_variable,
         design_force=design_force,
@@ -90,9 +100,16 @@ def _changes_of(
     row: np.ndarray,
     column: np.ndarray,
     name: str,
+    bodies: list[int] | None = None,
 ) -> Changes:
-    """What is not zero in the derivatives of one matrix, whose entries are body by body and row by row; `known` from other numbers."""
-    parts = [(x, b, getattr(part, name)) for x, derivative in enumerate(derivatives) for b, part in derivative.constant.items()]
+    """What is not zero in the derivatives of one matrix, of all or some bodies, whose entries are body by body and row by row; `known` from
+    other numbers."""
+    parts = [
+        (x, b, getattr(part, name))
+        for x, derivative in enumerate(derivatives)
+        for b, part in derivative.constant.items()
+        if bodies is None or b in bodies
+    ]
     entry, variable, value = _not_zero([(first_entry[b], x, change) for x, b, change in parts])
     key = Itself(row), entry.tobytes(), variable.tobytes()
     if key not in known:

@@ -64,8 +64,9 @@ def touched(
     """Row and variable of every such entry, ordered by row."""
     if not n_x:
         return ints([]), ints([])
-    matrices = (constant.design_mass, constant.design_damping, constant.design_stiffness)
+    matrices = (constant.design_mass, constant.design_damping, constant.design_loose)
     pairs = [(constant.force_row, constant.force_variable), *((each.row, each.variable) for each in matrices)]
+    pairs += [_by_strains(constant)]
     pairs += _by_floating(floating)
     pairs += [] if pressures is None else _by_pressures(pressures, curve_index, curve_variable)
     for part in (joints, loads):
@@ -78,6 +79,15 @@ def touched(
             pairs.append((np.repeat(rows, len(variables)), np.tile(variables, len(rows))))
     keys = np.unique(np.concatenate([rows * n_x + variables for rows, variables in pairs]))
     return keys // n_x, keys % n_x
+
+
+def _by_strains(constant: Constant) -> tuple[np.ndarray, np.ndarray]:
+    """What the rows that change act on; all have as many entries."""
+    strains, changes = constant.strains, constant.design_strains
+    shape = len(strains.weight), int(strains.start[-1]) // max(len(strains.weight), 1)
+    column, value = (each.reshape(shape)[changes.row] for each in (strains.column, strains.value))
+    felt = value != 0
+    return ints([column[felt]]), np.repeat(changes.variable, felt.sum(axis=1))
 
 
 def _state(loads: Loads, k: int) -> np.ndarray:

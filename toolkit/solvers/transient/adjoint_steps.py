@@ -9,9 +9,10 @@ from toolkit.equations.design_sums import DesignSums, GatheredPlan, add_up, desi
 from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
 from toolkit.foundation.kernel import inner, loop
 from toolkit.foundation.vectors.rows import add_rows, filled_up
+from toolkit.linear.factored_matrix import add_factored_block
 from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
 from toolkit.linear.sparse_analysis import LUPlan
-from toolkit.solvers.transient.scheme import with_step
+from toolkit.solvers.transient.scheme import by_acceleration, with_step
 from toolkit.solvers.transient.staggered import carries
 from toolkit.solvers.transient.step_matrix import newton_matrix
 
@@ -32,7 +33,8 @@ class AdjointMemory(NamedTuple):
     multiplier: np.ndarray  # (n, n_r filled up) mu of the step above
     load: np.ndarray
     jacobian: np.ndarray  # (n_entries,)
-    transposed: np.ndarray  # (n_entries,) its transpose on the same, symmetric pattern
+    rest: np.ndarray  # (n_entries,) the same without the factored stiffness; empty if there is none
+    transposed: np.ndarray  # (n_entries,) the transpose of one of both on the same, symmetric pattern
     mixed: np.ndarray  # (n_entries,) scratch memory of `add_transposed`
     terms: Terms
     work: Work
@@ -46,15 +48,18 @@ def adjoint_memory(plan: Plan, gathered: GatheredPlan, lu_plan: LUPlan, weights:
     def block() -> np.ndarray:
         return np.zeros((plan.n, filled_up(n_r)))
 
+    work, apart = allocate_work(plan, float), len(plan.constant.strained) > 0
+    work.care[1] = apart
     return AdjointMemory(
         Bars(block(), block(), block(), block()),
         block(),
         block(),
         np.zeros(len(plan.indices)),
+        np.zeros(len(plan.indices) if apart else 0),
         np.zeros(len(plan.indices)),
         np.zeros(len(plan.indices)),
         allocate_terms(plan, float),
-        allocate_work(plan, float),
+        work,
         linear_solver(lu_plan, weights[: plan.n_q], n_r, float),
         design_sums(gathered, plan.n_x, plan.n, len(plan.markers.frame), len(plan.markers.coordinate), n_r),
     )
@@ -69,6 +74,13 @@ def add_transposed(plan, transposition, one, factor_one, two, factor_two, block,
         mixed[e] = factor_one * one[transposition[e]] + factor_two * two[transposition[e]]
     for i in range(rows):
         add_rows(out[i], 1.0, 1.0, mixed, plan.indices, plan.indptr[i], plan.indptr[i + 1], block)
+
+
+@inner
+def add_strained(plan, factor, block, memory, out):
+    """out += factor times the factored stiffness times a block, where the terms lack it."""
+    if memory.work.care[1] == 1:
+        add_factored_block(plan.constant.strains, factor, block, memory.load, out)
 
 
 @inner
@@ -88,6 +100,7 @@ def add_carried(plan, scheme, levels, transposition, q, v, acc, memory, gradient
     """What the residual of the step above took from this state."""
     c_i, c_a, terms, bars, above = scheme.carried_inertial, scheme.carried_applied, memory.terms, memory.bars, memory.multiplier
     add_transposed(plan, transposition, terms.I_q, c_i, terms.A_q, c_a, above, plan.n_q, memory, bars.q)
+    add_strained(plan, c_a, above, memory, bars.q)
     add_transposed(plan, transposition, terms.I_acc, 0.0, terms.A_v, c_a, above, plan.n_q, memory, bars.v)
     add_transposed(plan, transposition, terms.I_acc, c_i, terms.A_v, 0.0, above, plan.n, memory, bars.acc)
     add_design(plan, scheme, levels, c_i, c_a, q, v, acc, above, memory, gradient)
@@ -111,12 +124,19 @@ def solve_step(plan, scheme, transposition, memory):
             load[i, r] = -bars.acc[i, r]
             if i < plan.n_q:
                 load[i, r] -= scheme.new * (bars.aux[i, r] + c_q * bars.q[i, r] + c_v * bars.v[i, r])
-    newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+    apart = memory.work.care[1]
+    newton_matrix(plan, scheme, memory.terms, apart, memory.jacobian, memory.rest)
     for e in range(len(transposition)):
         memory.transposed[e] = memory.jacobian[transposition[e]]
-    failed = factorize(memory.solver, plan.indptr, plan.indices, memory.transposed)
-    if failed < 0:
-        solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.transposed, False, load, memory.multiplier)
+    solver, transposed = memory.solver, memory.transposed
+    failed = factorize(solver, plan.indptr, plan.indices, transposed)
+    if failed < 0 and apart == 1:
+        for e in range(len(transposition)):
+            transposed[e] = memory.rest[transposition[e]]
+        strains, factor = plan.constant.strains, scheme.weight_applied * by_acceleration(scheme)[0]
+        solve_refined_block(solver, plan.indptr, plan.indices, transposed, strains, factor, False, load, memory.multiplier)
+    elif failed < 0:
+        solve_refined_block(solver, plan.indptr, plan.indices, transposed, None, 0.0, False, load, memory.multiplier)
     return failed
 
 
@@ -127,6 +147,7 @@ def step_back(plan, scheme, ratio, transposition, memory):
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
     add_transposed(plan, transposition, terms.I_q, w_i, terms.A_q, w_a, mu, plan.n_q, memory, bars.q)
+    add_strained(plan, w_a, mu, memory, bars.q)
     add_transposed(plan, transposition, terms.I_acc, 0.0, terms.A_v, w_a, mu, plan.n_q, memory, bars.v)
     for i in range(plan.n):
         for r in range(mu.shape[1]):

@@ -123,7 +123,7 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, away
         evaluator(plan, functions, inputs, q, v, acc, linearize, plan.n_x > 0, memory.terms, memory.work)
         memory.work.care[0] = EXACT
     if plan.n_x > 0 and not still:
-        newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+        newton_matrix(plan, scheme, memory.terms, memory.work.care[1], memory.jacobian, memory.rest)
         changed = 2 * memory.learnt[BEND] * away  # of the Jacobian
         near = not control.modified and (away <= CLOSE or 0 < changed <= SHARP)
         known = not ggl.active and not control.modified and memory.solver.mode[0] == 0

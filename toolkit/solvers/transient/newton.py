@@ -182,7 +182,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         if not kept:
             memory.kept[0] = scheme.h
         if not (kept or mixed):
-            newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+            newton_matrix(plan, scheme, memory.terms, memory.work.care[1], memory.jacobian, memory.rest)
         if not ggl.active:
             blind = (
                 iteration == 0

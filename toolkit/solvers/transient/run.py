@@ -53,8 +53,8 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     control = Control(
         options.tolerance, options.max_iterations, modified, not system.compiled, left_by_kept(options), np.inf, 0.0, False
     )
-    memory = taken_memory(system)
     closed_twice = options.formulation == "ggl"
+    memory = taken_memory(system, not closed_twice)
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if closed_twice else idle_ggl(system.dtype)
     outcome = Outcome(np.zeros(5, np.int64), np.zeros(6))
     return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)

@@ -2,6 +2,7 @@
 
 from toolkit.foundation.kernel import inner
 from toolkit.foundation.vectors.rows import add_rows
+from toolkit.linear.factored_matrix import add_factored_block
 from toolkit.linear.linear_solver import copy_columns, solve_refined_block
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict
 from toolkit.solvers.transient.scheme import by_acceleration
@@ -11,7 +12,7 @@ from toolkit.solvers.transient.scheme import by_acceleration
 def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, memory, out):
     """out += factor_i (I_q dq + I_acc dacc) + factor_a (A_q dq + A_v dv), the term with I_acc only on request.
 
-    dq and dv are (n_q, n_x), dacc and out (n, n_x).
+    dq and dv are (n_q, n_x), dacc and out (n, n_x). Where A_q lacks the factored stiffness, that is added.
     """
     I_q, A_q, mixed, moved, rate = terms.I_q, terms.A_q, memory.mixed, memory.moved, memory.rate
     for e in range(len(mixed)):
@@ -22,6 +23,8 @@ def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, me
         first, last = plan.indptr[i], plan.indptr[i + 1]
         add_rows(out[i], 1.0, 1.0, mixed, plan.indices, first, last, moved)
         add_rows(out[i], 1.0, factor_a, terms.A_v, plan.indices, first, last, rate)
+    if memory.work.care[1] == 1:
+        add_factored_block(plan.constant.strains, factor_a, moved, rate, out)
     if with_acc:
         copy_columns(dacc, moved)
         for i in range(plan.n):
@@ -52,8 +55,12 @@ def sensitivity_step(plan, scheme, history, step, fresh, memory):
     copy_columns(memory.dcarried, load)
     add_design_change(plan, terms, w_i, w_a, load)
     add_state_change(plan, terms, w_i, w_a, dq, dv, dacc, False, memory, load)
-    solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.jacobian, fresh, load, dacc)
     c_q, c_v = by_acceleration(scheme)
+    if memory.work.care[1] == 1:
+        strains = plan.constant.strains
+        solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.rest, strains, w_a * c_q, fresh, load, dacc)
+    else:
+        solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.jacobian, None, 0.0, fresh, load, dacc)
     flat_dq, flat_dv, flat_dacc = history.flat_dq[after], history.flat_dv[after], history.flat_dacc[after]
     for k in range(len(flat_dacc)):
         flat_dacc[k] = -flat_dacc[k]

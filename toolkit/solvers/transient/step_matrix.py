@@ -5,8 +5,11 @@ from toolkit.solvers.transient.scheme import by_acceleration
 
 
 @inlined
-def newton_matrix(plan, scheme, terms, jacobian):
-    """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
+def newton_matrix(plan, scheme, terms, apart, jacobian, rest):
+    """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone.
+
+    With the terms `apart` from the factored stiffness, `rest` is the same without that; otherwise it is not touched.
+    """
     c_q, c_v = by_acceleration(scheme)
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
     I_acc, I_q, A_q, A_v = terms.I_acc, terms.I_q, terms.A_q, terms.A_v  # looked up once, or nothing is done several at a time
@@ -16,6 +19,11 @@ def newton_matrix(plan, scheme, terms, jacobian):
         for e in range(len(jacobian)):
             if plan.indices[e] < plan.n_q:
                 jacobian[e] -= w_i * terms.I_acc[e]
+    if apart == 1:
+        by_strain, strained = w_a * c_q, plan.constant.strained
+        for e in range(len(jacobian)):
+            rest[e] = jacobian[e]
+            jacobian[e] += by_strain * strained[e]
 
 
 @inlined

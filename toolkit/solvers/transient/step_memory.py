@@ -46,6 +46,7 @@ class Memory(NamedTuple):
     residual: np.ndarray
     correction: np.ndarray
     jacobian: np.ndarray  # (n_entries,)
+    rest: np.ndarray  # (n_entries,) the same without the factored stiffness; empty without that or gradients
     mixed: np.ndarray  # (n_entries,) scratch memory of `add_state_change`
     terms: Terms
     whole: Terms  # with the jacobian in the place of all derivatives by the state, see `step_matrix.mix`
@@ -67,12 +68,13 @@ class Outcome(NamedTuple):
     correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the scene's size
 
 
-def taken_memory(system: System) -> Memory:
-    """Memory of the loop: that of a run which has given it back, or new."""
+def taken_memory(system: System, apart: bool) -> Memory:
+    """Memory of the loop: that of a run which has given it back, or new; whether that may keep the factored stiffness `apart`."""
     plan, weights = system.plan, system.weights[: system.n_q]
     memory = system.scratch(Memory, lambda: allocate_memory(plan, system.lu_plan, weights.copy(), system.dtype))
     _clear(tuple(part for part in memory if not isinstance(part, Work | LinearSolver)))
     cleared(memory.solver, weights)
+    memory.work.care[1] = apart and len(memory.rest) > 0
     return memory  # in `work` states are evaluated one after the other anyway
 
 
@@ -90,7 +92,7 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
     def zeros(*shape: int) -> np.ndarray:
         return np.zeros(shape, dtype)
 
-    n, n_x = plan.n, plan.n_x
+    n, n_x, apart = plan.n, plan.n_x, plan.n_x > 0 and len(plan.constant.strained) > 0
     daux, terms, jacobian = zeros(n, n_x), allocate_terms(plan, dtype), zeros(len(plan.indices))
     return Memory(
         aux=zeros(n),
@@ -108,6 +110,7 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         residual=zeros(n),
         correction=zeros(n),
         jacobian=jacobian,
+        rest=zeros(len(plan.indices) if apart else 0),
         mixed=zeros(len(plan.indices)),
         terms=terms,
         whole=terms._replace(**dict.fromkeys(("I_acc", "I_q", "A_q", "A_v"), jacobian)),

@@ -135,7 +135,7 @@ def ggl_sensitivity_step(evaluator, plan, functions, inputs, scheme, history, st
         entry = c_v / c_q * terms.A_v[pattern.lower[k]]
         for x in range(n_x):
             load[plan.n + pattern.row[k], x] += entry * dq[pattern.coordinate[k], x]
-    solve_refined_block(ggl.solver, pattern.indptr, pattern.indices, ggl.jacobian, fresh, load, ggl.change)
+    solve_refined_block(ggl.solver, pattern.indptr, pattern.indices, ggl.jacobian, None, 0.0, fresh, load, ggl.change)
     for i in range(plan.n):
         for x in range(n_x):
             dacc[i, x] = -ggl.change[i, x]

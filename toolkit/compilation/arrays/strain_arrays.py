@@ -1,0 +1,61 @@
+"""Stiffness in its factors as flat arrays, with their derivatives by the design."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.bodies.chain_strains import Strains, no_strains
+from toolkit.compilation.conversions import ints
+from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.quantities import Quantities
+from toolkit.linear.factored_matrix import Factored, FactoredChanges
+
+
+def strain_arrays(
+    numbering: Numbering, values: Quantities, derivatives: list[Quantities], dtype: type
+) -> tuple[Factored, FactoredChanges]:
+    """Those of all bodies, one after the other."""
+    first: list[int] = list(numbering.first.values())
+    edges: dict[int, int] = {}
+    every, count = [no_strains()], 0
+    for b, part in values.constant.items():
+        every.append(part.strains._replace(column=first[b] + part.strains.column))
+        edges[b], count = count, count + len(part.strains.weight)
+    column, value, weight = (np.concatenate(each) for each in zip(*every, strict=True))
+    changed = [
+        (x, edges[b], part.strains, np.flatnonzero(_changes(part.strains)))
+        for x, derivative in enumerate(derivatives)
+        for b, part in derivative.constant.items()
+    ]
+    wide, none = value.shape[1], no_strains()
+    change = FactoredChanges(
+        row=ints([at + rows for _, at, _, rows in changed]),
+        variable=ints([np.full(len(rows), x) for x, _, _, rows in changed]),
+        start=wide * np.arange(sum(len(rows) for *_, rows in changed) + 1),
+        value=np.concatenate([none.value.ravel(), *(part.value[rows].ravel() for _, _, part, rows in changed)]),
+        weight=np.concatenate([none.weight, *(part.weight[rows] for _, _, part, rows in changed)]),
+    )
+    return _factored(column, value.astype(dtype), weight.astype(dtype)), change
+
+
+def _factored(column: np.ndarray, value: np.ndarray, weight: np.ndarray) -> Factored:
+    """With columns too."""
+    wide, columns, values = column.shape[1], column.ravel(), value.ravel()
+    order = np.argsort(columns, kind="stable")
+    felt, felt_start = np.unique(columns[order], return_index=True)
+    return Factored(
+        start=wide * np.arange(len(weight) + 1),
+        column=columns.astype(np.uint32),
+        value=values,
+        weight=weight,
+        felt=felt,
+        felt_start=np.append(felt_start, len(order)),
+        felt_row=(order // wide).astype(np.uint32),
+        felt_value=values[order],
+    )
+
+
+def _changes(rates: Strains) -> np.ndarray:
+    """Which rows have a derivative, (n_rows,) bools."""
+    found: np.ndarray = (rates.weight != 0) | np.any(rates.value != 0, axis=1)
+    return found
