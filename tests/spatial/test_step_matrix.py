@@ -28,10 +28,10 @@ def step_matrix(system: System, mixed: bool) -> np.ndarray:
     plan, scheme = system.plan, generalized_alpha("arnold-bruels", 0.8, 0.4)  # so long a step that every part counts
     matrix, terms, work = np.full(len(plan.indices), np.nan), allocate_terms(plan, float), allocate_work(plan, float)
     memory = SimpleNamespace(work=work, terms=terms, whole=terms._replace(I_acc=matrix, I_q=matrix, A_q=matrix, A_v=matrix))
-    to = plain(mix)(plan.markers.frames, plan, scheme, None, memory) if mixed else terms
+    to = plain(mix)(plan.markers.frames, plan, scheme, SimpleNamespace(active=False), memory) if mixed else terms
     system.run(evaluate_all, plan, system.functions, inputs(system), *random_state(system), True, False, to, work)
     if not mixed:
-        plain(newton_matrix)(plan, scheme, terms, matrix)
+        plain(newton_matrix)(plan, scheme, terms, 0, matrix, matrix)
     return matrix
 
 

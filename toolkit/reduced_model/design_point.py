@@ -14,7 +14,7 @@ from toolkit.foundation.itself import Itself
 from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.dependence import SMALL, Together, Told, scattered, told_of
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
-from toolkit.reduced_model.thin_arrays import sparing
+from toolkit.reduced_model.thin_arrays import places, sparing
 
 KEPT = 8
 """Design points that are kept with what was evaluated there: complex steps in other numbers of a scene ask for the same ones again."""
@@ -168,13 +168,22 @@ class DesignPoint:
         """Places in a flattened item where it can differ from zero at designs of this kind, or all, and its values there; as `value`."""
         told = self._told(item) if self._steps else None
         if told is None:
-            return slice(None), self.model.item(item).ravel()
+            flat = self.model.item(item).ravel()
+            here = self._filled_at_nominal(item)
+            return here, flat[here]
         flat = told.own if told.polynomial is None else self._by_polynomial(item, told)
         for k, (entry, slope) in told.tangents.items():
             flat = flat + scattered(entry, self._steps[k] * slope, len(told.own))
         if not any(real for _, real, _ in self.kind[1:]):
             flat = told.own + 1j * np.imag(flat)  # the nominal body itself, whose last digits a thin skin feels
         return told.here, flat
+
+    def _filled_at_nominal(self, item: str) -> np.ndarray:
+        known, key = self.model.told, ("filled", item)
+        if key not in known:
+            known[key] = places(self.model.item(item))
+        found: np.ndarray = known[key]
+        return found
 
     @cached_property
     def kind(self) -> tuple[Any, ...]:
