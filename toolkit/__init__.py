@@ -12,7 +12,6 @@ Every name is loaded when it is first used, so that `import toolkit` costs nothi
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -94,6 +93,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
+        from importlib.metadata import version  # which takes longer to import than all else here
+
         return version("ffrf-toolkit")
     if name not in _PLACES:
         raise AttributeError(f"toolkit has no {name!r}; it has: {', '.join(_PLACES)}")

@@ -6,7 +6,6 @@ import errno
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.metadata import version
 from typing import Annotated, Any
 
 import typer
@@ -20,6 +19,8 @@ INTERRUPTED = 130
 def show_version(wanted: bool) -> None:
     """Print the version of the toolkit, and end."""
     if wanted:
+        from importlib.metadata import version
+
         typer.echo(f"ffrf-toolkit {version('ffrf-toolkit')}")
         raise typer.Exit
 
