@@ -69,7 +69,8 @@ def test_a_search_begins_anew_farther_along_where_one_short_step_leads_back_to_t
 
 @pytest.mark.parametrize("start", [(0.1, 0.9), (0.1, 0.6)])
 def test_a_search_goes_around_a_wall_whose_cut_leads_the_wrong_way(monkeypatch, start):
-    """The plane in front of a failed design leaves the optimum behind it: a search that may never pass it stays there."""
+    """The plane in front of a failed design leaves the optimum behind it: a search that may never pass it creeps along the plane for some
+    50 designs or more, how long is a matter of round-off."""
 
     def slope(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.array([z[0] - 0.9, 3 * (z[1] - 0.5), 0.1]), np.array([[1.0, 0.0], [0.0, 3.0], [0.0, 0.0]])
@@ -82,7 +83,7 @@ def test_a_search_goes_around_a_wall_whose_cut_leads_the_wrong_way(monkeypatch, 
     assert found.best is not None
     assert found.best.design == pytest.approx([0.9, 0.5], abs=1e-3)
     monkeypatch.setattr(Cuts, "release", lambda *_: None)
-    assert not searched(slope, np.array(start), wall, method="mma").arrived
+    assert searched(slope, np.array(start), wall, method="mma").evaluations > 4 * found.evaluations
 
 
 def test_only_planes_at_which_a_search_stands_are_forgotten():
