@@ -49,7 +49,8 @@ def _inside(here: np.ndarray | slice, n_f: int, size: int) -> tuple[np.ndarray, 
 
 def _common(n_f: int, parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray, list[Any]]:
     """Rows and columns of the union; of each matrix, where its entries are in that, and which of its own they are."""
-    union = reduce(np.union1d, (place for place, _ in parts))
+    every = np.sort(np.concatenate([place for place, _ in parts]), kind="stable")  # of sorted runs, which `unique` would hash
+    union = every[np.diff(every, prepend=-1) > 0]
     return union // n_f, union % n_f, [(np.searchsorted(union, place), own) for place, own in parts]
 
 
