@@ -16,6 +16,7 @@ from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import mesh_curve
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.entries.rates import rates_at
 from toolkit.reduced_model.model import Invariants, generalized_mass
 
 MODELS = Path(__file__).parents[2] / "models" / "morphing_wing"
@@ -165,7 +166,7 @@ def test_rates_of_the_model_are_the_complex_step_of_its_values(model, parameter)
     for name in NAMES:
         value = np.imag(getattr(stepped, name)) / step
         np.testing.assert_allclose(
-            scattered(*nominal.rates(name, {parameter: 0}).by(0), value.size).reshape(value.shape),
+            scattered(*rates_at(nominal, name, {parameter: 0}).by(0), value.size).reshape(value.shape),
             value,
             rtol=0,
             atol=1e-12 * np.abs(value).max(),

@@ -45,10 +45,10 @@ def test_a_run_in_the_memory_of_another_one_has_its_very_states(model):
     first, other = pair(model)
     short = first.scene.solver.model_copy(update={"end_time": 5 * first.scene.solver.step})
     simulate(first, short)
-    taken, fresh = taken_memory(other), prepare(other.scene, list(other.design.names))
+    taken, fresh = taken_memory(other, True), prepare(other.scene, list(other.design.names))
     other.give_back(Memory, taken)
     found, wanted = simulate(other, short), simulate(fresh, short)
-    assert taken_memory(other) is taken  # of the first run, and of the second
+    assert taken_memory(other, True) is taken  # of the first run, and of the second
     for name in STATES:
         assert np.array_equal(getattr(found, name), getattr(wanted, name)), name
 
@@ -57,7 +57,7 @@ def test_a_run_in_the_memory_of_another_one_has_its_very_states(model):
 def test_memory_that_is_taken_over_holds_what_new_memory_does(model):
     system, other = pair(model)
     simulate(system, RunOptions(**{**dict(system.scene.solver), "end_time": 2 * system.scene.solver.step}))
-    taken = taken_memory(other)
+    taken = taken_memory(other, True)
     new = allocate_memory(other.plan, other.lu_plan, other.weights, other.dtype)
     for found, wanted in zip(arrays(taken._replace(work=())), arrays(new._replace(work=())), strict=True):
         assert np.array_equal(found, wanted)
@@ -66,7 +66,7 @@ def test_memory_that_is_taken_over_holds_what_new_memory_does(model):
 def test_two_runs_at_once_have_memory_of_their_own():
     system, _ = pair("morphing_wing")
     simulate(system, progress=lambda done, total: simulate(system) and None)
-    one, other = taken_memory(system), taken_memory(system)
+    one, other = taken_memory(system, True), taken_memory(system, True)
     assert one is not other
 
 

@@ -46,19 +46,24 @@ def chain_strains(row: np.ndarray, column: np.ndarray, stiffness: np.ndarray, n_
     between = between[:-1]
     node = PER_NODE * np.arange(count)[:, None] + np.arange(PER_NODE)
     bend = between[:, 2, 2] / 2
-    if not np.all(np.real(bend) > 0):
+    if not _bends(bend, between):
         return no_strains()
     free = _factors(np.column_stack([node[:-1], node[1:]]), bend, -between)
     left = own - _on_nodes(free, count)
     end = 0 if np.abs(left[0]).max() > np.abs(left[-1]).max() else count - 1
     bend = left[[end], 2, 2] / 4
-    if not np.all(np.real(bend) > 0):
+    if not _bends(bend, left[[end]]):
         return no_strains()
     held = _factors(np.column_stack([np.zeros_like(node[:1]), node[[end]]]), bend, left[[end]])
     held.value[:, :PER_NODE] = 0
     found = Strains(*(np.concatenate(pair) for pair in zip(free, held, strict=True)))
     same = _same(own, _on_nodes(found, count), own, own) and _same(between, _between(free), own[:-1], own[1:])
     return found if same else no_strains()
+
+
+def _bends(bend: np.ndarray, block: np.ndarray) -> bool:
+    """Whether every element can be one of a beam: rotations have a stiffness, and displacements a share in it."""
+    return bool(np.all(np.real(bend) > 0) and np.all(np.any(np.real(block[:, :2, 2]) != 0, axis=1)))
 
 
 def _factors(column: np.ndarray, bend: np.ndarray, block: np.ndarray) -> Strains:

@@ -92,17 +92,18 @@ class Inputs(NamedTuple):
 
 
 def allocate_terms(plan: Plan, dtype: type) -> Terms:
-    """Memory for the result, with two columns of derivatives by the design at least, see `of_variables`."""
+    """Memory for the result, with two rows and columns of derivatives by the design at least, see `of_variables`."""
     vectors: list[Any] = [np.zeros(plan.n, dtype) for _ in range(2)]
     entries: Any = np.zeros((4, len(plan.indices)), dtype)  # in one piece, of which a processor keeps track in larger pages
-    columns = max(plan.n_x, 2)  # a single one lies in both orders: another type, for which everything is compiled anew
-    by_design: Any = [np.zeros((plan.n, columns), dtype, order="F") for _ in range(2)]  # a variable touches neighbouring rows
+    # one row or column lies in both orders: another type, for which everything is compiled anew
+    shape = max(plan.n, 2), max(plan.n_x, 2)
+    by_design: Any = [np.zeros(shape, dtype, order="F") for _ in range(2)]  # a variable touches neighbouring rows
     return Terms(*vectors, *entries, *by_design)
 
 
 def of_variables(plan: Plan, terms: Terms) -> Terms:
-    """The terms without the columns of memory that belong to no design variable."""
-    return terms._replace(I_x=terms.I_x[:, : plan.n_x], A_x=terms.A_x[:, : plan.n_x])
+    """The terms without the rows and columns of memory that belong to no unknown and no design variable."""
+    return terms._replace(I_x=terms.I_x[: plan.n, : plan.n_x], A_x=terms.A_x[: plan.n, : plan.n_x])
 
 
 def allocate_work(plan: Plan, dtype: type) -> Work:

@@ -24,7 +24,7 @@ class EvaluationMemory(threading.local):
     def __init__(self, plan: Plan) -> None:
         self._plan, self._terms = plan, allocate_terms(plan, float)
         self._state = np.zeros((3, plan.n))
-        self._touched = plan.touched_variable * plan.n + plan.touched_row
+        self._touched = plan.touched_variable * len(self._terms.I_x) + plan.touched_row
         self.terms: Any = in_memory(self._terms)
         self.work: Any = in_memory(allocate_work(plan, float))
         self.formula: Callable[..., Any] | None = None
