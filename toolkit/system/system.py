@@ -23,6 +23,7 @@ from toolkit.description.description import holds_complex
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
+from toolkit.foundation.compiled.packed import Packed
 from toolkit.foundation.kernel import plain
 from toolkit.foundation.near_ties import first_largest
 from toolkit.linear.sparse_analysis import LUPlan, analyse
@@ -201,8 +202,8 @@ class System:
 
     @property
     def _keeps_memory(self) -> bool:
-        """Whether runs are so short that new memory takes long beside them."""
-        return self.compiled and self.n <= FEW
+        """Whether runs are so short that new memory takes long beside them; not where numba is switched off."""
+        return self.compiled and self.n <= FEW and isinstance(self._handed.of(self.plan), Packed)
 
     def times(self, values: np.ndarray, block: np.ndarray, first: int = 0) -> np.ndarray:
         """Rows from the `first` on of the product of a matrix, by its values on the common pattern, with a block (n, k)."""
