@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from rich.console import Console
 
 from toolkit.command_line.printed.printing import WIDE, finite_or_none, table
@@ -53,6 +53,6 @@ def print_deformations(solution: Solution, found: Deformations) -> None:
     )
     for body, each in found.items():
         numbers = each and (each.rotation, each.displacement, each.error, each.relative, each.error / each.size)
-        words = ["-" if np.isnan(number) else f"{number:.3g}" for number in numbers] if numbers else ["not available"] * 5
+        words = ["-" if isnan(number) else f"{number:.3g}" for number in numbers] if numbers else ["not available"] * 5
         rows.add_row(body, *words)
     Console(width=WIDE, highlight=False).print(rows)
