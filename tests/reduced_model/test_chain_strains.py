@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from tests.models.scenes import MODELS
 from toolkit.bodies.chain_strains import PER_NODE, Strains, chain_strains
+from toolkit.compilation.arrays.strain_arrays import factored_bodies
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load
 
@@ -104,3 +108,26 @@ def other_bodies() -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("what", other_bodies())
 def test_other_bodies_have_no_factors(what):
     assert len(strains_of(other_bodies()[what]).weight) == 0
+
+
+def test_springs_as_soft_as_the_round_off_of_long_chains_are_no_part_of_the_factors():
+    """One of 1e-13 of an element's stiffness is 2e-4 of that of a cantilever of a thousand."""
+    chain = cantilever(np.column_stack([np.arange(6.0), np.zeros(6)]))[PER_NODE:, PER_NODE:]
+    assert len(strains_of(chain).weight) > 0
+    chain[-2, -2] += 1e-13 * chain[4, 4]
+    assert len(strains_of(chain).weight) == 0
+
+
+def test_a_body_whose_derivative_is_no_chain_keeps_its_entries():
+    """A spring at the tip that is zero at this design."""
+    chain = cantilever(np.column_stack([np.arange(6.0), np.zeros(6)]))[PER_NODE:, PER_NODE:].astype(complex)
+    chain[-2, -2] += 1j * STEP
+    rate = strains_of(chain)
+    assert len(rate.weight) == 0
+    known = strains_of(chain.real)
+
+    def of(*bodies: Strains) -> Any:
+        return SimpleNamespace(constant={b: SimpleNamespace(strains=strains) for b, strains in enumerate(bodies)})
+
+    assert factored_bodies(of(known, known), [of(known, known)]) == {0, 1}
+    assert factored_bodies(of(known, known), [of(known, rate)]) == {0}

@@ -10,7 +10,7 @@ import numpy as np
 from toolkit.bodies.body import ConstantNumbers
 from toolkit.bodies.kernels.constant_kernel import Changes, Constant
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
-from toolkit.compilation.arrays.strain_arrays import strain_arrays
+from toolkit.compilation.arrays.strain_arrays import factored_bodies, strain_arrays
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.common_pattern import square_size
@@ -44,11 +44,12 @@ def constant_part(
     places = _places(parts, rows, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
     row, column, first_entry = places["row"], places["column"], places["segment_start"]
     mass, damping, stiffness = map(joined, ("mass", "damping", "stiffness"))
-    factored = np.repeat([len(part.strains.weight) > 0 for part in parts], counts)
+    bodies = factored_bodies(values, derivatives)
+    factored = np.repeat([b in bodies for b in values.constant], counts)
     on_pattern = partial(_on_pattern, pattern, places["position"])
     change = partial(_changes_of, numbering.runs, derivatives, first_entry, row, column)
     force_row, force_variable, design_force = _changes_of_forces(numbering, derivatives)
-    strains, design_strains = strain_arrays(numbering, values, derivatives, dtype)
+    strains, design_strains = strain_arrays(numbering, bodies, values, derivatives, dtype)
     return Constant(
         **places,
         segment_damped=(np.bincount(body, (mass != 0) | (damping != 0), len(counts)) > 0).astype(np.int64),
@@ -68,7 +69,7 @@ def constant_part(
         design_mass=change("mass"),
         design_damping=change("damping"),
         design_stiffness=change("stiffness"),
-        design_loose=change("stiffness", [b for b, part in values.constant.items() if not len(part.strains.weight)]),
+        design_loose=change("stiffness", [b for b in values.constant if b not in bodies]),
         force_row=force_row,
         force_variable=force_variable,
         design_force=design_force,

@@ -11,14 +11,21 @@ from toolkit.compilation.quantities import Quantities
 from toolkit.linear.factored_matrix import Factored, FactoredChanges
 
 
+def factored_bodies(values: Quantities, derivatives: list[Quantities]) -> set[int]:
+    """Numbers of bodies whose stiffness has factors, and whose derivatives have them too: others keep their entries in both."""
+    rows = {b: len(part.strains.weight) for b, part in values.constant.items()}
+    rates = [(b, len(part.strains.weight)) for derivative in derivatives for b, part in derivative.constant.items()]
+    return {b for b, count in rows.items() if count} - {b for b, count in rates if count != rows[b]}
+
+
 def strain_arrays(
-    numbering: Numbering, values: Quantities, derivatives: list[Quantities], dtype: type
+    numbering: Numbering, bodies: set[int], values: Quantities, derivatives: list[Quantities], dtype: type
 ) -> tuple[Factored, FactoredChanges]:
-    """Those of all bodies, one after the other."""
+    """Those of some bodies, one after the other."""
     first: list[int] = list(numbering.first.values())
     edges: dict[int, int] = {}
     every, count = [no_strains()], 0
-    for b, part in values.constant.items():
+    for b, part in ((b, part) for b, part in values.constant.items() if b in bodies):
         every.append(part.strains._replace(column=first[b] + part.strains.column))
         edges[b], count = count, count + len(part.strains.weight)
     column, value, weight = (np.concatenate(each) for each in zip(*every, strict=True))
@@ -26,6 +33,7 @@ def strain_arrays(
         (x, edges[b], part.strains, np.flatnonzero(_changes(part.strains)))
         for x, derivative in enumerate(derivatives)
         for b, part in derivative.constant.items()
+        if b in bodies
     ]
     wide, none = value.shape[1], no_strains()
     change = FactoredChanges(

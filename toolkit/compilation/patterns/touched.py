@@ -40,8 +40,9 @@ def _causes(
 ) -> Iterator[np.ndarray]:
     """What `touched` looks at and numbers of a scene can change."""
     yield from (constant.force_row, constant.force_variable)
-    for change in (constant.design_mass, constant.design_damping, constant.design_stiffness):
+    for change in (constant.design_mass, constant.design_damping, constant.design_loose, constant.design_strains):
         yield from (change.row, change.variable)
+    yield from (constant.strains.column, constant.strains.value != 0)
     yield from (floating.block_body, floating.block_variable, floating.gravity_variable)
     yield from (markers.design_start, markers.design_variable)
     yield from (joints.of, joints.design, loads.design_start, loads.design_variable)
