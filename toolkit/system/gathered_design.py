@@ -37,7 +37,7 @@ def gathered_design(plan: Plan) -> GatheredDesign:
     gathered = GatheredPlan(*changes, *met, *np.nonzero(own[plan.joints.marker]))
     none = Changes(*(np.zeros(size, each.dtype) for size, each in zip((0, 0, 1, 0, 0), changes[0], strict=True)))
     rest: dict[str, Any] = {
-        "constant": constant._replace(design_mass=none, design_damping=none, design_stiffness=none, design_loose=none),
+        "constant": constant._replace(design_mass=none, design_damping=none, design_loose=none),
         "markers": _without(markers, own) if isinstance(markers, Markers) else markers,
         "joints": plan.joints._replace(of=_designed(plan, own)),
     }
