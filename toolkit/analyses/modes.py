@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import LinAlgError, eig, eigh
+import scipy
 
 from toolkit.analyses.modes_found import Modes
 from toolkit.analyses.spinning import spinning_modes
@@ -74,13 +74,13 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
 def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:
     if is_symmetric(stiffness, terms):
         try:
-            return eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
-        except LinAlgError as error:
+            return scipy.linalg.eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
+        except scipy.linalg.LinAlgError as error:
             raise SingularSystemError(
                 f"the mass matrix is not positive definite ({error}), so there are no modes. Give every body a mass that its stiffness "
                 "does not dwarf beyond round-off."
             ) from error
-    squares, vectors = eig(stiffness, mass)
+    squares, vectors = scipy.linalg.eig(stiffness, mass)
     if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max():
         raise SingularSystemError(
             "following forces make the motion flutter: the squares of some frequencies are complex. "

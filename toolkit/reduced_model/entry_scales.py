@@ -14,10 +14,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array, issparse
 
 from toolkit.reduced_model.model import Invariants
 from toolkit.reduced_model.spatial_model import SpatialInvariants
+from toolkit.reduced_model.thin_arrays import is_sparse, sparing
 
 
 class EntryScale(NamedTuple):
@@ -77,7 +77,10 @@ def _of_squares(matrix: Any) -> EntryScale:
 def _of_rows(array: Any) -> EntryScale:
     """Largest entry of each column times the largest entry of each row in parts of that of its column."""
     width = array.shape[-1]
-    rows = csr_array(array if issparse(array) else array.reshape(-1, width))
+    rows = array.tocsr() if is_sparse(array) else sparing(array)
+    if not is_sparse(rows):
+        sizes = np.abs(rows)
+        return EntryScale(_part(sizes, sizes.max(axis=0, initial=0.0)).max(axis=1, initial=0.0), sizes.max(axis=0, initial=0.0))
     size, column = np.abs(rows.data), rows.indices
     largest = np.zeros(width)
     np.maximum.at(largest, column, size)

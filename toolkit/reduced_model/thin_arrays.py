@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, issparse
+import scipy
 
 LARGE = 1_000_000
 """Numbers of an array that is worth the search for those that are not zero."""
@@ -21,12 +21,17 @@ def is_thin(array: np.ndarray, large: int | None = None) -> bool:
 def sparing(array: np.ndarray, large: int | None = None) -> Any:
     """An array as a matrix with all axes but the last one in one; sparse if it is thin."""
     rows = array.reshape(-1, array.shape[-1])
-    return csr_array(rows) if is_thin(array, large) else rows
+    return scipy.sparse.csr_array(rows) if is_thin(array, large) else rows
+
+
+def is_sparse(array: Any) -> bool:
+    """Whether it is one of SciPy's sparse arrays; those take a tenth of a second to import, which nobody pays who has none."""
+    return hasattr(array, "tocsr")
 
 
 def listed(array: Any) -> tuple[np.ndarray, np.ndarray]:
     """Places in the flattened array in their order, and values: of a sparse array those that it has, of others all."""
-    if not issparse(array):
+    if not is_sparse(array):
         return np.arange(np.size(array)), np.ravel(array)
     every = array.tocsr().tocoo()
     entry = np.ravel_multi_index(every.coords, every.shape)

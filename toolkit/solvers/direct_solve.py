@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csc_array, diags_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from toolkit.compilation.frame_hints import hint_of_floating, hint_of_grounded
 from toolkit.foundation.errors import SingularSystemError
@@ -45,9 +44,9 @@ def _sparse(system: System, values: np.ndarray, block: np.ndarray) -> np.ndarray
     if system.n < MANY or not system.compiled:
         return None
     rows, columns = _scales(system, np.abs(values))
-    matrix = csc_array(diags_array(rows) @ system.matrix(values) @ diags_array(columns))
+    matrix = scipy.sparse.csc_array(scipy.sparse.diags_array(rows) @ system.matrix(values) @ scipy.sparse.diags_array(columns))
     try:
-        factors = splu(matrix, options={"Equil": False})
+        factors = scipy.sparse.linalg.splu(matrix, options={"Equil": False})
     except RuntimeError:  # exactly singular
         return None
     if not np.abs(factors.U.diagonal()).min() > DENSE_TOLERANCE:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import null_space
-from scipy.sparse import csr_array
+import scipy
 
 from toolkit.system.system import System
 
@@ -33,7 +32,11 @@ def free_motions(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Basis of the motions that the joints allow, (n_q, n_free), in coordinates scaled to comparable size."""
     if not len(phi_q):
         return np.diag(1 / weights)
-    return null_space(phi_q / weights).reshape(len(weights), -1) / weights[:, None]
+    scaled = phi_q / weights
+    _, sizes, rows = np.linalg.svd(scaled)
+    rank = np.count_nonzero(sizes > np.finfo(float).eps * max(scaled.shape) * sizes.max(initial=0))
+    free: np.ndarray = rows[rank:].T / weights[:, None]
+    return free
 
 
 def felt_state(system: System, stiffness: np.ndarray) -> str:
@@ -46,6 +49,6 @@ def felt_state(system: System, stiffness: np.ndarray) -> str:
     return system.numbering.names[n_b + felt[0]] if len(felt) else ""
 
 
-def is_symmetric(stiffness: np.ndarray | csr_array, terms: float = 0.0) -> bool:
+def is_symmetric(stiffness: np.ndarray | scipy.sparse.csr_array, terms: float = 0.0) -> bool:
     """Whether a stiffness is symmetric but for round-off; `terms` is the largest of what its entries are sums of."""
     return bool(abs(stiffness - stiffness.T).max() <= UNSYMMETRIC * abs(stiffness).max() + 10 * ROUND_OFF * terms)

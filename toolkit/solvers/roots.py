@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import eig
+import scipy
 
 from toolkit.solvers.free_motions import ROUND_OFF
 
@@ -21,7 +21,7 @@ def all_roots(K: np.ndarray, C: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, 
     unit = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0
     one, none = np.eye(len(K)), np.zeros(K.shape)
     first = np.block([[none, one], [-K / unit**2, -C / unit]])
-    values, left, right = eig(first, np.block([[one, none], [none, M]]), left=True, right=True)
+    values, left, right = scipy.linalg.eig(first, np.block([[one, none], [none, M]]), left=True, right=True)
     finite = np.isfinite(values)
     return unit * values[finite], left[len(K) :, finite].conj(), right[: len(K), finite]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
 from toolkit.bodies.kernels.constant_kernel import Changes
 from toolkit.compilation.conversions import starts
@@ -21,7 +21,7 @@ class GatheredDesign(NamedTuple):
 
     plan: Plan
     gathered: GatheredPlan
-    moves: csr_array  # (n_x, 2 n_m + 2 n_columns) derivatives of points and shapes of markers by the variables
+    moves: scipy.sparse.csr_array  # (n_x, 2 n_m + 2 n_columns) derivatives of points and shapes of markers by the variables
 
     def gradient(self, sums: DesignSums) -> np.ndarray:
         """What the sums come to: a gradient (n_x, n_r)."""
@@ -76,7 +76,7 @@ def _without(markers: Markers, own: np.ndarray) -> Markers:
     )
 
 
-def _moves(plan: Plan, own: np.ndarray) -> csr_array:
+def _moves(plan: Plan, own: np.ndarray) -> scipy.sparse.csr_array:
     """See `GatheredDesign.moves`; of the markers that are gathered."""
     markers, counts = plan.markers, np.diff(plan.markers.design_start)
     d = np.flatnonzero(np.repeat(own, counts))
@@ -88,4 +88,6 @@ def _moves(plan: Plan, own: np.ndarray) -> csr_array:
     value = np.concatenate([markers.design_point[d, :2], markers.design_shape[row, :2]])
     place = 2 * np.concatenate([m, len(own) + column])[:, None] + np.arange(2)
     of = np.repeat(np.concatenate([variable, np.repeat(variable, sizes[m])]), 2)
-    return csr_array((value.ravel(), (of, place.ravel())), shape=(plan.n_x, 2 * (len(own) + len(markers.coordinate))))
+    return scipy.sparse.csr_array(
+        (value.ravel(), (of, place.ravel())), shape=(plan.n_x, 2 * (len(own) + len(markers.coordinate)))
+    )

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import null_space
+import scipy
 
 from toolkit.compilation.frame_hints import hint_of_grounded
 from toolkit.compilation.redundant_rows import Rows, independent_rows, null_vectors
@@ -75,7 +75,7 @@ def _refuse_variables_that_jam(system: System, q: np.ndarray, jacobian: np.ndarr
         return (by_q @ np.real(dq) + by_x)[n_q:], made_of[n_q:].max(axis=0, initial=0)
 
     size = change(1 / system.weights[:n_q])[1]
-    for motion in null_space(np.real(jacobian)[rows.kept]).T:
+    for motion in scipy.linalg.null_space(np.real(jacobian)[rows.kept]).T:
         jams = np.flatnonzero(np.abs(N.T @ change(motion)[0]).max(axis=0) > JAMS * size)
         if len(jams):
             raise NoDerivativeError(

@@ -8,8 +8,8 @@ from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
+import scipy
 from numba.core.registry import CPUDispatcher
-from scipy.sparse import csr_array
 
 from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.derivatives import derivatives
@@ -215,9 +215,15 @@ class System:
         found: np.ndarray = np.add.reduceat(terms, self.plan.indptr[first:-1] - begins, axis=0)
         return found
 
-    def matrix(self, values: np.ndarray) -> csr_array:
+    def matrix(self, values: np.ndarray) -> scipy.sparse.csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""
-        return csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
+        return scipy.sparse.csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
+
+    def diagonal(self, values: np.ndarray) -> np.ndarray:
+        """Its diagonal (n,)."""
+        found, (row, column) = np.zeros(self.n, values.dtype), np.divmod(self._places, self.n)
+        found[row[row == column]] = values[row == column]
+        return found
 
     def dense(self, values: np.ndarray) -> np.ndarray:
         """The same as an array (n, n)."""

@@ -20,8 +20,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from toolkit.foundation.mode_shapes import clusters, told_apart
 
@@ -110,4 +109,4 @@ def _modes(stiffness: np.ndarray, mass: np.ndarray, count: int) -> np.ndarray:
 
 def _solved(matrix: np.ndarray, sides: np.ndarray) -> Any:
     """matrix^-1 sides, both real or complex, of a matrix with a narrow band."""
-    return splu(csc_array(matrix)).solve(sides.astype(matrix.dtype))
+    return scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix)).solve(sides.astype(matrix.dtype))

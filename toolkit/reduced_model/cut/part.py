@@ -18,13 +18,13 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array, issparse
+import scipy
 
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope
 from toolkit.reduced_model.cut.chain import Place, nodes_of_part
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
-from toolkit.reduced_model.thin_arrays import sparing
+from toolkit.reduced_model.thin_arrays import is_sparse, sparing
 
 SHORT = 1e-3
 """Distance of the ends of a part in parts of its length, below which no chord leads from one to the other."""
@@ -192,9 +192,9 @@ def part_nodes(elements: Any, first: int, last: int) -> np.ndarray:
 def _between(shapes: Any, blocks: np.ndarray, places: np.ndarray) -> np.ndarray:
     """C^T A C with shapes C (n, ..), sparse ones too, and the sum A (n, n) of blocks (n_e, k, k) at places (n_e, k)."""
     where, size = (places[:, :, None], places[:, None, :]), (shapes.shape[0], shapes.shape[0])
-    if issparse(shapes):
+    if is_sparse(shapes):
         row, column = (each.ravel() for each in np.broadcast_arrays(*where))
-        found: np.ndarray = (shapes.T @ coo_array((blocks.ravel(), (row, column)), size).tocsr() @ shapes).toarray()
+        found: np.ndarray = (shapes.T @ scipy.sparse.coo_array((blocks.ravel(), (row, column)), size).tocsr() @ shapes).toarray()
         return found
     placed = np.zeros(size, blocks.dtype)
     np.add.at(placed, where, blocks)

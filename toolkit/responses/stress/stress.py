@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from scipy.sparse import coo_array
+import scipy
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import DEPENDENCE
@@ -126,7 +126,7 @@ def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]
     rates = design_rates(solution, body, "stress_operator")
     for x in np.unique(rates.parameter):
         entry, value = rates.by(x)
-        change = coo_array((value, np.unravel_index(entry, flat.shape)), flat.shape).tocsr()
+        change = scipy.sparse.coo_array((value, np.unravel_index(entry, flat.shape)), flat.shape).tocsr()
         derivative[:, :, x] += np.real(q @ change.T)
     slope = np.real(point_slope(components))
     return point_stress(components), np.einsum("tsc,tscx->tsx", slope, derivative.reshape(*components.shape, -1))

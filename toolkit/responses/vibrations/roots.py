@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eig
+import scipy
 
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.responses.vibrations.pencil import Pencil
@@ -63,7 +63,7 @@ def find_vibration(weights: np.ndarray, pencil: Pencil, number: int, slowness: C
 def softest_vibration(weights: np.ndarray, pencil: Pencil) -> Vibration:
     """The one whose frequency has the least square, of a pencil without damping: quicker by far than to look through all."""
     Z, reduced = free_pencil(weights, pencil)
-    squares, left, right = eig(reduced.stiffness, reduced.mass, left=True, right=True)
+    squares, left, right = scipy.linalg.eig(reduced.stiffness, reduced.mass, left=True, right=True)
     order = np.argsort(squares.real)
     k = order[0]
     s = complex(np.sqrt(-squares[k] + 0j))

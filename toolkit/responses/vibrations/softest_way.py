@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigvals
+import scipy
 
 from toolkit.description.run_options import RunOptions
 from toolkit.responses.response import Partials
@@ -61,7 +61,7 @@ class Way(NamedTuple):
         there = _beside(self.solution, self.state(factor))
         pencil = _undamped(pencil_of(there, inputs_at(self.solution.system, self.options, factor)))
         matrices = free_pencil(self._weights, pencil)[1]
-        return float(np.min(eigvals(matrices.stiffness, matrices.mass).real))
+        return float(np.min(scipy.linalg.eigvals(matrices.stiffness, matrices.mass).real))
 
     def slope(self, factor: float) -> float:
         """Derivative of the least frequency along the path."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
 from toolkit.analyses.run_start import run_levels, run_motion
 from toolkit.description.run_options import RunOptions
@@ -162,5 +162,7 @@ def _stacked(system: System, piece: slice, found: Sequence[Partials], *names: st
 def transposition(system: System) -> np.ndarray:
     """Place of the transposed entry of every entry of the pattern, which is symmetric: (n_entries,)."""
     columns, starts = system.plan.indices, system.plan.indptr
-    places: np.ndarray = csr_array((np.arange(len(columns)), columns, starts), shape=(system.n, system.n)).tocsc().data
+    places: np.ndarray = (
+        scipy.sparse.csr_array((np.arange(len(columns)), columns, starts), shape=(system.n, system.n)).tocsc().data
+    )
     return places

@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag, expm
+import scipy
 
 from toolkit.bodies.body import QUATERNION, Body
 from toolkit.kinematics.spatial import skew
@@ -40,7 +40,7 @@ class Generator(NamedTuple):
     def turned(self, q: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates after a time, and the matrix that turns their changes and their forces, (n_q, n_q)."""
         n_q = len(q)
-        whole = expm(time * np.block([[self.matrix, self.offset[:, None]], [np.zeros((1, n_q + 1))]]))
+        whole = scipy.linalg.expm(time * np.block([[self.matrix, self.offset[:, None]], [np.zeros((1, n_q + 1))]]))
         return whole[:n_q, :n_q] @ q + whole[:n_q, n_q], whole[:n_q, :n_q]
 
 
@@ -51,12 +51,12 @@ def generator(system: System, omega: np.ndarray, centre: np.ndarray) -> Generato
         size = _size(system, name)
         matrix, offset = _of_frame(system.scene.body(name), omega, centre)
         kept = size - len(offset)
-        blocks.append(block_diag(matrix, np.zeros((kept, kept))) if size else np.zeros((0, 0)))
+        blocks.append(scipy.linalg.block_diag(matrix, np.zeros((kept, kept))) if size else np.zeros((0, 0)))
         offsets.append(np.append(offset, np.zeros(kept)))
     states = np.zeros(len(system.numbering.states))  # of loads, which stay what they are
     blocks.append(np.diag(states))
     offsets.append(states)
-    return Generator(block_diag(*blocks), np.concatenate(offsets))
+    return Generator(scipy.linalg.block_diag(*blocks), np.concatenate(offsets))
 
 
 def angular_velocity(system: System, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -90,9 +90,11 @@ def _of_frame(body: Body, omega: np.ndarray, centre: np.ndarray) -> tuple[np.nda
     moving = across[: body.moves, : body.moves]
     offset = -(across @ centre)[: body.moves]
     if body.turns == QUATERNION:
-        return block_diag(moving, left_product(np.append(0 * omega[:1], omega)) / 2), np.append(offset, np.zeros(QUATERNION))
+        return scipy.linalg.block_diag(moving, left_product(np.append(0 * omega[:1], omega)) / 2), np.append(
+            offset, np.zeros(QUATERNION)
+        )
     rate = [axis_of_turning(body) @ omega] if body.turns else []
-    return block_diag(moving, np.zeros((body.turns, body.turns))), np.append(offset, rate)
+    return scipy.linalg.block_diag(moving, np.zeros((body.turns, body.turns))), np.append(offset, rate)
 
 
 def left_product(quaternion: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import eigvalsh
+import scipy
 
 from toolkit.compilation.frame_hints import hint_of_floating
 from toolkit.description.run_options import RunOptions
@@ -90,7 +90,7 @@ def _shift(system: System, terms) -> float:
         raise ConvergenceError(
             "the stiffness of the given positions is not finite. Look for a number that is orders of magnitude off."
         )
-    lowest = eigvalsh((stiffness + stiffness.T) / 2, subset_by_index=[0, 0])[0]
+    lowest = scipy.linalg.eigvalsh((stiffness + stiffness.T) / 2, subset_by_index=[0, 0])[0]
     pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_b]).max() / LONGEST
     if lowest > ROUND_OFF * max(np.abs(stiffness).max(), pull):
         return 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import eigh
+import scipy
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
@@ -49,5 +49,5 @@ def loose_motions(system: System, options: RunOptions) -> np.ndarray:
     stiffness = free.T @ matrix[:n_b, :n_b] @ free
     if not free.shape[1] or not np.all(np.isfinite(stiffness)):
         return free[:, :0]
-    values, vectors = eigh((stiffness + stiffness.T) / 2)
+    values, vectors = scipy.linalg.eigh((stiffness + stiffness.T) / 2)
     return free @ vectors[:, np.abs(values) <= SLACK * np.abs(matrix[:n_b, :n_b]).max(initial=0)]

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import block_array, csc_array, diags_array, eye_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from toolkit.equations.equations import Terms
 from toolkit.linear.linear_solver import TRUSTED_REFINEMENT
@@ -25,20 +24,22 @@ def balancing_forces(system: System, terms: Terms) -> np.ndarray:
     n_q, weights = system.n_q, system.weights[: system.n_q]
     wanted = -(terms.inertial + terms.applied)[:n_q] / weights
     if system.n >= MANY and not len(system.plan.dropped):
-        ties = csc_array(diags_array(1 / weights) @ system.matrix(terms.I_acc)[:n_q, n_q:])
+        ties = scipy.sparse.csc_array(scipy.sparse.diags_array(1 / weights) @ system.matrix(terms.I_acc)[:n_q, n_q:])
         if (found := _least_squares(ties, wanted)) is not None:
             return found
     forces: np.ndarray = np.linalg.lstsq(system.dense(terms.I_acc)[:n_q, n_q:] / weights[:, None], wanted)[0]
     return forces
 
 
-def _least_squares(ties: csc_array, wanted: np.ndarray) -> np.ndarray | None:
+def _least_squares(ties: scipy.sparse.csc_array, wanted: np.ndarray) -> np.ndarray | None:
     """G^+ b from [r 1, G; G^T, 0], refined once; None where the columns of G depend on each other."""
     rows, columns = ties.shape
-    matrix = csc_array(block_array([[largest_entry(ties) * eye_array(rows), ties], [ties.T, None]]))
+    matrix = scipy.sparse.csc_array(
+        scipy.sparse.block_array([[largest_entry(ties) * scipy.sparse.eye_array(rows), ties], [ties.T, None]])
+    )
     given = np.append(wanted, np.zeros(columns))
     try:
-        factors = splu(matrix)
+        factors = scipy.sparse.linalg.splu(matrix)
     except RuntimeError:  # exactly singular
         return None
     found = factors.solve(given)

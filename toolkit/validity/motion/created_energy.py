@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.sparse import coo_array
 
 from toolkit.compilation.quantities import named_loads
 from toolkit.foundation.spread import spread
@@ -64,9 +63,7 @@ def _part(energy: float, largest: float) -> float:
 
 def _surplus(solution: Solution, balance: EnergyBalance) -> np.ndarray:
     """E minus its start, (n_t,)."""
-    constant, shape = solution.system.plan.constant, (solution.system.n_q, solution.system.n_q)
-    force = solution.v @ coo_array((constant.damping, (constant.row, constant.column)), shape=shape).T.tocsr()
-    taken = np.sum(solution.v * force, axis=1)
+    taken = balance.damped
     return balance.defect - np.append(0, np.cumsum(np.diff(solution.times) * (taken[1:] + taken[:-1]) / 2))
 
 
@@ -105,5 +102,5 @@ def unresolved_energy(solution: Solution) -> float:
     terms = system.evaluate(system.inputs(solution.times[0], np.array([0, 0, 1.0])), q, v, acc)
     open_q = system.scene.solver.tolerance / system.weights[:n_q]
     open_v = open_q / (solution.times[1] - solution.times[0])
-    mass, stiffness = (np.abs(system.matrix(each).diagonal()[:n_q]) for each in (terms.I_acc, terms.A_q))
+    mass, stiffness = (np.abs(system.diagonal(each)[:n_q]) for each in (terms.I_acc, terms.A_q))
     return float(np.real(mass @ open_v**2 + stiffness @ open_q**2) / 2)

@@ -10,7 +10,7 @@ the centre of mass c of a body, in its frame's axes, a turn meets
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
+import scipy
 
 from toolkit.bodies.body import QUATERNION
 from toolkit.kinematics.spatial import partials_of_quaternion
@@ -18,7 +18,7 @@ from toolkit.system.flexible_bodies import deforming
 from toolkit.system.system import System
 
 
-def dead_inertia(system: System, q: np.ndarray, residual: np.ndarray) -> coo_array | None:
+def dead_inertia(system: System, q: np.ndarray, residual: np.ndarray) -> scipy.sparse.coo_array | None:
     """Matrix (n, n) of all flexible bodies with a frame that moves and turns; of rigid ones the origin is the centre of mass. None if there
     are no such bodies.
 
@@ -43,7 +43,7 @@ def dead_inertia(system: System, q: np.ndarray, residual: np.ndarray) -> coo_arr
     if not values:
         return None
     places = np.concatenate(rows), np.concatenate(columns)
-    return coo_array((np.concatenate(values), places), shape=(system.n, system.n))
+    return scipy.sparse.coo_array((np.concatenate(values), places), shape=(system.n, system.n))
 
 
 def stiffness_of_turns(force: np.ndarray, centre: np.ndarray, axes: np.ndarray, turns: int) -> np.ndarray:

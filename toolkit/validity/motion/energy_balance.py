@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
 
 from toolkit.equations.equations import Inputs, Plan, allocate_terms, allocate_work
 from toolkit.foundation.kernel import kernel
@@ -18,6 +17,7 @@ class EnergyBalance(NamedTuple):
     kinetic: np.ndarray
     strain: np.ndarray
     work: np.ndarray
+    damped: np.ndarray  # power v . D v that the damping of flexible bodies takes
 
     @property
     def defect(self) -> np.ndarray:
@@ -34,11 +34,12 @@ class EnergyBalance(NamedTuple):
 
 @kernel
 def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, lam, out, acc, terms, work):
-    """T and P = -v . (A - K q) + v . M' v / 2 - v . phi_q^T lam at all times: out (n_t, 2); K q is left to the caller.
+    """T, P = -v . (A - K q) + v . M' v / 2 - v . phi_q^T lam, q . K q / 2 and v . D v at all times: out (n_t, 4).
 
-    A is the applied group of the residual; at the acceleration v the inertial group is M v, and its derivative by q along v is M' v.
+    K and D are those of flexible bodies. A is the applied group of the residual; at the acceleration v the inertial group is M v, and its
+    derivative by q along v is M' v.
     """
-    n_q = plan.n_q
+    n_q, constant = plan.n_q, plan.constant
     for n in range(len(q)):
         inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia, False)
         for i in range(plan.n):
@@ -54,6 +55,11 @@ def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, 
         evaluator(plan, functions, inputs, q[n], v[n], acc, False, False, terms, work)
         for i in range(n_q):
             out[n, 1] -= v[n, i] * (terms.applied[i] + terms.inertial[i])
+        for e in range(len(constant.row)):
+            i, j = constant.row[e], constant.column[e]
+            out[n, 1] += v[n, i] * constant.stiffness[e] * q[n, j]
+            out[n, 2] += q[n, i] * constant.stiffness[e] * q[n, j] / 2
+            out[n, 3] += v[n, i] * constant.damping[e] * v[n, j]
 
 
 def _driven(plan: Plan) -> np.ndarray:
@@ -78,15 +84,12 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     q[:, : system.n_q], v[:, : system.n_q], lam[:, system.n_q :] = solution.q, velocity, solution.multipliers
     v[:, system.numbering.states] = 0  # integrals, which do no work
     lam[:, ~_driven(plan)] = 0  # other joints do no work: what they do while they drift is the scheme's doing
-    out: np.ndarray = np.zeros((n_t, 2), system.dtype)
+    out: np.ndarray = np.zeros((n_t, 4), system.dtype)
     curves, curves_x = system.curves(solution.times)
     system.run(
         powers, system.evaluator, plan, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
         out, np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), allocate_work(plan, system.dtype),
     )  # fmt: skip
-    constant = plan.constant
-    shape = (system.n_q, system.n_q)
-    force = solution.q @ coo_array((constant.stiffness, (constant.row, constant.column)), shape=shape).T.tocsr()
-    power = out[:, 1] + np.sum(velocity * force, axis=1)
+    kinetic, power, strain, damped = out.T
     gained = np.diff(solution.times) * (power[1:] + power[:-1]) / 2
-    return EnergyBalance(out[:, 0], np.sum(solution.q * force, axis=1) / 2, np.append(0, np.cumsum(gained)))
+    return EnergyBalance(kinetic, strain, np.append(0, np.cumsum(gained)), damped)

@@ -9,7 +9,7 @@ from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.verdict import Caution
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.static.stability.critical_state import has_negative_stiffness, softest_motion
-from toolkit.solvers.static.stability.saddle import balance, factorised, free_count
+from toolkit.solvers.static.stability.saddle import balance, balanced, factorised, free_count
 from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, scaled_by, static_array
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.balancing_forces import balancing_forces
@@ -74,17 +74,21 @@ def _begins_at_rest(solution: Solution) -> bool:
     n_b, weights = system.n_b, system.weights[: system.n_b]
     if (weights * np.abs(solution.v[0, :n_b])).max() * (solution.times[-1] - solution.times[0]) > SLOW:
         return False
-    residual, matrix, _ = _static(solution, 0.0)
+    residual, matrix, forces = _static(solution, 0.0)
     scale = balance(system, matrix)
     largest = largest_entry(scaled_by(matrix, scale)[:n_b, :n_b])
     if not softest_motion(system, matrix)[0] > NONE * largest:  # first, as it takes sparse factors alone
         return False
-    try:
-        saddle = factorised(system, matrix, scale)
-    except SingularSystemError:
+    if has_negative_stiffness(system, matrix, forces):
         return False
-    away = (weights * np.abs(saddle.solve(residual)[:n_b])).max()
-    return bool(saddle.negative == 0 and away <= NEAR)
+    try:
+        if isinstance(matrix, np.ndarray):
+            way = scale * np.linalg.solve(balanced(system, matrix, scale), scale * residual)
+        else:
+            way = factorised(system, matrix, scale).solve(residual)
+    except (SingularSystemError, np.linalg.LinAlgError):
+        return False
+    return bool((weights * np.abs(way[:n_b])).max() <= NEAR)
 
 
 def _inputs(solution: Solution, places: list[float]) -> list[Inputs]:

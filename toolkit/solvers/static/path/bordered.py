@@ -6,9 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import lapack
-from scipy.sparse import block_array, csc_array
-from scipy.sparse.linalg import SuperLU, splu
+import scipy
 
 from toolkit.solvers.static.stability.static_array import StaticArray
 
@@ -34,7 +32,7 @@ class Bordered:
 
     def _by_dense_factors(self, rhs: np.ndarray) -> np.ndarray | None:
         factors, pivots, info = self._dense_factors
-        return None if info else lapack.dgetrs(factors, pivots, rhs, trans=1)[0]
+        return None if info else scipy.linalg.lapack.dgetrs(factors, pivots, rhs, trans=1)[0]
 
     @cached_property
     def _dense_factors(self) -> tuple[np.ndarray, np.ndarray, int]:
@@ -42,14 +40,14 @@ class Bordered:
         n = len(self.column)
         full = np.empty((n + 1, n + 1))
         full[:n, :n], full[:n, n], full[n, :n], full[n, n] = self.matrix, self.column, self.row, self.corner
-        factors, pivots, info = lapack.dgetrf(full.T, overwrite_a=1)
+        factors, pivots, info = scipy.linalg.lapack.dgetrf(full.T, overwrite_a=1)
         return factors, pivots, info
 
     @cached_property
-    def _sparse_factors(self) -> SuperLU | None:
+    def _sparse_factors(self) -> scipy.sparse.linalg.SuperLU | None:
         """Of A alone; None if it is exactly singular."""
         try:
-            return splu(csc_array(self.matrix))
+            return scipy.sparse.linalg.splu(scipy.sparse.csc_array(self.matrix))
         except RuntimeError:
             return None
 
@@ -74,9 +72,9 @@ class Bordered:
 
     def _by_sparse_factors(self, rhs: np.ndarray) -> np.ndarray | None:
         """Of the whole, which takes longer."""
-        whole = block_array([[self.matrix, self.column[:, None]], [self.row[None], np.array([[self.corner]])]])
+        whole = scipy.sparse.block_array([[self.matrix, self.column[:, None]], [self.row[None], np.array([[self.corner]])]])
         try:
-            found: np.ndarray = splu(csc_array(whole)).solve(rhs)
+            found: np.ndarray = scipy.sparse.linalg.splu(scipy.sparse.csc_array(whole)).solve(rhs)
         except RuntimeError:
             return None
         return found

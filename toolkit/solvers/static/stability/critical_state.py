@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
-from scipy.linalg import eigvals, eigvalsh
-from scipy.sparse import csc_array, diags_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import CriticalStateError, SingularSystemError
 from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, made_of
 from toolkit.solvers.static.equilibrium import Equilibrium, inputs_at
-from toolkit.solvers.static.stability.saddle import factorised
+from toolkit.solvers.static.stability.saddle import factorised, is_positive
 from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, static_array
 from toolkit.system.system import System
 
@@ -34,6 +34,8 @@ def is_stable(system: System, options: RunOptions, state: Equilibrium, factor: f
 
 def has_negative_stiffness(system: System, matrix: StaticArray, acc: np.ndarray) -> bool:
     """Whether the static matrix (n, n) at [a; lam] has a negative stiffness, by more than round-off, against a motion that joints allow."""
+    if isinstance(matrix, np.ndarray) and is_positive(system, matrix):
+        return False
     try:
         if factorised(system, matrix).negative == 0:
             return False
@@ -47,8 +49,8 @@ def has_negative_stiffness(system: System, matrix: StaticArray, acc: np.ndarray)
         return False
     stiffness, largest = free.T @ matrix[:n_b, :n_b] @ free, made_of(matrix[:n_b, :n_b], phi_q, forces, weights, free).max()
     if is_symmetric(stiffness, largest):
-        return bool(eigvalsh((stiffness + stiffness.T) / 2)[0] <= -ROUND_OFF * largest)
-    values = eigvals(stiffness)
+        return bool(scipy.linalg.eigvalsh((stiffness + stiffness.T) / 2)[0] <= -ROUND_OFF * largest)
+    values = scipy.linalg.eigvals(stiffness)
     real = values.real[np.abs(values.imag) <= 1e-9 * np.abs(values)]
     return bool(real.min(initial=0) <= -ROUND_OFF * largest)
 
@@ -102,24 +104,37 @@ def softest_motion(system: System, matrix: StaticArray) -> tuple[float, np.ndarr
 
     Then a shift that no digit of the motion feels makes it regular, unless joints repeat each other.
     """
-    matrix = csc_array(matrix)
     metric = np.where(np.arange(system.n) < system.n_b, system.weights**2, 0.0)
     motion = np.random.default_rng(0).normal(size=system.n) / system.weights
-    try:
-        factors, singular = splu(matrix), False
-    except RuntimeError:
+    solution, singular = _solution(matrix, metric), False
+    if solution is None:
         shift = SHIFT * np.abs(matrix.diagonal() / system.weights**2)[: system.n_b].max() * metric
-        try:
-            factors, singular = splu(csc_array(matrix + diags_array(shift))), True
-        except RuntimeError:
-            return 0.0, motion
+        is_dense = isinstance(matrix, np.ndarray)
+        solution, singular = _solution(matrix + (np.diag(shift) if is_dense else scipy.sparse.diags_array(shift)), metric), True
+    if solution is None:
+        return 0.0, motion
     value = 0.0
     for _ in range(ITERATIONS):
         motion = motion / np.sqrt(motion @ (metric * motion))
-        solved = factors.solve(metric * motion)
+        solved = solution(motion)
         value = 1.0 / (motion @ (metric * solved))
         motion = solved
     return (0.0 if singular else float(value)), motion
+
+
+def _solution(matrix: StaticArray, metric: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
+    """x -> A^-1 (metric x); None if A is singular to the last digit."""
+    if isinstance(matrix, np.ndarray):
+        try:
+            inverse = np.linalg.solve(matrix, np.diag(metric))
+        except np.linalg.LinAlgError:
+            return None
+        return lambda motion: inverse @ motion
+    try:
+        factors = scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix))
+    except RuntimeError:
+        return None
+    return lambda motion: factors.solve(metric * motion)
 
 
 def _matrix(system: System, options: RunOptions, q: np.ndarray, acc: np.ndarray, factor: float) -> StaticArray:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigvals, lapack, qr
-from scipy.sparse import csr_array, diags_array
+import scipy
 
 from toolkit.foundation.errors import SingularSystemError
-from toolkit.solvers.static.stability.sparse_saddle import SparseFactors, sparse_factors
+from toolkit.solvers.static.stability.sparse_saddle import HOLD, SparseFactors, sparse_factors
 from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, largest_entry, scaled_by
 from toolkit.system.system import System
 
@@ -38,9 +37,9 @@ class Saddle(NamedTuple):
         if isinstance(self.factors, SparseFactors):
             found = self.factors.solve(scaled)
         elif self.symmetric:
-            found = lapack.dsytrs(self.factors, self.pivots, scaled, lower=1)[0]
+            found = scipy.linalg.lapack.dsytrs(self.factors, self.pivots, scaled, lower=1)[0]
         else:
-            found = lapack.dgetrs(self.factors, self.pivots, scaled)[0]
+            found = scipy.linalg.lapack.dgetrs(self.factors, self.pivots, scaled)[0]
         return (self.scale * found.T).T.reshape(rhs.shape)
 
 
@@ -66,7 +65,7 @@ def balanced(system: System, matrix: StaticArray, scale: np.ndarray) -> StaticAr
         return found
     kept = np.ones(system.n)
     kept[dropped] = 0.0
-    return csr_array(found @ diags_array(kept) - diags_array(1.0 - kept))
+    return scipy.sparse.csr_array(found @ scipy.sparse.diags_array(kept) - scipy.sparse.diags_array(1.0 - kept))
 
 
 def factorised(system: System, matrix: StaticArray, scale: np.ndarray | None = None, scaled: StaticArray | None = None) -> Saddle:
@@ -87,14 +86,30 @@ def factorised(system: System, matrix: StaticArray, scale: np.ndarray | None = N
         return Saddle(scale, sparse, np.zeros(0, int), symmetric, 0)
     scaled = as_dense(scaled)
     if symmetric:
-        factors, pivots, info = lapack.dsytrf(scaled, lower=1)
+        factors, pivots, info = scipy.linalg.lapack.dsytrf(scaled, lower=1)
         negative = _negative_pivots(factors, pivots) - (system.n - system.n_b)
     else:
-        factors, pivots, info = lapack.dgetrf(scaled)
+        factors, pivots, info = scipy.linalg.lapack.dgetrf(scaled)
         negative = _negative_eigenvalues(system.n_b, scaled)
     if info:
         raise SingularSystemError("the static equations have no unique solution")
     return Saddle(scale, factors, pivots, symmetric, negative)
+
+
+def is_positive(system: System, matrix: np.ndarray) -> bool:
+    """Whether a symmetric matrix (n, n) is known to be positive against all motions that the joints allow, as in `sparse_saddle`.
+
+    It takes less time than factors, and NumPy alone.
+    """
+    scaled = balanced(system, matrix, balance(system, matrix))
+    stiffness, ties, largest = scaled[: system.n_b, : system.n_b], scaled[system.n_b :, : system.n_b], largest_entry(scaled)
+    if not largest_entry(scaled - scaled.T) <= SYMMETRIC * largest:
+        return False
+    try:
+        np.linalg.cholesky(stiffness + HOLD / largest * (ties.T @ ties))
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 def free_count(system: System) -> int:
@@ -115,10 +130,10 @@ def _negative_eigenvalues(n_b: int, scaled: np.ndarray) -> int:
     """
     ties = scaled[:n_b, n_b:]
     ties = ties[:, np.any(ties != 0, axis=0)]
-    free = qr(ties)[0][:, ties.shape[1] :] if ties.size else np.eye(n_b)
+    free = scipy.linalg.qr(ties)[0][:, ties.shape[1] :] if ties.size else np.eye(n_b)
     stiffness = free.T @ scaled[:n_b, :n_b] @ free
-    if lapack.dpotrf((stiffness + stiffness.T) / 2)[1] == 0:
+    if scipy.linalg.lapack.dpotrf((stiffness + stiffness.T) / 2)[1] == 0:
         return 0
-    values = eigvals(stiffness)
+    values = scipy.linalg.eigvals(stiffness)
     real = values.real[np.abs(values.imag) <= REAL * np.abs(values)]
     return int(np.count_nonzero(real < 0))

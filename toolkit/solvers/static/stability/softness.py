@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import lapack
+import scipy
 
 from toolkit.solvers.static.stability.saddle import Saddle
 
@@ -55,6 +55,6 @@ def softest(saddle: Saddle, n_free: int, n_b: int, known: Softness | None = None
 
 def _orthonormal(block: np.ndarray) -> np.ndarray:
     """Columns (n, m) as orthonormal ones; by LAPACK itself, because to prepare its call takes longer than these few columns."""
-    factors, scales, _, _ = lapack.dgeqrf(block)
-    found: np.ndarray = lapack.dorgqr(factors, scales)[0]
+    factors, scales, _, _ = scipy.linalg.lapack.dgeqrf(block)
+    found: np.ndarray = scipy.linalg.lapack.dorgqr(factors, scales)[0]
     return found

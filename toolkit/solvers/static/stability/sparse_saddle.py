@@ -9,8 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import SuperLU, splu
+import scipy
 
 from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry
 from toolkit.system.system import System
@@ -24,8 +23,8 @@ TRUSTED = 1e-6
 class SparseFactors(NamedTuple):
     """Of a stable matrix."""
 
-    matrix: csc_array
-    factors: SuperLU
+    matrix: scipy.sparse.csc_array
+    factors: scipy.sparse.linalg.SuperLU
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Solution for rhs (n,) or (n, columns), refined once."""
@@ -40,11 +39,11 @@ def sparse_factors(system: System, scaled: StaticArray) -> SparseFactors | None:
     if isinstance(scaled, np.ndarray):
         return None
     stiffness, ties, largest = scaled[:n_b, :n_b], scaled[n_b:, :n_b], largest_entry(scaled[:n_b])
-    if not _positive(csc_array(stiffness + HOLD / largest * (ties.T @ ties))):
+    if not _positive(scipy.sparse.csc_array(stiffness + HOLD / largest * (ties.T @ ties))):
         return None
-    matrix = csc_array(scaled)
+    matrix = scipy.sparse.csc_array(scaled)
     try:
-        factors = splu(matrix)
+        factors = scipy.sparse.linalg.splu(matrix)
     except RuntimeError:  # exactly singular
         return None
     probe = np.ones(system.n)
@@ -53,10 +52,12 @@ def sparse_factors(system: System, scaled: StaticArray) -> SparseFactors | None:
     return SparseFactors(matrix, factors) if abs(change).max() <= TRUSTED * abs(found).max() else None
 
 
-def _positive(matrix: csc_array) -> bool:
+def _positive(matrix: scipy.sparse.csc_array) -> bool:
     """Whether a symmetric matrix is positive definite."""
     try:
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        factors = scipy.sparse.linalg.splu(
+            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
     except RuntimeError:
         return False
     return bool(np.array_equal(factors.perm_r, factors.perm_c) and np.all(factors.U.diagonal() > 0))

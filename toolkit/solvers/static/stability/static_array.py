@@ -5,20 +5,24 @@ from __future__ import annotations
 from typing import TypeAlias
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+import scipy
 
 from toolkit.equations.equations import Terms
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.equilibrium import static_matrix
 from toolkit.system.system import System
 
-StaticArray: TypeAlias = np.ndarray | csr_array
+StaticArray: TypeAlias = "np.ndarray | scipy.sparse.csr_array"
 """Of shape (n, n)."""
 
 
 def static_array(system: System, terms: Terms) -> StaticArray:
     """The real part of the static matrix where terms are known, (n, n)."""
-    values = np.real(static_matrix(system, terms))
+    return whole_array(system, np.real(static_matrix(system, terms)))
+
+
+def whole_array(system: System, values: np.ndarray) -> StaticArray:
+    """Values on the common pattern, (n, n)."""
     return system.matrix(values) if system.n >= MANY else system.dense(values)
 
 
@@ -33,7 +37,7 @@ def scaled_by(matrix: StaticArray, scale: np.ndarray) -> StaticArray:
         found: np.ndarray = matrix * scale
         found *= scale[:, None]
         return found
-    return csr_array(diags_array(scale) @ matrix @ diags_array(scale))
+    return scipy.sparse.csr_array(scipy.sparse.diags_array(scale) @ matrix @ scipy.sparse.diags_array(scale))
 
 
 def largest_entry(matrix: StaticArray) -> float:

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.sparse import eye_array, issparse, kron
+import scipy
 
 from toolkit.reduced_model.model import Mesh, StressPoints
-from toolkit.reduced_model.thin_arrays import sparing
+from toolkit.reduced_model.thin_arrays import is_sparse, sparing
 
 CURVATURE = np.array([[-4.0, -2.0], [2.0, 4.0]])
 """Curvature at both ends, times L, per rotation of the ends against the chord."""
@@ -141,9 +142,17 @@ def _widths(
     bending = np.sqrt(modulus * thickness**3 / 12 / lengths)[:, None, None] * np.einsum("ji,ejf->eif", root, shapes[:, 1:])
     rows = np.concatenate([axial[:, None], bending], axis=1)
     n, flat = len(rows), sparing(rows)
-    of_element, products = kron(eye_array(n), np.ones((1, 3)), "csr"), flat @ flat.T
-    products = of_element @ (products * products) @ of_element.T
-    products = products.toarray() if issparse(products) else products
-    wanted = of_element @ np.asarray((flat @ stiffness * flat).sum(axis=1))
+    products = _summed((flat @ flat.T) ** 2, n)
+    wanted = np.asarray((flat @ stiffness * flat).sum(axis=1)).reshape(n, 3).sum(axis=1)
     common = wanted.sum() / products.sum()
     return common + np.linalg.lstsq(products, wanted - common * products.sum(axis=1), rcond=WEAK)[0]
+
+
+def _summed(squares: Any, n: int) -> np.ndarray:
+    """Sums over the three rows, and the three columns, of each of n elements, (n, n)."""
+    if not is_sparse(squares):
+        found: np.ndarray = squares.reshape(n, 3, n, 3).sum(axis=(1, 3))
+        return found
+    of_element = scipy.sparse.kron(scipy.sparse.eye_array(n), np.ones((1, 3)), "csr")
+    sparse: np.ndarray = (of_element @ squares @ of_element.T).toarray()
+    return sparse

@@ -19,8 +19,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import splu
+import scipy
 
 STILL = 1e-9
 """Part of the largest movement of a node below which it is round-off: clamped nodes of computed shapes move by some."""
@@ -56,7 +55,7 @@ class Forms:
             found = np.zeros((self.count, self.count))
             np.add.at(found, (row, column), blocks)
             return found
-        return sparse.coo_array((blocks.ravel(), (row.ravel(), column.ravel())), shape=(self.count, self.count)).tocsc()
+        return scipy.sparse.coo_array((blocks.ravel(), (row.ravel(), column.ravel())), shape=(self.count, self.count)).tocsc()
 
 
 def stiffness_matrix(forms: Forms) -> Any:
@@ -93,8 +92,10 @@ def displacements_under(forms: Forms, held: np.ndarray, loads: np.ndarray) -> np
         none = np.zeros((len(held), len(held)))
         solved = np.linalg.solve(np.block([[scale[:, None] * stiffness * scale, border.T], [border, none]]), wanted)
     else:
-        spread, rows = sparse.diags_array(scale), sparse.csc_array(border)
-        solved = splu(sparse.block_array([[spread @ stiffness @ spread, rows.T], [rows, None]], format="csc")).solve(wanted)
+        spread, rows = scipy.sparse.diags_array(scale), scipy.sparse.csc_array(border)
+        solved = scipy.sparse.linalg.splu(
+            scipy.sparse.block_array([[spread @ stiffness @ spread, rows.T], [rows, None]], format="csc")
+        ).solve(wanted)
     return (scale[:, None] * solved[: len(scale)]).T
 
 

@@ -11,9 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import eigh
-from scipy.sparse import csc_array, csr_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from toolkit.scene.scene import Scene
 from toolkit.solvers.direct_solve import MANY
@@ -39,10 +37,11 @@ class Stiffening:
 
     def softening(self, elastic: np.ndarray) -> float:
         """The largest part of its elastic stiffness that the forces take from any motion of the body in its frame."""
-        G, last = scaled_by(self.matrix(elastic), self._scale), len(self.stiffness) - 1
-        found = None if isinstance(G, np.ndarray) else largest_ratio(-G, csr_array(self._scaled), self._flexible)
+        G = scaled_by(self.matrix(elastic), self._scale)
+        found = None if isinstance(G, np.ndarray) else largest_ratio(-G, scipy.sparse.csr_array(self._scaled), self._flexible)
         if found is None:
-            found = float(eigh(-as_dense(G), self._scaled, eigvals_only=True, subset_by_index=[last, last])[0])
+            half = np.linalg.solve(self._root, -as_dense(G))
+            found = float(np.linalg.eigvalsh(np.linalg.solve(self._root, half.T))[-1])
         return max(found, 0.0)
 
     def deflections(self, elastic: np.ndarray, motions: np.ndarray) -> np.ndarray:
@@ -66,26 +65,32 @@ class Stiffening:
         found: np.ndarray = np.einsum("epq,epq->e", forms, of_elements)
         return found
 
-    def _elastic(self, nodal: csc_array) -> StaticArray:
+    def _elastic(self, nodal: scipy.sparse.csc_array) -> StaticArray:
         shapes = self._shapes
         found: StaticArray = shapes.T @ nodal @ shapes
         return found
 
     @cached_property
     def _shapes(self) -> StaticArray:
-        return csr_array(self.behind.shapes) if len(self.stiffness) >= MANY else self.behind.shapes
+        return scipy.sparse.csr_array(self.behind.shapes) if len(self.stiffness) >= MANY else self.behind.shapes
 
     @cached_property
     def _flexible(self) -> Flexibility:
         """The inverse of the scaled stiffness."""
         if len(self.stiffness) < MANY:
             return lambda forces: np.linalg.solve(self._scaled, forces)
-        factors = splu(csc_array(self._scaled))
+        factors = scipy.sparse.linalg.splu(scipy.sparse.csc_array(self._scaled))
         return lambda forces: factors.solve(forces)
 
     @cached_property
     def _scale(self) -> np.ndarray:
         return 1 / np.sqrt(np.diag(self.stiffness))
+
+    @cached_property
+    def _root(self) -> np.ndarray:
+        """L of the scaled stiffness L L^T."""
+        found: np.ndarray = np.linalg.cholesky(self._scaled)
+        return found
 
     @cached_property
     def _scaled(self) -> np.ndarray:

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.sparse import sparray
-from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+import scipy
 
 from toolkit.solvers.static.stability.saddle import balance, balanced
 from toolkit.solvers.static.stability.sparse_saddle import sparse_factors
@@ -40,14 +39,16 @@ def flexibility(system: System, matrix: StaticArray) -> Flexibility | None:
     return motion
 
 
-def largest_ratio(matrix: sparray, metric: sparray, flexible: Flexibility) -> float | None:
+def largest_ratio(matrix: scipy.sparse.sparray, metric: scipy.sparse.sparray, flexible: Flexibility) -> float | None:
     """The largest mu of symmetric forms A and B (n, n); None if the iteration finds none, as where none is positive: most mu are near to
     zero, and no number is near to zero in parts of it."""
     n = metric.shape[0]
     start = flexible(np.random.default_rng(0).normal(size=n))
-    solved = LinearOperator((n, n), matvec=flexible, dtype=float)
+    solved = scipy.sparse.linalg.LinearOperator((n, n), matvec=flexible, dtype=float)
     try:
-        found = eigsh(matrix, 1, metric, which="LA", v0=start, tol=ACCURACY, maxiter=MOST, Minv=solved, return_eigenvectors=False)
-    except ArpackError:
+        found = scipy.sparse.linalg.eigsh(
+            matrix, 1, metric, which="LA", v0=start, tol=ACCURACY, maxiter=MOST, Minv=solved, return_eigenvectors=False
+        )
+    except scipy.sparse.linalg.ArpackError:
         return None
     return float(found[0])

@@ -23,11 +23,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import block_array, csr_array, lil_array
+import scipy
 
 from toolkit.solvers.free_motions import UNSYMMETRIC, free_motions, is_symmetric
 from toolkit.solvers.static.equilibrium import LEVELS
-from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, static_array
+from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, static_array, whole_array
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -65,11 +65,11 @@ def _state(solution: Solution, known: dict[str, Stiffening], n: int) -> _State:
     inputs = system.inputs(float(solution.times[n]), LEVELS)
     bare = static_array(system, system.evaluate(system.inputs(float(solution.times[n]), LEVELS, 0.0), q, rest, rest))
     terms = system.evaluate(inputs, q, v, acc)
-    geometric = np.zeros((n_q, n_q)) if isinstance(bare, np.ndarray) else lil_array((n_q, n_q))
+    geometric = np.zeros((n_q, n_q)) if isinstance(bare, np.ndarray) else scipy.sparse.lil_array((n_q, n_q))
     for body, law in known.items():
         where = elastic_coordinates(solution, body)
         geometric[where, where] = law.matrix(np.real(solution.q[n, where]))
-    mass = system.matrix(np.real(terms.I_acc))[:n_q, :n_q] if solution.steps else None
+    mass = whole_array(system, np.real(terms.I_acc))[:n_q, :n_q] if solution.steps else None
     return _State(system, bare, static_array(system, terms), geometric, mass)
 
 
@@ -81,7 +81,7 @@ def _of_many(state: _State) -> tuple[float, float, float] | None:
     """
     if isinstance(state.bare, np.ndarray):
         return None
-    n_q, geometric = state.system.n_q, csr_array(state.geometric)
+    n_q, geometric = state.system.n_q, scipy.sparse.csr_array(state.geometric)
     at_rest, softened = state.bare[:n_q, :n_q], state.loaded[:n_q, :n_q]
     forces = softened - at_rest
     if not (is_symmetric(forces) and (yielding := _flexibility(state, at_rest))):
@@ -99,7 +99,9 @@ def _flexibility(state: _State, stiffness: StaticArray) -> Flexibility | None:
     """What yields to forces where the joints are as they are, and the stiffness (n_q, n_q) is another one."""
     n_q = state.system.n_q
     columns, rows = state.bare[:n_q, n_q:], state.bare[n_q:, :n_q]
-    return flexibility(state.system, csr_array(block_array([[stiffness, columns], [rows, state.bare[n_q:, n_q:]]])))
+    return flexibility(
+        state.system, scipy.sparse.csr_array(scipy.sparse.block_array([[stiffness, columns], [rows, state.bare[n_q:, n_q:]]]))
+    )
 
 
 def _of_few(state: _State) -> tuple[float, float, float]:

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigvalsh
+import scipy
 
 from toolkit.bodies.body import CENTRE
 from toolkit.foundation.units import unit
@@ -116,5 +116,5 @@ def _speeded(scene: Scene, body: str) -> float:
 
 def _slowest(stiffness: np.ndarray, mass: np.ndarray) -> float:
     last = len(stiffness) - 1
-    found: np.ndarray = eigvalsh(np.real(mass), np.real(stiffness), subset_by_index=[last, last])
+    found: np.ndarray = scipy.linalg.eigvalsh(np.real(mass), np.real(stiffness), subset_by_index=[last, last])
     return float(1 / found[0])

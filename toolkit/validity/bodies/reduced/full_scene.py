@@ -14,9 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cholesky, eigh, orth, solve_triangular
-from scipy.sparse import block_diag, csc_array, csr_array, eye_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart, whole_design
@@ -55,7 +53,10 @@ class ReducedPart:
         own, phi = self.part.invariants.stiffness[np.ix_(inner, inner)], self.shapes.modes
         if inner.size:
             held = forces[:, inner].T
-            found[:, inner] = (splu(csc_array(own)).solve(held) - phi @ np.linalg.solve(phi.T @ own @ phi, phi.T @ held)).T
+            found[:, inner] = (
+                scipy.sparse.linalg.splu(scipy.sparse.csc_array(own)).solve(held)
+                - phi @ np.linalg.solve(phi.T @ own @ phi, phi.T @ held)
+            ).T
         return found
 
     def richer(self, fastest: float) -> np.ndarray:
@@ -65,12 +66,12 @@ class ReducedPart:
             return columns
         inv, own = self.part.invariants, np.ix_(inner, inner)
         mass = inv.inertia_about_origin[1:, 1:][own]
-        squares, modes = eigh(inv.stiffness[own], mass)
-        factor = cholesky(mass)
+        squares, modes = scipy.linalg.eigh(inv.stiffness[own], mass)
+        factor = scipy.linalg.cholesky(mass)
         every = factor @ np.column_stack([modes[:, squares < fastest**2], self.shapes.modes])
-        basis = orth(every / np.sqrt((every**2).sum(axis=0)), SAME)
+        basis = scipy.linalg.orth(every / np.sqrt((every**2).sum(axis=0)), SAME)
         inside = np.zeros((len(columns), basis.shape[1]))
-        inside[inner] = solve_triangular(factor, basis)
+        inside[inner] = scipy.linalg.solve_triangular(factor, basis)
         return np.column_stack([columns[:, :kept], inside])
 
 
@@ -82,19 +83,19 @@ class FullScene:
     parts: dict[str, dict[str, ReducedPart]]  # of every such body, by name
 
     @cached_property
-    def expanded(self) -> csr_array:
+    def expanded(self) -> scipy.sparse.csr_array:
         """Its coordinates per coordinate of the reduced scene, (n_q, n_q)."""
         return self.expansion(lambda part: part.columns)
 
-    def expansion(self, columns: Callable[[ReducedPart], np.ndarray]) -> csr_array:
+    def expansion(self, columns: Callable[[ReducedPart], np.ndarray]) -> scipy.sparse.csr_array:
         """Its coordinates per coordinate of a scene whose parts have these columns (n_f, n)."""
         parts = {name: each for own in self.parts.values() for name, each in own.items()}
         blocks, first = [], [*self.system.numbering.first.items()]
         for (name, start), (_, end) in zip(first, [*first[1:], ("", self.system.n_q)], strict=True):
-            blocks.append(eye_array((parts[name].rows.start if name in parts else end) - start))
+            blocks.append(scipy.sparse.eye_array((parts[name].rows.start if name in parts else end) - start))
             if name in parts:
-                blocks.append(csr_array(columns(parts[name])))
-        return csr_array(block_diag(blocks))
+                blocks.append(scipy.sparse.csr_array(columns(parts[name])))
+        return scipy.sparse.csr_array(scipy.sparse.block_diag(blocks))
 
     def last_state(self, solution: Solution) -> Solution:
         """The state that a run of the reduced scene ends in."""

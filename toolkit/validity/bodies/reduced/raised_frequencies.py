@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.linalg import eigvals
+import scipy
 
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.vibrations.roots import free_pencil
@@ -29,7 +29,7 @@ def raised_frequencies(solution: Solution, frequencies: np.ndarray) -> np.ndarra
     if solution.spins:
         true = all_frequencies(all_roots(*reduced)[0])
     else:
-        squares = np.sort(np.real(eigvals(reduced.stiffness, reduced.mass)))
+        squares = np.sort(np.real(scipy.linalg.eigvals(reduced.stiffness, reduced.mass)))
         true = np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)
     true = true[: len(found)][vibrating]
     with np.errstate(divide="ignore"):

@@ -8,7 +8,7 @@ are slower than `TIMES` the fastest vibration that is asked for. What is then le
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array, eye_array
+import scipy
 
 from toolkit.responses.vibrations.pencil import Pencil
 from toolkit.responses.vibrations.vibration import any_pencil_of
@@ -33,6 +33,6 @@ def richer_pencil(solution: Solution, fastest: float) -> tuple[Pencil, np.ndarra
     assert full is not None
     system, n_q = full.system, full.system.n_q
     shapes = full.expansion(lambda part: part.richer(TIMES * fastest))
-    columns = csr_array(block_diag([shapes, eye_array(system.n - n_q)]))
+    columns = scipy.sparse.csr_array(scipy.sparse.block_diag([shapes, scipy.sparse.eye_array(system.n - n_q)]))
     found = Pencil(*(columns.T @ np.real(each) @ columns for each in any_pencil_of(full.last_state(solution))))
     return found, np.asarray((abs(shapes) * system.weights[:n_q, None]).max(axis=0).todense()).ravel()

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.linalg import eigh
+import scipy
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.parts.spin import stiffness_of_spin
@@ -44,7 +44,7 @@ def critical_speed(scene: Scene, body: str, axis: np.ndarray | None = None, stif
 def _critical(scene: Scene, body: str, axis: np.ndarray, stiffened: bool) -> float:
     stiffness, mass = _scaled(scene, body, axis, stiffened)
     last = len(mass) - 1  # the largest eigenvalue of K^-1 C is exact, where the smallest of C^-1 K would drown in round-off
-    largest = float(eigh(mass, stiffness, eigvals_only=True, subset_by_index=[last, last])[0])
+    largest = float(scipy.linalg.eigh(mass, stiffness, eigvals_only=True, subset_by_index=[last, last])[0])
     return float(1 / np.sqrt(largest)) if largest > 0 else np.inf
 
 
