@@ -24,7 +24,7 @@ from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
+from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, HIGHEST, ORDER, guess, learn_trend
 from toolkit.solvers.transient.newton import SINGULAR
 from toolkit.solvers.transient.run import Run, allocate_history, failure, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha
@@ -127,7 +127,10 @@ def test_a_complex_step_never_stops_after_its_first_correction():
 
 def learnt_from(values: list[float], h: float = 1e-3) -> SimpleNamespace:
     """Memory after steps through these accelerations of one coordinate, in the scene's size."""
-    memory, plan = SimpleNamespace(trend=np.zeros((2, 1)), learnt=np.zeros(4)), SimpleNamespace(n=1, n_q=1)
+    memory, plan = (
+        SimpleNamespace(trend=np.zeros((HIGHEST, 1)), guess=np.zeros(1), learnt=np.zeros(4)),
+        SimpleNamespace(n=1, n_q=1),
+    )
     for before, after in pairwise(values):
         step = np.array([before]), np.array([after])
         plain(learn_trend)(plan, generalized_alpha("arnold-bruels", 0.8, h), np.ones(1), *step, memory)
@@ -140,10 +143,11 @@ def guessed(memory: SimpleNamespace, last: float, ratio: float = 1.0) -> float:
     return float(out[0])
 
 
-def test_the_first_guess_continues_a_parabola():
-    values = [float(3 + 2 * n - 0.5 * n * n) for n in range(7)]
-    memory = learnt_from(values[:-1])
-    assert memory.learnt[ORDER] == 2
+@pytest.mark.parametrize("degree", range(2, HIGHEST + 1))
+def test_the_first_guess_continues_a_polynomial(degree):
+    values = [float(3 + 2 * n - 0.5 * n**degree) for n in range(3 * degree + 1)]  # whole numbers and halves: no round-off
+    memory = learnt_from(values[:-1], h=1e-7)
+    assert memory.learnt[ORDER] == degree
     assert guessed(memory, values[-2]) == pytest.approx(values[-1], rel=1e-14)
 
 
@@ -162,7 +166,7 @@ def test_what_has_no_trend_is_guessed_as_it_was(values):
 def test_coarse_steps_begin_at_the_last_state():
     """Where a guess of higher order misses by more than 1e-4 of the scene's size the equations may have a solution next to it, too."""
     values = [float(n**3) for n in range(6)]
-    assert learnt_from(values, h=1e-3).learnt[ORDER] == 2
+    assert learnt_from(values, h=1e-3).learnt[ORDER] == 3
     assert learnt_from(values, h=1e-1).learnt[ORDER] == 0
 
 

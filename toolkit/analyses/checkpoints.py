@@ -29,7 +29,7 @@ class Checkpoint(NamedTuple):
     acc: np.ndarray
     aux: np.ndarray  # auxiliary acceleration w
     carried: np.ndarray  # part of the next residual
-    trend: np.ndarray  # (2, n) what the first guess of the next step is made of
+    trend: np.ndarray  # (HIGHEST, n) what the first guess of the next step is made of
     learnt: np.ndarray  # (8,) and what Newton knows of the equations
 
 

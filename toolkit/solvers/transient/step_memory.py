@@ -8,6 +8,7 @@ from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, alloc
 from toolkit.foundation.vectors.rows import filled_up
 from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
+from toolkit.solvers.transient.extrapolation import HIGHEST
 from toolkit.system.system import System
 
 
@@ -38,7 +39,7 @@ class Memory(NamedTuple):
     rate: np.ndarray
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
-    trend: np.ndarray  # (2, n) differences of [a; lam] behind the last step, see `extrapolation`
+    trend: np.ndarray  # (HIGHEST, n) differences of [a; lam] behind the last step, see `extrapolation`
     learnt: np.ndarray  # (8,) by `extrapolation.ORDER` and its neighbours
     guess: np.ndarray  # (n,) first guess of [a; lam]
     q_predicted: np.ndarray
@@ -102,7 +103,7 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         **{name: zeros(n, filled_up(n_x)) for name in ("dcarried", "pseudo_load", "moved", "rate")},
         span=np.zeros(1),
         kept=np.zeros(1),
-        trend=zeros(2, n),
+        trend=zeros(HIGHEST, n),
         learnt=np.zeros(8),
         guess=zeros(n),
         q_predicted=zeros(n),
