@@ -127,7 +127,10 @@ def test_the_tip_lags_behind_and_is_stretched(folder):
 
 
 def test_one_frame_runs_away_and_says_so(folder):
-    verdict = ffrf.compile(chain_scene(folder, "frames = 1", MOTOR, 2)).simulate().verdict
+    early = MOTOR.replace(
+        "end_time = 18.0", "end_time = 12.0"
+    )  # later its deflection is too many times its length for any Newton
+    verdict = ffrf.compile(chain_scene(folder, "frames = 1", early, 2)).simulate().verdict
     assert not verdict.trusted
     assert "critical-speed" in verdict.codes
     limits = speed_limits(with_parts(chain_scene(folder, "frames = 4", MOTOR, 2)))  # one word for all parts, where a run fails

@@ -20,10 +20,14 @@ from toolkit.sensitivity.preparation import prepare
 ROUND_OFF = 1e-9
 """Both methods are exact for the discrete equations; what differs is round-off, times the condition of the skin's equations."""
 
+VALUES = 1e-11
+"""Two runs of the same equations, of which one carries gradients: forces of joints have round-off of positions by 1 / h^2. Runs that never
+stop before round-off differ by 3e-12 in a moment."""
+
 
 def agree(scene, design, kind, small=1e-12):
     ours, exact = gradients_by("adjoint", scene, design, kind), direct(scene, design, kind)
-    assert ours.values == pytest.approx(exact.values, rel=1e-12)
+    assert ours.values == pytest.approx(exact.values, rel=VALUES)
     for name, slopes in exact.gradients.items():
         largest = max(abs(slope) for slope in slopes.values())
         # a derivative far below a response's others is made of their round-off

@@ -19,16 +19,18 @@ from toolkit.curves.kinds.table import Table
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.kernel import plain
+from toolkit.foundation.vectors.rows import LANES
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
+from toolkit.solvers.transient.first_guess.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
+from toolkit.solvers.transient.first_guess.fitted_trend import HIGHEST, fit_trend
 from toolkit.solvers.transient.newton import SINGULAR
 from toolkit.solvers.transient.run import Run, allocate_history, failure, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha
-from toolkit.solvers.transient.step_memory import LAST
+from toolkit.solvers.transient.step_memory import ITERATIONS, LAST
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 
@@ -127,7 +129,10 @@ def test_a_complex_step_never_stops_after_its_first_correction():
 
 def learnt_from(values: list[float], h: float = 1e-3) -> SimpleNamespace:
     """Memory after steps through these accelerations of one coordinate, in the scene's size."""
-    memory, plan = SimpleNamespace(trend=np.zeros((2, 1)), learnt=np.zeros(4)), SimpleNamespace(n=1, n_q=1)
+    memory, plan = (
+        SimpleNamespace(trend=np.zeros((HIGHEST, 1)), guess=np.zeros(1), learnt=np.zeros(10)),
+        SimpleNamespace(n=1, n_q=1),
+    )
     for before, after in pairwise(values):
         step = np.array([before]), np.array([after])
         plain(learn_trend)(plan, generalized_alpha("arnold-bruels", 0.8, h), np.ones(1), *step, memory)
@@ -140,10 +145,11 @@ def guessed(memory: SimpleNamespace, last: float, ratio: float = 1.0) -> float:
     return float(out[0])
 
 
-def test_the_first_guess_continues_a_parabola():
-    values = [float(3 + 2 * n - 0.5 * n * n) for n in range(7)]
-    memory = learnt_from(values[:-1])
-    assert memory.learnt[ORDER] == 2
+@pytest.mark.parametrize("degree", range(2, HIGHEST + 1))
+def test_the_first_guess_continues_a_polynomial(degree):
+    values = [float(3 + 2 * n - 0.5 * n**degree) for n in range(3 * degree + 1)]  # whole numbers and halves: no round-off
+    memory = learnt_from(values[:-1], h=1e-7)
+    assert memory.learnt[ORDER] == degree
     assert guessed(memory, values[-2]) == pytest.approx(values[-1], rel=1e-14)
 
 
@@ -151,6 +157,53 @@ def test_the_first_guess_after_a_step_of_another_length_continues_a_line_and_pro
     memory = learnt_from([1.0, 3.0, 5.0, 7.0])
     assert guessed(memory, 7.0, ratio=0.5) == pytest.approx(8.0, rel=1e-14)
     assert memory.learnt[EXPECTED] == 0
+
+
+def fitted_to(values: list[np.ndarray]) -> SimpleNamespace:
+    """Memory after a fit through accelerations (n,) of the last steps."""
+    n = len(values[0])
+    memory = SimpleNamespace(
+        trend=np.zeros((HIGHEST, n)),
+        fitted=np.zeros(HIGHEST),
+        fit_sums=np.zeros((HIGHEST, LANES)),
+        fit_rows=np.zeros((n, LANES)),
+        fit_columns=np.zeros((HIGHEST, n)),
+        fit_root=np.zeros((HIGHEST, HIGHEST)),
+    )
+    for before, after in pairwise(values):
+        change = after - before
+        memory.missed = plain(fit_trend)(n, 1.0, np.ones(n), change, memory)
+        for k in range(HIGHEST):
+            memory.trend[k], change = change, change - memory.trend[k]
+    return memory
+
+
+def test_fitted_differences_continue_vibrations_that_no_polynomial_does():
+    """A mean that drifts, and two frequencies of 0.7 and 1.9 rad in a step: five of their differences determine the next one.
+
+    What the ridge of 1e-13 and the fading leave of the first steps is some 1e-6 of the motion.
+    """
+    phases = np.random.default_rng(0).uniform(0, 6.0, (2, 5))
+    values = [0.1 * n + np.sin(0.7 * n + phases[0]) + 0.3 * np.sin(1.9 * n + phases[1]) for n in range(40)]
+    memory = fitted_to(values[:-1])
+    missed = values[-1] - values[-2] - memory.fitted @ memory.trend
+    assert np.abs(missed).max() < 1e-5
+    by_order = np.abs(np.diff(values[-1 - HIGHEST :], axis=0)[-1]).max()
+    assert np.abs(missed).max() < 1e-4 * by_order
+
+
+def test_a_fit_of_nothing_is_the_last_state():
+    still = [np.zeros(2)] * 9
+    assert not np.any(fitted_to(still).fitted)
+
+
+def test_a_beam_that_vibrates_takes_fewer_corrections(with_and_without, tmp_path):
+    """They are 1.9 a step by polynomials, which its frequencies are too high for. What is fitted loses nothing."""
+    scene = hanging(tmp_path, 1, 8)
+    scene = scene.model_copy(update={"solver": scene.solver.model_copy(update={"end_time": 0.4})})
+    run, thorough = with_and_without(scene)
+    assert run.newton_iterations < 1.65 * run.steps
+    assert apart(run, thorough) <= felt(run)
 
 
 @pytest.mark.parametrize("values", [[1.0, -0.5, 0.25, -0.125, 0.0625], [0.0, 0.0, 0.0, 5.0, 5.0]], ids=["alternates", "jumps"])
@@ -162,7 +215,7 @@ def test_what_has_no_trend_is_guessed_as_it_was(values):
 def test_coarse_steps_begin_at_the_last_state():
     """Where a guess of higher order misses by more than 1e-4 of the scene's size the equations may have a solution next to it, too."""
     values = [float(n**3) for n in range(6)]
-    assert learnt_from(values, h=1e-3).learnt[ORDER] == 2
+    assert learnt_from(values, h=1e-3).learnt[ORDER] == 3
     assert learnt_from(values, h=1e-1).learnt[ORDER] == 0
 
 
@@ -177,7 +230,9 @@ def test_a_flexible_body_in_space_makes_one_jacobian_a_step_and_loses_nothing(wi
     ways = []
     for step in range(run.steps):
         take_steps(steps, history, run.system.curves(steps.times), step == 0, step, step + 1)
-        ways.append(steps.memory.learnt[AWAY] > 10 * steps.outcome.correction[LAST])
+        if steps.outcome.counts[ITERATIONS] > 1:
+            ways.append(steps.memory.learnt[AWAY] > 10 * steps.outcome.correction[LAST])
+    assert len(ways) > 0.8 * run.steps
     assert np.mean(ways) > 0.9  # of the last correction alone it would be if that had factors of its own
 
 

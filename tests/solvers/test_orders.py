@@ -130,7 +130,7 @@ def test_a_linear_problem_takes_one_iteration_per_step_and_now_and_then_a_second
     scene = Scene(units="m-kg-s", points={"P": Point(x=1.0, y=0.0)}, bodies={"block": block}, loads={"spring": spring})
     run = simulate(compile_scene(scene), RunOptions(end_time=20.0, step=0.1))
     assert run.steps < run.newton_iterations <= 1.2 * run.steps  # every twentieth, and where the motion grows
-    assert run.correction <= 1e-15  # what is estimated to be left
+    assert run.correction <= 1e-10  # the tolerance: after a good first guess a correction may be below that itself
 
 
 def test_the_largest_accepted_correction_is_reported():

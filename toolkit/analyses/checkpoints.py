@@ -16,7 +16,7 @@ from toolkit.analyses.run_start import run_start
 from toolkit.analyses.transient import advance, check_drift
 from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.transient.run import Run, empty_history
-from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST
+from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, Memory
 from toolkit.system.solution import Solution
 from toolkit.validity.judge import judge
 
@@ -29,8 +29,10 @@ class Checkpoint(NamedTuple):
     acc: np.ndarray
     aux: np.ndarray  # auxiliary acceleration w
     carried: np.ndarray  # part of the next residual
-    trend: np.ndarray  # (2, n) what the first guess of the next step is made of
-    learnt: np.ndarray  # (8,) and what Newton knows of the equations
+    trend: np.ndarray  # (HIGHEST, n) what the first guess of the next step is made of
+    fitted: np.ndarray  # (HIGHEST,) multiples of that
+    fit_sums: np.ndarray  # (HIGHEST, LANES)
+    learnt: np.ndarray  # (10,) and what Newton knows of the equations
 
 
 def window_bounds(n_t: int) -> list[int]:
@@ -49,7 +51,7 @@ def solve_windows(run: Run, bounds: list[int], kept: list[Checkpoint]) -> Iterat
         As `simulate`.
     """
     start, zero = run_start(run.system, run.options), np.zeros(run.system.n)
-    kept.append(Checkpoint(start.q, start.v, start.acc, zero, zero, run.memory.trend.copy(), run.memory.learnt.copy()))
+    kept.append(Checkpoint(start.q, start.v, start.acc, zero, zero, *_guesses(run.memory)))
     for first, last in pairwise(bounds):
         window, after = solve_window(run, kept[-1], first, last)
         kept.append(after)
@@ -61,14 +63,20 @@ def solve_window(run: Run, checkpoint: Checkpoint, first: int, last: int) -> tup
     system, memory = run.system, run.memory
     memory.aux[:], memory.carried[:], memory.span[0] = checkpoint.aux, checkpoint.carried, run.lengths[first - 1]
     memory.trend[:], memory.learnt[:] = checkpoint.trend, checkpoint.learnt
+    memory.fitted[:], memory.fit_sums[:] = checkpoint.fitted, checkpoint.fit_sums
     derivatives = (np.zeros((system.n, 0)),) * 3
     history = empty_history(system, last - first + 1, State(checkpoint.q, checkpoint.v, checkpoint.acc, *derivatives))
     advance(run, history, first)
     drift, skipped = check_drift(run, history.q, first), int(first > 0)
-    end = (history.q[-1], history.v[-1], history.acc[-1], memory.aux, memory.carried, memory.trend, memory.learnt)
-    after = Checkpoint._make(array.copy() for array in end)
+    end = (history.q[-1], history.v[-1], history.acc[-1], memory.aux, memory.carried)
+    after = Checkpoint(*(array.copy() for array in end), *_guesses(memory))
     states = tuple(array[skipped:] for array in history[:6])
     return selected(run, states, range(first + skipped, last + 1), drift), after
+
+
+def _guesses(memory: Memory) -> tuple[np.ndarray, ...]:
+    """What first guesses are made of."""
+    return memory.trend.copy(), memory.fitted.copy(), memory.fit_sums.copy(), memory.learnt.copy()
 
 
 def checkpoint_states(run: Run, bounds: list[int], kept: list[Checkpoint], drift: float) -> Solution:

@@ -9,7 +9,16 @@ from toolkit.bodies.kernels.spatial.floating_kernel import is_mixed
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import UNREFINED as UNREFINED_BLOCK
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
-from toolkit.solvers.transient.extrapolation import AWAY, BEND, BEST, EXPECTED, QUALITY, UNCHECKED, UNREFINED
+from toolkit.solvers.transient.first_guess.extrapolation import (
+    AWAY,
+    BEND,
+    BEST,
+    EXPECTED,
+    NEGLIGIBLE,
+    QUALITY,
+    UNCHECKED,
+    UNREFINED,
+)
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
 from toolkit.solvers.transient.scheme import by_acceleration
@@ -28,9 +37,9 @@ ROUND_OFF, STILL = 1e-13, 0.5
 shrink. Those of the same step are not blamed below the tolerance."""
 
 
-NEGLIGIBLE, FAR = 1e-15, 1e-6
-"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of;
-and a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
+FAR = 1e-6
+"""A first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual; a part of the
+scene's size (or rad)."""
 STEADY = 1e-3
 """Relative change of the Jacobian by a correction up to which its factors serve for the rest of a step: a further correction by them leaves
 that part of itself, and costs what the residual costs."""

@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
-from toolkit.foundation.vectors.rows import filled_up
+from toolkit.foundation.vectors.rows import LANES, filled_up
 from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
+from toolkit.solvers.transient.first_guess.fitted_trend import HIGHEST
 from toolkit.system.system import System
 
 
@@ -38,8 +39,13 @@ class Memory(NamedTuple):
     rate: np.ndarray
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
-    trend: np.ndarray  # (2, n) differences of [a; lam] behind the last step, see `extrapolation`
-    learnt: np.ndarray  # (8,) by `extrapolation.ORDER` and its neighbours
+    trend: np.ndarray  # (HIGHEST, n) differences of [a; lam] behind the last step, see `extrapolation`
+    fitted: np.ndarray  # (HIGHEST,) multiples of them that would have guessed the last steps best, see `fitted_trend`
+    fit_sums: np.ndarray  # (HIGHEST, LANES) normal equations of these
+    fit_rows: np.ndarray  # (n_q, LANES) scratch memory of a fit, as the next ones
+    fit_columns: np.ndarray  # (HIGHEST, n_q)
+    fit_root: np.ndarray  # (HIGHEST, HIGHEST)
+    learnt: np.ndarray  # (10,) by `extrapolation.ORDER` and its neighbours
     guess: np.ndarray  # (n,) first guess of [a; lam]
     q_predicted: np.ndarray
     v_predicted: np.ndarray
@@ -102,8 +108,13 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         **{name: zeros(n, filled_up(n_x)) for name in ("dcarried", "pseudo_load", "moved", "rate")},
         span=np.zeros(1),
         kept=np.zeros(1),
-        trend=zeros(2, n),
-        learnt=np.zeros(8),
+        trend=zeros(HIGHEST, n),
+        fitted=np.zeros(HIGHEST),
+        fit_sums=np.zeros((HIGHEST, LANES)),
+        fit_rows=np.zeros((plan.n_q, LANES)),
+        fit_columns=np.zeros((HIGHEST, plan.n_q)),
+        fit_root=np.zeros((HIGHEST, HIGHEST)),
+        learnt=np.zeros(10),
         guess=zeros(n),
         q_predicted=zeros(n),
         v_predicted=zeros(n),

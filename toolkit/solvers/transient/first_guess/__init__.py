@@ -1,0 +1,1 @@
+"""Where Newton begins: the motion of the last steps, continued."""
