@@ -416,8 +416,8 @@ def test_flexible_crank_lags_behind_as_a_cantilever_in_its_turning_frame():
 
 def test_flexible_crank_at_the_published_speed_is_faster_than_linear_theory_holds():
     """It bends out without bound, which Newton follows for a while: what comes out is not to be trusted, and says why."""
-    found = run("flexible_crank", {"joints.motor.curve.factors.0.value": "6", "solver.end_time": "15"})
-    assert abs(found.values["largest"]) > 1e6  # metres
+    found = run("flexible_crank", {"joints.motor.curve.factors.0.value": "6", "solver.end_time": "13.5"})
+    assert abs(found.values["largest"]) > 1e5  # metres; at 14.7 s Newton cannot follow any more
     assert not found.verdict.trusted
     assert re.search(r"faster than its critical speed of 3\.79\d* rad/s", found.verdict.reasons[0])
 
