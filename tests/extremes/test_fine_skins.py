@@ -70,9 +70,20 @@ def test_round_off_of_a_fine_skin_is_that_of_its_strains(fine, what):
         assert np.abs(line(NEARBY - 1.5) - found).max() < LOST[what] * abs(found[0])
 
 
-def test_direct_gradients_and_the_adjoint_agree_of_a_fine_skin(fine):
-    """Some 1e-11 was measured of the largest stress; by entries of the stiffness it is 1e-7."""
+def test_gradients_of_statics_of_a_fine_skin_have_the_round_off_of_its_strains(fine):
+    """1e-11 was measured; solved with the stiffness' own entries they are off by 4e-8."""
+    model = ffrf.compile(fine.scene, variables=["t_w", "E"])
+    runs = [model.statics({"t_w": float(each)}, gradients=True) for each in NEARBY]
+    for name in ("max_stress", "shape_rmse", "drive_angle"):
+        found = [run.gradients[name]["t_w"] for run in runs]
+        line = np.polynomial.Polynomial.fit(NEARBY - 1.5, found, 1)
+        assert np.abs(line(NEARBY - 1.5) - found).max() < LOST["gradients"] * abs(found[0])
+
+
+@pytest.mark.parametrize("kind", ["static", "transient"])
+def test_direct_gradients_and_the_adjoint_agree_of_a_fine_skin(fine, kind):
+    """Some 1e-11 was measured of the largest stress; by entries of the stiffness it is 1e-7 in motions and 2e-8 in statics."""
     design = ["t_w", "E", "x_A"]
-    direct, adjoint = (gradients_by(method, fine.scene, design, "transient").gradients for method in ("direct", "adjoint"))
+    direct, adjoint = (gradients_by(method, fine.scene, design, kind).gradients for method in ("direct", "adjoint"))
     for name, gradient in direct.items():
         assert adjoint[name] == pytest.approx(gradient, rel=1e-9)

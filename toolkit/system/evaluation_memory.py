@@ -26,7 +26,10 @@ class EvaluationMemory(threading.local):
         self._state = np.zeros((3, plan.n))
         self._touched = plan.touched_variable * len(self._terms.I_x) + plan.touched_row
         self.terms: Any = in_memory(self._terms)
-        self.work: Any = in_memory(allocate_work(plan, float))
+        work = allocate_work(plan, float)
+        self.work: Any = in_memory(work)
+        self.care = work.care
+        """How it is evaluated, see `Work`."""
         self.formula: Callable[..., Any] | None = None
         """The compiled equations, once they have been looked up."""
 

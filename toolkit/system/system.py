@@ -121,15 +121,23 @@ class System:
         return np.where((rows == self.plan.indices) & np.isin(rows, self.numbering.states), 1.0, 0.0)
 
     def evaluate(
-        self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False, linearize: bool = True
+        self,
+        inputs: Inputs,
+        q: np.ndarray,
+        v: np.ndarray,
+        acc: np.ndarray,
+        design: bool = False,
+        linearize: bool = True,
+        apart: bool = False,
     ) -> Terms:
         """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,).
 
-        Without `linearize` the derivatives by the state are left zero.
+        Without `linearize` the derivatives by the state are left zero; if `apart` they lack the stiffness that is kept in its factors.
         """
         design = bool(design and self.n_x > 0)
         if not self.compiled:
             terms = allocate_terms(self.plan, self.dtype)
+            self.work.care[1] = apart
             self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, self.work)
             return of_variables(self.plan, terms)
         curves, curves_x, scale, levels, inertia, joints_only = inputs
@@ -145,6 +153,7 @@ class System:
         given = plan, functions, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
         if memory.formula is None:
             memory.formula = entry_point(evaluate_all, *given)
+        memory.care[1] = apart
         memory.formula(*given)
         return memory.found(linearize, design)
 

@@ -25,10 +25,10 @@ from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, moving, responses_of, solve
 from toolkit.sensitivity.result import Result, result
-from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.spin.steady_state import steady_adjoint
-from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at, static_matrix
+from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at
 from toolkit.solvers.static.stability.critical_state import refuse_gradients_of_critical
+from toolkit.solvers.static.static_change import static_change
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -158,6 +158,7 @@ def _through_equilibrium(system: System, solution: Solution, found: list[Partial
     q, rest = np.append(solution.q[0], np.zeros(system.n - n_q)), np.zeros(system.n)
     acc = np.append(np.zeros(n_q), solution.multipliers[0])
     refuse_gradients_of_critical(system, options, find_equilibrium(system, options, 1.0, q, acc)[0])
-    terms = system.evaluate(inputs_at(system, options, 1.0), q, rest, acc, design=True)
-    transposed = static_matrix(system, terms)[transposition(system)]
-    return gradient + (terms.I_x + terms.A_x).T @ solve_linear(system, transposed, -load, "static adjoint")
+    inputs = inputs_at(system, options, 1.0)
+    terms = system.evaluate(inputs, q, rest, acc, design=True)
+    mu = static_change(system, inputs, q, acc, -load, "static adjoint", transposition(system))
+    return gradient + (terms.I_x + terms.A_x).T @ mu
