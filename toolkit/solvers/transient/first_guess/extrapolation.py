@@ -7,7 +7,7 @@ and its neighbours. Where even that costs a further correction, other multiples 
 """
 
 from toolkit.foundation.kernel import inlined
-from toolkit.solvers.transient.first_guess.fitted_trend import HIGHEST, fit_trend, forget_fit
+from toolkit.solvers.transient.first_guess.fitted_trend import HIGHEST, beside, fit_trend, forget_fit
 from toolkit.solvers.transient.scheme import by_acceleration
 
 ORDER, EXPECTED, BEND, UNCHECKED, AWAY, QUALITY, UNREFINED, BEST, FITTING, FITTED = range(10)
@@ -21,12 +21,9 @@ NEGLIGIBLE = 1e-15
 of."""
 PATIENCE = 20
 """Steps for which multiples are fitted after the last that needed it."""
-FAR_BETTER = 0.2
-"""Part of the miss of the best order that fitted multiples have to undercut: those of 1000 rods, whose motion they do not fit, would be a
-little better in one step and worse in the next."""
 SMOOTH = 1e-4
 """Part of the scene's size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
-solutions, and the one next to the last state is meant."""
+solutions, and the one next to the last state is meant. Nor is a fitted one this far from that of the best order."""
 BETTER = 0.5
 """Part of the miss of one order that the next has to undercut: round-off alone is no trend, its differences grow with the order."""
 
@@ -44,7 +41,7 @@ def guess(plan, ratio, memory, before, acc):
     """First guess of [a; lam] in `acc`, from those of the step `before`; `ratio` of the lengths of both steps."""
     trend, order, power = memory.trend, int(memory.learnt[ORDER]), ratio
     if ratio != 1:
-        memory.learnt[EXPECTED] = 0
+        memory.learnt[EXPECTED], memory.learnt[FITTING], memory.learnt[FITTED] = 0, 0, 0
         for k in range(HIGHEST):
             for i in range(plan.n):
                 trend[k, i] *= power
@@ -88,5 +85,5 @@ def learn_trend(plan, scheme, weights, before, acc, memory):
         learnt[FITTING] = PATIENCE
     elif fitting:
         learnt[FITTING] -= 1
-    if fitting and fit_missed < min(FAR_BETTER * best, SMOOTH):
+    if fitting and fit_missed < min(BETTER * best, SMOOTH) and beside(plan.n_q, c_q, weights, order, memory) < SMOOTH:
         learnt[EXPECTED], learnt[FITTED] = fit_missed, 1

@@ -79,6 +79,18 @@ def solve_fit(sums, root, fitted):
 
 
 @inner
+def beside(n_q, scale, weights, order, memory):
+    """How far the next guess by the multiples is from that of a polynomial of some order."""
+    largest = 0.0
+    for i in range(n_q):
+        apart = 0.0
+        for k in range(HIGHEST):
+            apart += (memory.fitted[k] - (1.0 if k < order else 0.0)) * memory.trend[k, i].real
+        largest = max(largest, scale * weights[i] * abs(apart))
+    return largest
+
+
+@inner
 def forget_fit(memory):
     """As if no step had been seen."""
     memory.fitted[:] = 0
