@@ -286,6 +286,12 @@ def test_an_unknown_design_variable_lists_the_available_ones(file, name):
         compile_scene(read_scene(file()), [name])
 
 
+@pytest.mark.parametrize(("letter", "number"), [("x", 0), ("y", 1)])
+def test_a_component_of_a_planar_velocity_is_not_taken_for_its_rotation(letter, number):
+    with pytest.raises(InputError, match=rf"'bodies\.mass\.velocity\.{letter}', did you mean 'bodies\.mass\.velocity\.{number}'"):
+        fast_pendulum().design_variables([f"bodies.mass.velocity.{letter}"])
+
+
 def test_a_design_entry_that_leads_nowhere_is_refused(file):
     with pytest.raises(
         InputError, match=r"design\.M: the path 'loads\.motor\.torque' .*leads nowhere.*loads\.drive\.torque.*\(line \d+\)"

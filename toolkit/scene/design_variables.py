@@ -7,6 +7,7 @@ from typing import Any
 
 from toolkit.description.design import Design, DesignVariable
 from toolkit.description.point import BodyPoint
+from toolkit.description.vector_paths import AXES
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed, meant
 from toolkit.scene.measures import number_measure
@@ -73,9 +74,16 @@ def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
     if path != name:
         which = f"the path {path!r} of design variable {name!r} leads nowhere"
     raise InputError(
-        f"{which}{meant(path, [*scene.design, *available])}; short names of the scene: {', '.join(scene.design) or 'none'}; "
+        f"{which}{_meant(path, [*scene.design, *available])}; short names of the scene: {', '.join(scene.design) or 'none'}; "
         f"paths: {listed(list(available))}."
     )
+
+
+def _meant(path: str, names: Collection[str]) -> str:
+    """What was probably meant: of a planar velocity's `.x` its number `.0`, though `.2`, the rotation, reads as much like it."""
+    stem, _, axis = path.rpartition(".")
+    numbered = f"{stem}.{AXES.index(axis)}" if axis in AXES[:2] else path
+    return meant(path, [numbered] if numbered in names else names)
 
 
 def _on_body(path: str, moving: str, point: BodyPoint, available: Iterable[str]) -> str:
