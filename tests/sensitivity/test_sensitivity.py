@@ -10,7 +10,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import InputError
+from toolkit.foundation.errors import InputError, NoDerivativeError
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.reduced_model.file import save
@@ -22,6 +22,7 @@ from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import prepare
+from toolkit.solvers.start import initial_conditions
 
 AGREEMENT = 5e-10
 """Two orders of the same sums, for a skin that is 1e6 times stiffer in stretching than in bending: seen are 2e-10 in statics and
@@ -131,6 +132,23 @@ def test_a_design_variable_that_breaks_a_joint_at_the_start_is_refused_by_name()
     )
     with pytest.raises(InputError, match=r"'joints.bar.length' would violate distance of joint 'bar'"):
         direct(scene, ["joints.bar.length"], "transient")
+
+
+def test_all_variables_that_break_joints_at_the_start_are_told_however_many_are_looked_at_together(monkeypatch):
+    bodies = {name: Rod(between=("O", "P"), area=1e-3, density=2700.0) for name in ("one", "other")}
+    scene = Scene(
+        units="m-kg-s",
+        points={"O": Point(x=0.0, y=0.0), "P": Point(x=1.0, y=0.0), "Q": Point(x=1.0, y=1.0)},
+        bodies=bodies,
+        joints={name: Distance(bodies=(name, "ground"), points=("P", "Q"), length=1.0) for name in bodies},
+        responses={"angle": Rotation(body="one", point="P")},
+    )
+    design = ["joints.other.length", "points.P.x", "bodies.one.density", "joints.one.length"]
+    for together in (64, 2, 1):
+        monkeypatch.setattr(initial_conditions, "SEVERAL", together)
+        with pytest.raises(NoDerivativeError, match=r"'joints.one.length' would violate distance of joint 'one'") as caught:
+            direct(scene, design, "transient")
+        assert caught.value.variables == ("joints.other.length", "joints.one.length")
 
 
 def test_an_unknown_method_lists_the_available_ones():

@@ -122,7 +122,8 @@ class Displacement(MarkerResponse):
         states = MarkerStates(system)
         start, dstart = (item[: system.n_q] for item in system.undeformed())
         origin, origin_q, origin_x = self.pose(states, start)
-        fixed_x = origin_x + np.real(origin_q) @ dstart
+        own = np.any(origin_q, axis=0)
+        fixed_x = origin_x + np.real(origin_q[:, own]) @ dstart[own]
 
         def look(step: int) -> Partials:
             pose, pose_q, pose_x = self.pose(states, solution.q[step])

@@ -49,3 +49,7 @@ class EvaluationMemory(threading.local):
             for to, of in ((found.I_x, known.I_x), (found.A_x, known.A_x)):
                 np.put(to.T, self._touched, np.take(of.T, self._touched))
         return of_variables(self._plan, found)
+
+    def applied_touched(self) -> np.ndarray:
+        """Derivatives of the applied terms by the design that the last evaluation has found, at the entries that the plan names."""
+        return np.take(self._terms.A_x.T, self._touched)

@@ -140,6 +140,20 @@ class System:
             self.work.care[1] = apart
             self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, self.work)
             return of_variables(self.plan, terms)
+        return self._evaluate(inputs, q, v, acc, linearize, design, apart).found(linearize, design)
+
+    def evaluate_touched(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray) -> tuple[Terms, np.ndarray]:
+        """Residual and derivatives by the state, and those of `applied` by the design at the entries that the plan names."""
+        if not self.compiled:
+            terms = self.evaluate(inputs, q, v, acc, design=True)
+            return terms, terms.A_x[self.plan.touched_row, self.plan.touched_variable]
+        memory = self._evaluate(inputs, q, v, acc, True, self.n_x > 0, False)
+        return memory.found(True, False), memory.applied_touched()
+
+    def _evaluate(
+        self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, linearize: bool, design: bool, apart: bool
+    ) -> EvaluationMemory:
+        """Compiled, into the memory of this thread."""
         curves, curves_x, scale, levels, inertia, joints_only = inputs
         inputs = Inputs(
             np.ascontiguousarray(curves, float),
@@ -155,7 +169,7 @@ class System:
             memory.formula = entry_point(evaluate_all, *given)
         memory.care[1] = apart
         memory.formula(*given)
-        return memory.found(linearize, design)
+        return memory
 
     @cached_property
     def _memory(self) -> EvaluationMemory:

@@ -16,6 +16,7 @@ import numpy as np
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NeedsDirectError
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.responses.response import Partials
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.backward_sweep import begin_sweep, end_sweep, sweep, transposition
@@ -89,6 +90,7 @@ def has_adjoint(scene: Scene, kind: Kind) -> bool:
     return kind == "static" or scene.solver.formulation != "ggl"
 
 
+@one_thread()
 def adjoint_gradients(
     system: System, solution: Solution, progress: Progress | None = None
 ) -> tuple[dict[str, Partials], np.ndarray]:

@@ -23,8 +23,9 @@ from toolkit.solvers.transient.scheme import START, Scheme
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
-PIECE = 200
-"""Steps whose states are copied at once, and between two reports of progress."""
+PIECE, SMALL = 200, 30_000
+"""Most steps whose states are copied at once, and between two reports of progress; and numbers of so many coordinates that the system
+does not take their memory back after each copy."""
 
 
 class Sweep(NamedTuple):
@@ -71,8 +72,9 @@ def sweep(
     """
     for r, partials in enumerate(found):
         state.gradient[:, r] += 0 if partials.design is None else partials.design
-    for high in range(len(window.times), 0, -PIECE):
-        piece = slice(max(0, high - PIECE), high)
+    steps = min(PIECE, 1 + SMALL // state.system.n)
+    for high in range(len(window.times), 0, -steps):
+        piece = slice(max(0, high - steps), high)
         _sweep_piece(state, window, piece, first, found)
         progress(first + piece.start)
 

@@ -13,6 +13,7 @@ from toolkit.analyses.checkpoints import Checkpoint, checkpoint_states, solve_wi
 from toolkit.description.time_grid import time_grid
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.memory_sizes import GIGABYTE
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.windows import combine, steps_seen
 from toolkit.scene.scene import Scene
@@ -49,6 +50,7 @@ class Forwards(NamedTuple):
     weights: dict[str, dict[int, float]]  # response -> window -> derivative of the response by that of the window
 
 
+@one_thread()
 def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -> Result:
     """Responses with gradients of a transient run, in the memory of about sqrt(n_t) states; the run is computed twice.
 

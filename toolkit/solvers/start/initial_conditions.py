@@ -17,6 +17,8 @@ from toolkit.system.system import System
 
 POSITION_TOLERANCE = 1e-8
 """Largest violation of a constraint at the start, relative to the scene's size (or rad): round-off of input with 9 digits."""
+SEVERAL = 64
+"""Design variables whose derivatives of the constraints are looked at together."""
 
 
 class State(NamedTuple):
@@ -149,7 +151,7 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
         Names the joint, and the design variable.
     """
     zero, n_q = np.zeros_like(q), system.n_q
-    terms = system.evaluate(system.inputs(time, np.array([0, 0, 1.0])), q, zero, zero, design=True)
+    terms, by_design = system.evaluate_touched(system.inputs(time, np.array([0, 0, 1.0])), q, zero, zero)
     names = system.numbering.names
     violated = np.flatnonzero(np.abs(terms.applied[n_q:]) * system.weights[n_q:] > POSITION_TOLERANCE)
     if len(violated):
@@ -159,14 +161,7 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
             "Give positions that satisfy every joint, or a length, offset or curve that starts at their value; or let "
             "solver.assemble = true close the joints."
         )
-    change = terms.A_x[n_q:]
-    if np.any(dq):
-        change = change + system.times(terms.A_q, dq, n_q)
-    sizes = np.abs(change)
-    if sizes.max(initial=0) <= POSITION_TOLERANCE:
-        return
-    largest = max(dq.max(initial=0), -dq.min(initial=0))
-    violating = np.argwhere(sizes > POSITION_TOLERANCE * (1 + largest))
+    violating = _violating(system, terms, by_design, dq)
     for i, x in violating:
         raise NoDerivativeError(
             f"design variable {system.design.names[x]!r} would violate {names[n_q + i]} at the start while the positions stay. "
@@ -174,6 +169,25 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
             "solver.assemble = true move the bodies with it.",
             tuple(system.design.names[other] for other in np.unique(violating[:, 1])),
         )
+
+
+def _violating(system: System, terms: Terms, by_design: np.ndarray, dq: np.ndarray) -> np.ndarray:
+    """Constraints and variables that would violate them, (k, 2), by constraints; `by_design` as `System.evaluate_touched` finds it.
+
+    Some variables at a time, because new memory for many takes longer than all else.
+    """
+    plan, n_q, found = system.plan, system.n_q, [np.zeros((0, 2), np.int64)]
+    for first in range(0, system.n_x, SEVERAL):
+        moved = dq[:, first : first + SEVERAL]
+        own = (plan.touched_row >= n_q) & (plan.touched_variable // SEVERAL == first // SEVERAL)
+        change: np.ndarray = np.zeros((system.n - n_q, moved.shape[1]), system.dtype)
+        change[plan.touched_row[own] - n_q, plan.touched_variable[own] - first] = by_design[own]
+        sizes = np.abs(change + system.times(terms.A_q, moved, n_q) if np.any(moved) else change)
+        if sizes.max(initial=0) > POSITION_TOLERANCE:
+            largest = max(dq.max(initial=0), -dq.min(initial=0))
+            found.append(np.argwhere(sizes > POSITION_TOLERANCE * (1 + largest)) + np.array([0, first]))
+    places = np.concatenate(found)
+    return places[np.argsort(places[:, 0], kind="stable")]
 
 
 def initial_accelerations(

@@ -29,7 +29,7 @@ WHERE = "velocities at the start"
 def carried_along(system: System, q: np.ndarray, v: np.ndarray, dv: np.ndarray, dq: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Velocities (n,) and derivatives (n, n_x) of the scene's start for other coordinates q: quaternions turn with the same omega."""
     given, _, dgiven, _ = system.start()
-    if np.array_equal(q, given) and np.array_equal(dq, dgiven):
+    if np.array_equal(q, given) and (dq is dgiven or np.array_equal(dq, dgiven)):
         return v, dv
     v, dv = v.copy(), dv.copy()
     for name in system.numbering.length:
