@@ -87,3 +87,11 @@ def test_direct_gradients_and_the_adjoint_agree_of_a_fine_skin(fine, kind):
     direct, adjoint = (gradients_by(method, fine.scene, design, kind).gradients for method in ("direct", "adjoint"))
     for name, gradient in direct.items():
         assert adjoint[name] == pytest.approx(gradient, rel=1e-9)
+
+
+def test_a_complex_step_of_statics_has_the_digits_of_exact_gradients(fine):
+    """1e-12 was measured; with one solve of a skin's stiffness in complex numbers it was 3e-9."""
+    design = ["t_w", "E", "x_A"]
+    direct, judge = (gradients_by(method, fine.scene, design, "static").gradients for method in ("direct", "complex-step"))
+    for name in ("max_stress", "shape_rmse", "drive_angle"):
+        assert judge[name] == pytest.approx(direct[name], rel=1e-10)

@@ -57,8 +57,9 @@ def remarks(result: Result) -> list[str]:
     elif solution.steps:
         balance = result.verdict.measures["energy_balance"]
         lines.append(
-            f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size, energy balance by "
-            f"{max(balance.values()):.1e} of the largest energy or work."
+            f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size; of the largest energy or work "
+            f"{balance['created']:.1e} came from nowhere and {balance['lost']:.1e} vanished, beyond damping and errors "
+            "of sums over steps."
         )
         lines += chosen_steps(result) + accuracy(result) + start_lines(solution)
     else:
