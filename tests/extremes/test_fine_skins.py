@@ -15,6 +15,7 @@ from toolkit.compilation.patterns import stiff_entries
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError
 from toolkit.reduced_model.file import save
 from toolkit.sensitivity.methods import gradients_by
+from toolkit.system.system import compile_scene
 
 TIMES = 10
 """As many elements as the wing has; interface points stay at their places."""
@@ -51,6 +52,21 @@ def test_statics_does_not_take_round_off_for_a_limit_point(monkeypatch):
     ) as error:
         model.statics()
     assert not isinstance(error.value, CriticalPointError)
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-30j], ids=["compiled", "plain"])
+def test_a_state_can_be_evaluated_without_the_stiffness_that_is_kept_in_its_factors(step):
+    scene = ffrf.read_scene(WING)
+    scene = (
+        scene if step == 0 else scene.with_number("bodies.skin.youngs_modulus", scene.number("bodies.skin.youngs_modulus") + step)
+    )
+    system = compile_scene(scene)
+    q, v, *_ = system.start()
+    given = system.inputs(0.0, np.array([0.0, 0.0, 1.0])), q, v, np.zeros_like(q)
+    whole, apart = (system.evaluate(*given, apart=each).A_q for each in (False, True))
+    strained = system.plan.constant.strained
+    assert np.abs(strained).max() > 0.5 * np.abs(whole).max()
+    np.testing.assert_allclose(apart + strained, whole, rtol=0, atol=1e-15 * np.abs(whole).max())
 
 
 NEARBY = 1.5 * (1 + 1e-9 * np.arange(7))

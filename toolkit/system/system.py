@@ -136,9 +136,9 @@ class System:
         """
         design = bool(design and self.n_x > 0)
         if not self.compiled:
-            terms = allocate_terms(self.plan, self.dtype)
-            self.work.care[1] = apart
-            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, self.work)
+            terms, work = allocate_terms(self.plan, self.dtype), self.work
+            work.care[1] = apart
+            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, work)
             return of_variables(self.plan, terms)
         return self._evaluate(inputs, q, v, acc, linearize, design, apart).found(linearize, design)
 
