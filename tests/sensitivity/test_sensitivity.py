@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import toolkit as ffrf
 from preprocessing import build
 from tests.models.directions import along, derivative_along, direction
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
@@ -168,3 +169,14 @@ def test_a_complex_step_along_the_known_motion_finds_the_same_in_fewer_iteration
     )  # one finds the derivative, and one that it is right
     exact = alone.q.imag
     np.testing.assert_allclose(beside.q.imag, exact, rtol=0, atol=1e-10 * np.abs(exact).max())
+
+
+def test_a_variable_that_nothing_feels_is_told():
+    """Rods have no weight in this equilibrium; their densities are felt by the motion."""
+    model = ffrf.compile(read_scene(WING), variables=["t_w", "bodies.body2.density"])
+    found = {kind: getattr(model, kind)(gradients=True) for kind in ("statics", "simulate")}
+    told = {kind: [each for each in run.verdict.warnings if each.code == "unfelt"] for kind, run in found.items()}
+    assert told["simulate"] == []
+    assert [each.doubt for each in told["statics"]] == [False]
+    assert "bodies.body2.density" in told["statics"][0].text
+    assert "t_w" not in told["statics"][0].text

@@ -154,9 +154,9 @@ def monitor_table(material: Material) -> list[Table]:
     if not material.moving:
         return []
     found, energy = material.monitors, unit(material.scene.units, "energy")
-    energies = [f"{name} in {energy}" for name in ("kinetic", "strain", "work", "defect")]
-    head = [f"time in {unit(material.scene.units, 'time')}", *energies, "relative drift"]
-    columns = (material.solution.times, *found.energy, found.energy.defect, found.drift)
+    energies = ("kinetic", "strain", "work", "defect")
+    head = [f"time in {unit(material.scene.units, 'time')}", *(f"{name} in {energy}" for name in energies), "relative drift"]
+    columns = (material.solution.times, *(getattr(found.energy, name) for name in energies), found.drift)
     return [Table("monitors", "Monitors", "Energies and drift over time.", head, np.column_stack(columns).tolist())]
 
 

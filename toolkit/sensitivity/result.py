@@ -21,6 +21,7 @@ from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
+from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables
 from toolkit.sensitivity.frames.gradient_errors import FrameErrors, Reframed, doubtful_gradients, frame_errors
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
@@ -172,7 +173,8 @@ class Result:
             yield from critical_loads(self.solution, lateral=True)  # what its derivatives feel is not known
 
     def _undefined(self) -> Iterator[Caution]:
-        """Values and derivatives that do not exist at this design."""
+        """Values and derivatives that do not exist at this design, and variables that nothing feels."""
+        yield from unfelt_variables(self.gradients)
         numbers = {f"the value of {name}": value for name, value in self.values.items()}
         numbers |= {f"the derivative of {f} by {x}": slope for f, slopes in self.gradients.items() for x, slope in slopes.items()}
         for what, number in numbers.items():

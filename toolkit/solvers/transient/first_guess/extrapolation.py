@@ -14,13 +14,14 @@ ORDER, EXPECTED, BEND, UNCHECKED, AWAY, QUALITY, UNREFINED, BEST, FITTING, FITTE
 """Places in `Memory.learnt`: order of the next guess; the correction that it would have needed in the last step, 0 if unknown; what a
 correction leaves in parts of its square, for how many steps Newton has not looked, and by how much it has moved since the factors were
 made; what the last refinement changed in parts of the correction, 0 if unknown, how many corrections were not refined since,
-and the least change so far; see `newton`. For how many steps multiples of differences will still be fitted, and whether the next guess
-is made of those."""
+and the least change so far; see `newton`. For how many steps multiples of differences will still be fitted, or minus the number of steps
+that would have needed it; and whether the next guess is made of those."""
 NEGLIGIBLE = 1e-15
 """Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist
 of."""
-PATIENCE = 20
-"""Steps for which multiples are fitted after the last that needed it."""
+WANTED, PATIENCE = 10, 20
+"""Steps that need multiples before they are fitted, as a short run does not get back what that costs; and steps for which they are fitted
+after the last that needed it."""
 SMOOTH = 1e-4
 """Part of the scene's size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
 solutions, and the one next to the last state is meant. Nor is a fitted one this far from that of the best order."""
@@ -79,10 +80,13 @@ def learn_trend(plan, scheme, weights, before, acc, memory):
                 trend[k, i] = change[i]
                 change[i] -= behind
     learnt[ORDER], learnt[EXPECTED], learnt[FITTED] = order, best, 0
-    if best > 0 and learnt[BEND] * best * best > NEGLIGIBLE:
-        if not fitting:
-            forget_fit(memory)
-        learnt[FITTING] = PATIENCE
+    if 0 < best < SMOOTH and learnt[BEND] * best * best > NEGLIGIBLE:
+        if not fitting and learnt[FITTING] > -WANTED:
+            learnt[FITTING] -= 1
+        else:
+            if not fitting:
+                forget_fit(memory)
+            learnt[FITTING] = PATIENCE
     elif fitting:
         learnt[FITTING] -= 1
     if fitting and fit_missed < min(BETTER * best, SMOOTH) and beside(plan.n_q, c_q, weights, order, memory) < SMOOTH:
