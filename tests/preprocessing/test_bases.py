@@ -13,7 +13,7 @@ from preprocessing.basis.reduction import MEAN_AXES, reduced_basis, tangent_fram
 from preprocessing.mesh.curve_mesh import CurveMesh
 from tests.models.frames import Frame, cantilever, matrices, relative, richardson, ring, varied, wing
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.checks import RIGID
+from toolkit.reduced_model.checks.matrices import RIGID
 from toolkit.reduced_model.model import generalized_mass
 
 INSIDE = replace(wing(), points={"C": 9.62, "E": 25.0, "G": 30.0})

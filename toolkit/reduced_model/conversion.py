@@ -20,7 +20,7 @@ import numpy as np
 from toolkit.foundation.dimensions import LABELLED, NONE, Dimension, dimension_of_label, factor
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
-from toolkit.reduced_model.checks import letters_of
+from toolkit.reduced_model.checks.shapes import letters_of
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.model import ReducedModel
 

@@ -15,7 +15,7 @@ from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
 from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
-from toolkit.reduced_model.checks import check
+from toolkit.reduced_model.checks.check import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints

@@ -7,7 +7,7 @@ from typing import Any
 
 from preprocessing.recipes.solids.pieces.piece_columns import MOTIONS, columns_of_piece
 from preprocessing.recipes.solids.pieces.placed_items import Placed, Placement, in_row, placed, placement
-from toolkit.reduced_model.checks import SHAPES
+from toolkit.reduced_model.checks.shapes import SHAPES
 from toolkit.reduced_model.elements import SPATIAL_LOCAL
 from toolkit.reduced_model.parts.pieces import PieceLoads
 from toolkit.reduced_model.spatial_model import SurfaceLoad

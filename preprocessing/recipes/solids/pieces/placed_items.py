@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.reduced_model.checks import letters_of
+from toolkit.reduced_model.checks.shapes import letters_of
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 
 LEFT_OUT = -1
@@ -69,7 +69,7 @@ def placed(pieces: Sequence[Mapping[str, Any]], places: Sequence[Mapping[str, Pl
 
 
 def letters_of_items(invariants: Any) -> dict[str, str]:
-    """Letters of the axes of all invariants, see `toolkit.reduced_model.checks`."""
+    """Letters of the axes of all invariants, see `toolkit.reduced_model.checks.shapes`."""
     letters = letters_of(invariants)
     return {f.name: letters[f.name] for f in fields(invariants)}
 

@@ -1,0 +1,1 @@
+"""Refusal of reduced models that are incomplete or cannot be physical."""

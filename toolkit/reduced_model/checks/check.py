@@ -1,0 +1,51 @@
+"""Refusal of reduced models that are incomplete or cannot be physical; whatever is wrong is named by its place in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from pathlib import Path
+
+from toolkit.reduced_model.checks.attributes import check_attributes
+from toolkit.reduced_model.checks.dependences import check_affine, check_derivatives
+from toolkit.reduced_model.checks.indices import check_indices
+from toolkit.reduced_model.checks.matrices import check_matrices, check_spin
+from toolkit.reduced_model.checks.refusal import refuse
+from toolkit.reduced_model.checks.shapes import Sizes, fit_all
+from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL
+from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.spatial_model import PAIRS
+
+
+def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
+    """Refuse a model whose parts disagree or whose matrices are not physical.
+
+    Parameters
+    ----------
+    before : parts that were checked by themselves when they were read before
+
+    Raises
+    ------
+    ModelFileError
+        It names the file and the group, dataset or attribute.
+    """
+    check_attributes(model, path)
+    sizes: Sizes = {"2": 2, "3": 3, "4": 4, "6": 6, "u": LOCAL, "w": 1 + LOCAL, "v": SPATIAL_LOCAL, "y": 1 + SPATIAL_LOCAL}
+    fit_all(path, "invariants", model.invariants, sizes)
+    if "invariants" not in before:
+        check_matrices(model.invariants, path)
+    check_derivatives(model, path, sizes)
+    check_affine(model, path, sizes)
+    for name, point in (model.interfaces or {}).items():
+        fit_all(path, f"interfaces/{name}", point, sizes)
+        low, high = point.arc_length_range
+        if not low <= point.arc_length <= high:
+            refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
+    for group in ("surface_loads", "piece_loads"):
+        for name, load in (getattr(model, group) or {}).items():
+            fit_all(path, f"{group}/{name}", load, sizes)
+    for part in ("stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin", "pieces"):
+        if getattr(model, part) is not None:
+            fit_all(path, part, getattr(model, part), sizes)
+    if model.spin is not None and "spin" not in before:
+        check_spin(model.spin.stiffening, 1 if model.dimension == 2 else len(PAIRS), path)
+    check_indices(model, path)
