@@ -15,7 +15,7 @@ from toolkit.foundation.errors import ConvergenceError, InputError, SingularSyst
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.dense_memory import check_dense
 from toolkit.solvers.half_turns import half_turn
-from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at
+from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.static.path.continuation import NEAR, to_full_load
 from toolkit.solvers.static.stability.critical_state import is_stable, refuse_gradients_of_critical
 from toolkit.solvers.static.static_change import static_change
@@ -172,7 +172,8 @@ def _with_sensitivities(system: System, options: RunOptions, state: Equilibrium,
     if n_x:
         inputs = inputs_at(system, options, 1.0)
         terms = system.evaluate(inputs, state.q, rest, state.acc, design=True)
-        change = static_change(system, inputs, state.q, state.acc, -(terms.I_x + terms.A_x), "static sensitivities")
+        matrix, forces = static_matrix(system, terms), -(terms.I_x + terms.A_x)
+        change = static_change(system, inputs, state.q, state.acc, matrix, forces, "static sensitivities")
         dq[:n_q], dacc[n_q:] = change[:n_q], change[n_q:]
     states = tuple(item[None] for item in (state.q, rest, state.acc, dq, np.zeros_like(dq), dacc))
     wall = {"run": clock.perf_counter() - begun, "sensitivity": clock.perf_counter() - solved}

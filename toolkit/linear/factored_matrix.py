@@ -7,6 +7,7 @@ the products of K's own entries, which a skin of n elements makes n^4 times larg
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from toolkit.foundation.kernel import inner
 from toolkit.foundation.vectors.rows import add_rows
@@ -23,6 +24,11 @@ class Factored(NamedTuple):
     felt_start: np.ndarray  # (n_felt + 1,) into the next two
     felt_row: np.ndarray
     felt_value: np.ndarray
+
+
+def strain_rows(matrix: Factored, count: int) -> scipy.sparse.csr_array:
+    """B on so many coordinates, (n_rows, count)."""
+    return scipy.sparse.csr_array((matrix.value, matrix.column.astype(int), matrix.start), shape=(len(matrix.weight), count))
 
 
 class FactoredChanges(NamedTuple):

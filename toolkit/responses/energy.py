@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from toolkit.bodies.kernels.constant_kernel import Constant
+from toolkit.linear.factored_matrix import strain_rows
 from toolkit.responses.instant import Instant
 from toolkit.responses.response import Partials
 from toolkit.system.solution import Solution
@@ -57,9 +57,7 @@ class StrainEnergy(Energy):
         system, part = solution.system, solution.system.plan.constant
         q = np.where(self.counted(solution), solution.q[step], 0)
         by_entries, strains, changes = system.matrix(part.loose)[: system.n_q, : system.n_q] @ q, part.strains, part.design_loose
-        rows = scipy.sparse.csr_array(
-            (strains.value, strains.column.astype(int), strains.start), shape=(len(strains.weight), system.n_q)
-        )
+        rows = strain_rows(strains, system.n_q)
         strain = rows @ q
         force = strains.weight * strain
         design = np.zeros(system.n_x)

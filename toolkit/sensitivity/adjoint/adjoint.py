@@ -27,7 +27,7 @@ from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, moving, responses_of, solve
 from toolkit.sensitivity.result import Result, result
 from toolkit.solvers.spin.steady_state import steady_adjoint
-from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at
+from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.static.stability.critical_state import refuse_gradients_of_critical
 from toolkit.solvers.static.static_change import static_change
 from toolkit.system.solution import Solution
@@ -162,5 +162,6 @@ def _through_equilibrium(system: System, solution: Solution, found: list[Partial
     refuse_gradients_of_critical(system, options, find_equilibrium(system, options, 1.0, q, acc)[0])
     inputs = inputs_at(system, options, 1.0)
     terms = system.evaluate(inputs, q, rest, acc, design=True)
-    mu = static_change(system, inputs, q, acc, -load, "static adjoint", transposition(system))
+    places = transposition(system)
+    mu = static_change(system, inputs, q, acc, static_matrix(system, terms)[places], -load, "static adjoint", places)
     return gradient + (terms.I_x + terms.A_x).T @ mu

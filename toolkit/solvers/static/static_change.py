@@ -7,10 +7,9 @@ larger than their sum. So what is left of the solution is found with the stiffne
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from toolkit.equations.equations import Inputs
-from toolkit.linear.factored_matrix import Factored
+from toolkit.linear.factored_matrix import strain_rows
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.static.equilibrium import static_matrix
 from toolkit.system.system import System
@@ -26,6 +25,7 @@ def static_change(
     inputs: Inputs,
     q: np.ndarray,
     acc: np.ndarray,
+    whole: np.ndarray,
     forces: np.ndarray,
     where: str,
     transposition: np.ndarray | None = None,
@@ -39,6 +39,8 @@ def static_change(
         What acts.
     q, acc : (n,)
         Coordinates, and [0; lam].
+    whole : (n_entries,)
+        That matrix, or its transpose, on the system's pattern.
     forces : (n, columns)
     where : str
         What is solved, for messages.
@@ -54,17 +56,13 @@ def static_change(
     SingularSystemError
         The equations have no unique solution.
     """
-
-    def values(apart: bool) -> np.ndarray:
-        found = static_matrix(system, system.evaluate(inputs, q, np.zeros_like(q), acc, apart=apart))
-        return found if transposition is None else found[transposition]
-
-    whole = values(False)
     found = solve_linear(system, whole, forces, where)
-    if not len(system.plan.constant.strained):
+    constant = system.plan.constant
+    if not len(constant.strained):
         return found
-    rest, strains = system.matrix(values(True)), _strains(system)
-    weight = system.plan.constant.strains.weight[:, None]
+    apart = static_matrix(system, system.evaluate(inputs, q, np.zeros_like(q), acc, apart=True))
+    rest = system.matrix(apart if transposition is None else apart[transposition])
+    strains, weight = strain_rows(constant.strains, system.n), constant.strains.weight[:, None]
     for _ in range(MOST):
         left = forces - rest @ found - strains.T @ (weight * (strains @ found))
         change = solve_linear(system, whole, left, where)
@@ -72,12 +70,6 @@ def static_change(
         if _largest(system, change) <= LEFT * _largest(system, found):
             break
     return found
-
-
-def _strains(system: System) -> scipy.sparse.csr_array:
-    """B on all unknowns, (n_rows, n)."""
-    factored: Factored = system.plan.constant.strains
-    return scipy.sparse.csr_array((factored.value, factored.column, factored.start), shape=(len(factored.weight), system.n))
 
 
 def _largest(system: System, change: np.ndarray) -> float:

@@ -53,7 +53,6 @@ def fit_trend(n_q, scale, weights, change, memory):
 def solve_fit(sums, root, fitted):
     """Multiples c from their normal equations, S c = r with [S, r] in `sums`, by Cholesky's factors of D S D + RIDGE, D^-2 = diag S."""
     for k in range(HIGHEST):
-        fitted[k] = 0.0
         for j in range(k + 1):
             both = np.sqrt(sums[k, k]) * np.sqrt(sums[j, j])
             entry = sums[k, j] / both if both > 0 else 0.0
