@@ -50,6 +50,8 @@ def read_apart(reader: str, path: Path, how: str, remedy: str, *more: str, drawn
         found = {}
     if "found" in found:
         return found["found"]
+    if "refused" in found:
+        raise InputError(found["refused"])
     raise InputError(f"{str(path)!r} cannot be read {how} ({_why(ended, found, bounds)}). {_remedy(found) or remedy}")
 
 

@@ -10,9 +10,10 @@ from io import StringIO
 from typing import Any, BinaryIO
 
 from preprocessing.foreign_files.bounds import Bounds
+from toolkit.foundation.errors import InputError
 
 READERS = {
-    "mesh": ("preprocessing.foreign_files.mesh_arrays", "mesh_arrays"),
+    "mesh": ("preprocessing.foreign_files.mesh_reader", "mesh_contents"),
     "matrix": ("preprocessing.foreign_files.matrix_entries", "matrix_entries"),
     "table": ("preprocessing.foreign_files.number_table", "number_table"),
 }
@@ -33,7 +34,7 @@ def main(reader: str, path: str, memory: str, seconds: str, *more: str) -> None:
 
 
 def reading(reader: str, path: str, *more: str) -> dict[str, Any]:
-    """`found`, or the `reason` why nothing was, or the name of a package that it `lacks`, or that the `memory` was too small."""
+    """`found`; or what was `refused` in words of our own, the `reason` why a library found nothing, a package that it `lacks`, `memory`."""
     said = StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):
@@ -41,6 +42,8 @@ def reading(reader: str, path: str, *more: str) -> dict[str, Any]:
             return {"found": getattr(import_module(module), function)(path, *more)}
     except MemoryError:
         return {"memory": True}
+    except InputError as error:
+        return {"refused": str(error)}
     except ImportError as error:
         return {"lacks": error.name or str(error)}
     except RecursionError:

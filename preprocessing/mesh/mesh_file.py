@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import json
+from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from preprocessing.foreign_files.apart import read_apart
+from preprocessing.foreign_files.contents import Elements, MeshContents, PointMass
 from preprocessing.foreign_files.element_kinds import KNOWN, LOWER, PLANE, SOLID, SPATIAL
-from preprocessing.mesh.included_files import drawn_on
+from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.mesh.outline import CORNERS
 from preprocessing.mesh.solid_mesh import SolidMesh, refuse_parts
 from toolkit.foundation.errors import InputError
@@ -19,27 +20,22 @@ from toolkit.foundation.units import LARGEST
 FLAT = 1e-9
 """Part of the extent by which a plane mesh may leave its plane."""
 
-Elements = list[tuple[str, np.ndarray]]
-"""Kind and nodes (n_e, n_local) of some elements."""
 
-
-class RawMesh(NamedTuple):
-    """What the file holds."""
-
-    points: np.ndarray  # (n, 2) or (n, 3)
-    cells: Elements
-    groups: list[tuple[str, Elements]]
-
-
-def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
+def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> SolidMesh:
     """The elements of a mesh file, of the plane or spatial; nodes that none of them has are left out.
+
+    Parameters
+    ----------
+    path : the file
+    scale : by which its coordinates are multiplied
+    leave_out : names of element types, keywords and cards that are not to be part of the body though they stand in the file
 
     Raises
     ------
     InputError
         The file cannot be read, holds kinds of elements that are not supported or elements twice, leaves its plane, or falls into parts.
     """
-    raw = _read(path)
+    raw = _read(path, leave_out)
     kinds = _kinds(path, [kind for kind, _ in raw.cells])
     present = [kind for kind in dict.fromkeys(kind for kind, _ in raw.cells) if kind in kinds]
     blocks = {kind: _once(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present}
@@ -56,12 +52,16 @@ def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
         {name: faces for name, elements in raw.groups if (faces := _faces(elements, number))} if kinds is SPATIAL else {},
         len(raw.points),
         {name: found for name, elements in raw.groups if (found := _own(elements, blocks, number))},
+        raw.labels[used] if len(raw.labels) else None,
+        _masses(path, raw.masses, number, scale),
+        raw.left_out,
+        raw.remarks,
     )
     refuse_parts(mesh)
     return mesh
 
 
-def _once(path: Path, raw: RawMesh, elements: np.ndarray) -> np.ndarray:
+def _once(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
     """Every element once; gmsh 2.2 writes those that are in several groups several times, and nobody else should."""
     _, first = np.unique(np.sort(elements, axis=1), axis=0, return_index=True)
     twice = np.setdiff1d(np.arange(len(elements)), first)
@@ -74,20 +74,39 @@ def _once(path: Path, raw: RawMesh, elements: np.ndarray) -> np.ndarray:
     return elements[np.sort(first)]
 
 
-def _read(path: Path) -> RawMesh:
+def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
     """What the file holds, with the numbers of nodes in range."""
     remedy = "Export it again, for example as gmsh .msh or Abaqus .inp."
-    found = read_apart("mesh", path, "by meshio", remedy, drawn=drawn_on(path))
-    points = found["points"]
-    cells = [(kind, block) for kind, block in found["cells"] if block.size or kind not in KNOWN]
-    groups = [(name, [(kind, block) for kind, block in elements if block.size]) for name, elements in found["groups"]]
+    found = MeshContents.received(read_apart("mesh", path, "by meshio", remedy, json.dumps([*leave_out]), drawn=drawn_on(path)))
+    points = found.points
+    cells = [(kind, block) for kind, block in found.cells if block.size or kind not in KNOWN]
+    groups = [(name, [(kind, block) for kind, block in elements if block.size]) for name, elements in found.groups]
     if points.ndim != 2 or points.shape[1] not in (2, 3) or points.dtype.kind != "f":
         raise InputError(
             f"the mesh {str(path)!r} has points of shape {points.shape}. Export x and y, or x, y and z, of each point."
         )
     for kind, block in (*cells, *(each for _, elements in groups for each in elements)):
         _refuse_numbers(path, kind, block, len(points))
-    return RawMesh(points, cells, groups)
+    return found._replace(cells=cells, groups=groups)
+
+
+def _masses(path: Path, masses: Sequence[PointMass], number: np.ndarray, scale: float) -> list[PointMass]:
+    """Concentrated masses in the new numbers of nodes, with lengths times the scale.
+
+    Raises
+    ------
+    InputError
+        A mass is on a node that no element has and that follows no such nodes.
+    """
+    found = []
+    for each in masses:
+        if np.any(number[each.carriers] < 0):
+            raise InputError(
+                f"the mesh {str(path)!r} has a mass ({each.source}) on a node that no element of the body has, and that no rigid body ties "
+                "to such nodes. Put it on a node of the body, or leave it out: leave_out in [mesh]."
+            )
+        found.append(each._replace(place=tuple(scale * x for x in each.place), carriers=number[each.carriers]))
+    return found
 
 
 def _refuse_numbers(path: Path, kind: str, block: np.ndarray, n: int) -> None:

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from preprocessing.airfoil.airfoil import read_airfoil
 from preprocessing.commands.cli import app as preprocess
-from preprocessing.mesh.included_files import drawn_on
+from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.mesh.matrix_file import read_matrix, read_nodes
 from preprocessing.mesh.mesh_file import read_mesh
 from toolkit.command_line.cli import app

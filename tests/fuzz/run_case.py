@@ -33,7 +33,7 @@ LOADED = (
     "preprocessing.commands.cli",
     *(
         "preprocessing.recipes.solids.reduced_body",
-        "preprocessing.foreign_files.mesh_arrays",
+        "preprocessing.foreign_files.any_mesh",
         "preprocessing.foreign_files.matrix_entries",
     ),
     *("preprocessing.foreign_files.child", "scipy.io"),

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from preprocessing.mesh.included_files import drawn_on
+from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
 from preprocessing.recipes.solids.body_file import BodyFile
 from preprocessing.reduction.reduced import element_parts

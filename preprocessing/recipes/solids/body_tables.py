@@ -22,6 +22,7 @@ class MeshTable(Table):
 
     file: FileName  # relative to body.toml
     scale: Positive = 1.0  # by which its coordinates are multiplied, for example 0.001 from mm to m
+    leave_out: list[str] = Field(default_factory=list)  # element types, keywords, cards that are not part of the body: "S4R"
 
 
 class MatricesTable(Table):

@@ -81,7 +81,7 @@ def _mesh(path: Path, file: BodyFile) -> tuple[SolidMesh, SolidMesh, dict[str, n
             mesh = SolidMesh(read_nodes(path.parent / str(file.matrices and file.matrices.nodes)))
             return mesh, mesh, {}
     with at_key(path, "mesh.file"):
-        unmoved = mesh = read_mesh(path.parent / file.mesh.file, file.mesh.scale)
+        unmoved = mesh = read_mesh(path.parent / file.mesh.file, file.mesh.scale, file.mesh.leave_out)
     motions = {}
     for name, variable in file.shape_variables.items():
         with at_key(path, f"shape_variables.{name}"):

@@ -1,28 +1,25 @@
-"""Points, elements and groups of a mesh file, read by meshio, as plain arrays."""
+"""Meshes of all formats that have no reader of their own here, as meshio reads them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import meshio
 import numpy as np
 
+from preprocessing.foreign_files.contents import Elements, MeshContents
 from preprocessing.foreign_files.element_kinds import KNOWN
 
-Elements = list[tuple[str, np.ndarray]]
-"""Kind and nodes (n_e, n_local) of some elements."""
 
-
-def mesh_arrays(path: str) -> dict[str, Any]:
+def any_mesh(path: str, file_format: str | None = None) -> MeshContents:
     """All that is used of a mesh; of elements that never are, only the kind."""
-    raw = meshio.read(path, file_format="gmsh" if Path(path).suffix == ".msh" else None)  # not that of ANSYS Fluent
-    return {
-        "points": np.asarray(raw.points, float),
-        "cells": [(block.type, _nodes(block.type, block.data)) for block in raw.cells],
-        "groups": [(_text(name), elements) for name, elements in _groups(raw)],
-    }
+    raw = meshio.read(path, file_format=file_format)
+    return MeshContents(
+        points=np.asarray(raw.points, float),
+        cells=[(block.type, _nodes(block.type, block.data)) for block in raw.cells],
+        groups=[(_text(name), elements) for name, elements in _groups(raw)],
+    )
 
 
 def _nodes(kind: str, data: Any) -> np.ndarray:

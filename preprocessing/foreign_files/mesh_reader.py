@@ -1,0 +1,22 @@
+"""Which reader reads a mesh file: by its ending."""
+
+from __future__ import annotations
+
+import json
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+READERS: dict[str, tuple[str, str]] = {}
+"""Ending -> module of a reader of its own, and its function of a path and of what is to be left out, which returns `MeshContents`."""
+
+
+def mesh_contents(path: str, leave_out: str = "[]") -> dict[str, Any]:
+    """The contents of a mesh file, as they are sent; `leave_out` is a list in JSON: names of element types, keywords and cards."""
+    ending = Path(path).suffix.lower()
+    if ending in READERS:
+        module, function = READERS[ending]
+        return getattr(import_module(module), function)(Path(path), frozenset(map(str.upper, json.loads(leave_out)))).sent()
+    from preprocessing.foreign_files.any_mesh import any_mesh
+
+    return any_mesh(path, "gmsh" if ending == ".msh" else None).sent()  # .msh is not that of ANSYS Fluent
