@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import skfem
@@ -162,7 +164,7 @@ def _integral_of_squares(block, nodal):
 def test_tied_point_follows_rigid_motions_wherever_it_is(nodes):
     mesh = box("tetra10", (3, 1, 1), LENGTHS, bent=0.02)
     members = mesh.groups["right"] if nodes == "group" else np.array([20])
-    spread = spread_of(faces_of(mesh.nodes, mesh.blocks), members)
+    spread = spread_of(mesh, faces_of(mesh.nodes, mesh.blocks), members)
     found = tie(mesh, members, spread, [1.3, -0.4, 0.2] if nodes == "group" else None, rigid=False)
     x, y, z = found.point
     turned = [[0, z, -y], [-z, 0, x], [y, -x, 0]]  # of the point, by unit rotations about x, y and z through the origin
@@ -177,10 +179,26 @@ def test_mean_over_a_face_weighs_by_area_on_uneven_meshes(kind):
     crowded = mesh.nodes.copy()
     crowded[:, 1] = np.interp(crowded[:, 1], np.linspace(-0.5, 0.5, 4), np.array([-0.5, -0.46, -0.34, 0.5]))
     members = mesh.groups["right"]
-    spread = spread_of(faces_of(crowded, mesh.blocks), members).toarray()
+    spread = spread_of(mesh, faces_of(crowded, mesh.blocks), members).toarray()
     np.testing.assert_allclose(spread.sum(axis=1) @ crowded[members], [1.0, 0.0, 0.0], atol=1e-14)  # round-off
     second = crowded[members].T @ spread @ crowded[members]
     np.testing.assert_allclose(second[1:, 1:], np.eye(2) / 12, atol=1e-14)
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "wedge"])
+def test_mean_over_whole_elements_weighs_by_volume(kind):
+    """Centre and second moments are those of the box that the elements fill; with a step along a motion they have its rate."""
+    mesh = box(kind, (3, 2, 1), (3.0, 1.0, 1.0), bent=0.0)
+    members = np.flatnonzero(mesh.nodes[:, 0] >= 2 - 1e-9)
+    faces = faces_of(mesh.nodes, mesh.blocks)
+    spread = spread_of(mesh, faces, members).toarray()
+    places = mesh.nodes[members] - [2.5, 0.0, 0.0]
+    np.testing.assert_allclose(spread.sum(axis=1) @ places, 0, atol=1e-14)  # round-off
+    np.testing.assert_allclose(places.T @ spread @ places, np.eye(3) / 12, atol=1e-14)
+    motion = mesh.nodes[:, [0]] ** 2 * [0.0, 0.1, 0.0] * mesh.nodes[:, [1]]  # wider towards the end
+    step = spread_of(replace(mesh, nodes=mesh.nodes + 1e-30j * motion), faces, members).toarray().imag / 1e-30
+    ahead, back = (spread_of(replace(mesh, nodes=mesh.nodes + h * motion), faces, members).toarray() for h in (1e-5, -1e-5))
+    np.testing.assert_allclose(step, (ahead - back) / 2e-5, atol=1e-9)  # differences: round-off over the step
 
 
 @pytest.mark.parametrize("kind_of_tie", ["averaged", "rigid"])

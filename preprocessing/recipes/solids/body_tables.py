@@ -66,11 +66,13 @@ class TiedRegion(Region):
     """Nodes that carry a point with a position and a rotation, where joints and loads may grip.
 
     `rigid`: the nodes move as one rigid body with the point (RBE2). `averaged`: the point moves with the mean of the nodes, which stay
-    free to deform (RBE3). A single node is averaged; its rotation is that of the nodes of the elements around it.
+    free to deform (RBE3). A single node is averaged; its rotation is that of the nodes of the elements around it. Means are those over the
+    volume of whole elements, if the nodes are those of such; else over the area (in the plane the length) of the boundary's faces between
+    the nodes, if all nodes are on such faces; else over the nodes. So is the place of the point, unless `at` gives it.
     """
 
     tie: Literal["averaged", "rigid"] = "averaged"
-    at: Coordinates | None = None  # the point's undeformed place; by default the middle of the nodes
+    at: Coordinates | None = None  # the point's undeformed place; by default the mean of the nodes as above
 
 
 class PiecesTable(Table):

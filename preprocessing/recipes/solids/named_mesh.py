@@ -51,7 +51,7 @@ class NamedMesh:
         for name, region in self.file.interface_points.items():
             with at_key(self.path, f"interface_points.{name}"):
                 members = self.tied[name]
-                found[name] = tie(mesh, members, spread_of(boundary, members), region.at, region.tie == "rigid")
+                found[name] = tie(mesh, members, spread_of(mesh, boundary, members), region.at, region.tie == "rigid")
         return found
 
 
