@@ -100,10 +100,11 @@ def _node_row(place: str, fields: list[str]) -> list[float]:
         raise InputError(f"{place}: a node needs a number. Fix the line.")
     values = [number(text, place) for text in fields[1:]]
     normal = values[3:]
-    if normal and (len(normal) != 3 or abs(sum(x * x for x in normal) - 1) > UNIT or not any("." in text for text in fields)):
+    unit = len(normal) == 3 and abs(sum(x * x for x in normal) - 1) < UNIT
+    if normal and not ((unit or not any(normal)) and any("." in text for text in fields)):
         raise InputError(
-            f"{place}: a node has a number, three coordinates and at most a unit normal, and here are {len(fields)} fields. If commas stand "
-            "for decimal points, write points."
+            f"{place}: a node has a number, three coordinates and at most a unit normal, and here are {len(fields)} fields. If commas are "
+            "meant as decimal points, write points."
         )
     return [label(fields[0], place), *[*values, 0.0, 0.0, 0.0][:3]]
 
