@@ -15,6 +15,8 @@ from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.foundation.files.outside_files import told_outside
 from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
+from toolkit.reduced_model.description.body_summary import body_summary
+from toolkit.reduced_model.description.told_body import body_line
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.questions.face_questions import face_questions, face_record, told_faces
@@ -136,9 +138,12 @@ def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remar
         told += f"\nEstimated: {stress}."
     if faces := told_faces(model):
         told += f"\nAgainst the uncut mesh: {faces}."
+    summary = body_summary(model)
+    told += f"\n{body_line(path.stem, summary)}"
     record = {"file": str(output), "built": found is None, "elastic_coordinates": model.n_f, "interface_points": interfaces}
     record["stress_error"] = mesh_record(model)
     record["face_error"] = face_record(model)
+    record["body"] = summary
     return Done(told, record, warnings)
 
 
