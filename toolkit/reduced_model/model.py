@@ -169,8 +169,8 @@ class ReducedModel:
         Of a solid in pieces, under forces and moments at its interface points, against its mesh without cuts; positive where it is too
         soft. "least" and "largest" are those under all of them at once.
     composition
-        What the body was made of. `nodes` and `volume` are numbers; `elements`, `interface_points`, `clamp`, `groups`, `masses`, `left_out`,
-        `remarks` and `not_listed` are JSON texts, see `toolkit.reduced_model.description.composition`. A model may lack any of them.
+        What the body was made of. `nodes` and `volume` are numbers; `elements`, `interface_points`, `clamp`, `groups`, `masses`,
+        `left_out`, `remarks` and `not_listed` are JSON texts, see `toolkit.reduced_model.description.composition`. Any may be missing.
     bytes_read
         Part that was read -> its bytes in the file, 0 if the file has no such part.
     """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from math import sqrt
 from typing import Any
 
 NAMES = {
@@ -16,6 +17,8 @@ NAMES = {
     "pyramid": ("pyramid", "pyramids"),
 }
 """Beginning of a kind of elements -> what one and what several are called."""
+NOWHERE_ELSE = 1e-5
+"""Part of the body's radius of gyration below which a coordinate is told as zero."""
 POINTS_IN_LINE = 4
 """Interface points that the one line names; the others are counted."""
 
@@ -23,7 +26,7 @@ POINTS_IN_LINE = 4
 def body_line(name: str, summary: Mapping[str, Any]) -> str:
     """One line: elements, mass, centre, volume, interface points, and what was left out."""
     units = summary["units"]
-    made = [f"{summary['mass']:.6g} {units['mass']} at {_place(summary['centre'])} {units['centre']}"]
+    made = [f"{summary['mass']:.6g} {units['mass']} at {told_place(summary['centre'], summary)} {units['centre']}"]
     if summary["volume"] is not None:
         made.append(f"{summary['volume']:.6g} {units['volume']}")
     if told := told_elements(summary):
@@ -38,16 +41,17 @@ def body_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     """The same with everything that is known, one thing a line."""
     units = summary["units"]
     yield f"mass: {summary['mass']:.6g} {units['mass']}"
-    yield f"centre: {_place(summary['centre'])} {units['centre']}"
+    yield f"centre: {told_place(summary['centre'], summary)} {units['centre']}"
     yield f"inertia about the centre: {_told_inertia(summary['inertia'])} {units['inertia']}"
     yield "volume: " + ("not known" if summary["volume"] is None else f"{summary['volume']:.6g} {units['volume']}")
     yield f"elements: {told_elements(summary) or 'not known'}"
     if summary["clamp"]:
-        yield f"clamp: {_told_nodes(summary['clamp'], units)}"
+        yield f"clamp: {_told_nodes(summary['clamp'], summary)}"
     for kind, words in (("interface_points", "interface point"), ("groups", "group")):
-        yield from (f"{words} {name}: {_told_nodes(each, units)}" for name, each in summary[kind].items())
+        yield from (f"{words} {name}: {_told_nodes(each, summary)}" for name, each in summary[kind].items())
     for each in summary["masses"]:
-        yield f"mass of {each['mass']:.6g} {units['mass']} at {_place(each['position'])} {units['position']}, by {each['source']}"
+        place = f"{told_place(each['position'], summary)} {units['position']}"
+        yield f"mass of {each['mass']:.6g} {units['mass']} at {place}, by {each['source']}"
     if summary["nodes"] is not None:
         yield f"left out of the mesh file: {told_left_out(summary['left_out']) or 'nothing'}"
     yield from (f"remark: {each}" for each in summary["remarks"])
@@ -79,14 +83,15 @@ def _points_in_line(summary: Mapping[str, Any]) -> Iterator[str]:
     points = list(summary["interface_points"].items())
     for name, point in points[:POINTS_IN_LINE]:
         nodes = "" if point["nodes"] is None else f", {_count(point['nodes'])}"
-        yield f"{name} at {_place(point['position'])}{nodes}"
+        yield f"{name} at {told_place(point['position'], summary)}{nodes}"
     if len(points) > POINTS_IN_LINE:
         yield f"and {len(points) - POINTS_IN_LINE} more interface points"
 
 
-def _told_nodes(each: Mapping[str, Any], units: Mapping[str, str]) -> str:
+def _told_nodes(each: Mapping[str, Any], summary: Mapping[str, Any]) -> str:
     """Where some nodes are and how many they are."""
-    where = "nowhere" if each["position"] is None else f"{_place(each['position'])} {units['position']}"
+    unit = summary["units"]["position"]
+    where = "nowhere" if each["position"] is None else f"{told_place(each['position'], summary)} {unit}"
     return where if each["nodes"] is None else f"{where}, {_count(each['nodes'])}"
 
 
@@ -101,5 +106,9 @@ def _count(nodes: int) -> str:
     return "1 node" if nodes == 1 else f"{nodes} nodes"
 
 
-def _place(position: Sequence[float]) -> str:
-    return f"({', '.join(f'{x:.6g}' for x in position)})"
+def told_place(position: Sequence[float], summary: Mapping[str, Any], digits: int = 6) -> str:
+    """Coordinates for people, "(4, 0.5, 0.25)"; what is nothing beside the size of the body is 0."""
+    inertia = summary["inertia"]
+    moment = sum(inertia[k][k] for k in range(3)) / 2 if isinstance(inertia, list) else inertia
+    least = NOWHERE_ELSE * sqrt(max(moment, 0.0) / summary["mass"])
+    return f"({', '.join(f'{x if abs(x) > least else 0.0:.{digits}g}' for x in position)})"
