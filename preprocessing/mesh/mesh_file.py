@@ -12,6 +12,7 @@ from preprocessing.foreign_files.apart import read_apart
 from preprocessing.foreign_files.contents import Elements, MeshContents, PointMass
 from preprocessing.foreign_files.element_kinds import KNOWN, LOWER, PLANE, SOLID, SPATIAL
 from preprocessing.foreign_files.included_files import drawn_on
+from preprocessing.mesh.collapsed import uncollapsed
 from preprocessing.mesh.outline import CORNERS
 from preprocessing.mesh.solid_mesh import SolidMesh, refuse_parts
 from toolkit.foundation.errors import InputError
@@ -35,7 +36,7 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     InputError
         The file cannot be read, holds kinds of elements that are not supported or elements twice, leaves its plane, or falls into parts.
     """
-    raw = _read(path, leave_out)
+    raw = uncollapsed(path, _read(path, leave_out))
     kinds = _kinds(path, [kind for kind, _ in raw.cells])
     present = [kind for kind in dict.fromkeys(kind for kind, _ in raw.cells) if kind in kinds]
     blocks = {kind: _once(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present}
