@@ -12,7 +12,8 @@ from preprocessing.foreign_files.apart import read_apart
 from preprocessing.foreign_files.contents import Elements, MeshContents, PointMass
 from preprocessing.foreign_files.element_kinds import KNOWN, LOWER, PLANE, SOLID, SPATIAL
 from preprocessing.foreign_files.included_files import drawn_on
-from preprocessing.mesh.collapsed import uncollapsed
+from preprocessing.mesh.numbering.collapsed import uncollapsed
+from preprocessing.mesh.numbering.middle_nodes import refuse_exchanged, refuse_unlike
 from preprocessing.mesh.outline import CORNERS
 from preprocessing.mesh.solid_mesh import SolidMesh, refuse_parts
 from toolkit.foundation.errors import InputError
@@ -58,6 +59,8 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
         raw.left_out,
         raw.remarks,
     )
+    refuse_exchanged(path, mesh.nodes, mesh.blocks)
+    refuse_unlike(path, mesh.nodes, mesh.blocks)
     refuse_parts(mesh)
     return mesh
 

@@ -15,8 +15,8 @@ from preprocessing.elements.solids import elements
 from preprocessing.elements.solids.elasticity import solid_matrices
 from preprocessing.elements.solids.elements import CUBE, element_blocks
 from preprocessing.foreign_files.contents import MeshContents
-from preprocessing.mesh.collapsed import FORMS, uncollapsed
 from preprocessing.mesh.mesh_file import read_mesh
+from preprocessing.mesh.numbering.collapsed import FORMS, uncollapsed
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.discrete_body import discrete_body

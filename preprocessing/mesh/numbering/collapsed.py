@@ -23,8 +23,8 @@ from toolkit.foundation.errors import InputError
 class Form(NamedTuple):
     """The faces of an element and its edges by their corners, the edges in the order of the nodes in their middles."""
 
-    faces: Sequence[tuple[int, ...]]  # anticlockwise seen from outside; in the plane the element itself
-    edges: Sequence[tuple[int, ...]]
+    faces: tuple[tuple[int, ...], ...]  # anticlockwise seen from outside; in the plane the element itself
+    edges: tuple[tuple[int, ...], ...]
 
 
 FORMS = {
