@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
@@ -39,7 +40,7 @@ MADE = {(3,): "triangle", (3, 3, 3, 3): "tetra", (3, 3, 4, 4, 4): "wedge", (3, 3
 """What an element is whose faces have these numbers of corners."""
 QUADRATIC = {"triangle": "triangle6", "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid"}
 """The same with nodes in the middle of its edges."""
-AT_ONCE = 100_000
+AT_ONCE = 20_000
 """Elements at once that are looked through for repeated nodes."""
 
 Meaning = tuple[str, list[int]]
@@ -97,8 +98,9 @@ def _repeat(elements: np.ndarray) -> np.ndarray:
     """Which elements (n_e, n_local) have a node twice, (n_e,)."""
     found = np.zeros(len(elements), bool)
     for first in range(0, len(elements), AT_ONCE):
-        members = np.sort(elements[first : first + AT_ONCE], axis=1)
-        found[first : first + AT_ONCE] = (members[:, 1:] == members[:, :-1]).any(axis=1)
+        members = np.ascontiguousarray(elements[first : first + AT_ONCE].T)
+        for one, other in combinations(members, 2):
+            found[first : first + AT_ONCE] |= one == other
     return found
 
 
