@@ -12,6 +12,9 @@ from preprocessing.foreign_files.apart import read_apart
 from preprocessing.foreign_files.contents import Elements, MeshContents, PointMass
 from preprocessing.foreign_files.element_kinds import KNOWN, LOWER, PLANE, SOLID, SPATIAL
 from preprocessing.foreign_files.included_files import drawn_on
+from preprocessing.mesh.numbering.collapsed import uncollapsed
+from preprocessing.mesh.numbering.copies import distinct, first_of_copies
+from preprocessing.mesh.numbering.middle_nodes import refuse_exchanged, refuse_unlike
 from preprocessing.mesh.outline import CORNERS
 from preprocessing.mesh.solid_mesh import SolidMesh, refuse_parts
 from toolkit.foundation.errors import InputError
@@ -35,11 +38,11 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     InputError
         The file cannot be read, holds kinds of elements that are not supported or elements twice, leaves its plane, or falls into parts.
     """
-    raw = _read(path, leave_out)
+    raw = uncollapsed(path, _read(path, leave_out))
     kinds = _kinds(path, [kind for kind, _ in raw.cells])
     present = [kind for kind in dict.fromkeys(kind for kind, _ in raw.cells) if kind in kinds]
     blocks = {kind: _once(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present}
-    used = np.unique(np.concatenate([block.ravel() for block in blocks.values()]))
+    used = distinct(np.concatenate([block.ravel() for block in blocks.values()]), len(raw.points))
     number = np.full(len(raw.points), -1)
     number[used] = np.arange(len(used))
     points = raw.points[used]
@@ -57,6 +60,8 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
         raw.left_out,
         raw.remarks,
     )
+    refuse_exchanged(path, mesh.nodes, mesh.blocks)
+    refuse_unlike(path, mesh.nodes, mesh.blocks)
     refuse_parts(mesh)
     return mesh
 
@@ -66,22 +71,22 @@ def _node_groups(raw: MeshContents, number: np.ndarray) -> dict[str, np.ndarray]
     found: dict[str, np.ndarray] = {}
     for name, elements in raw.groups:
         if name not in found:
-            nodes = number[_nodes(elements)]
-            found[name] = np.unique(nodes[nodes >= 0])
+            nodes = number[_nodes(elements, len(number))]
+            found[name] = nodes[nodes >= 0]
     return found
 
 
 def _once(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
     """Every element once; gmsh 2.2 writes those that are in several groups several times, and nobody else should."""
-    _, first = np.unique(np.sort(elements, axis=1), axis=0, return_index=True)
-    twice = np.setdiff1d(np.arange(len(elements)), first)
+    first = first_of_copies(elements)
+    twice = np.flatnonzero(~first)
     if len(twice) and path.suffix != ".msh":
         place = ", ".join(f"{x:g}" for x in raw.points[elements[twice[0]]].mean(axis=0))
         raise InputError(
             f"the mesh {str(path)!r} holds {len(twice)} elements twice, the first round ({place}), so that it is not clear whether their "
             "mass counts twice. Delete the copies; what should be twice as heavy needs twice the density or width."
         )
-    return elements[np.sort(first)]
+    return elements[first] if len(twice) else elements
 
 
 def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
@@ -181,9 +186,9 @@ def _own(elements: Elements, kinds: Collection[str], number: np.ndarray) -> dict
     return {kind: number[np.concatenate([each for other, each in elements if other == kind])] for kind in present}
 
 
-def _nodes(elements: Elements) -> np.ndarray:
-    """Numbers of the nodes of elements."""
-    return np.unique(np.concatenate([np.zeros(0, int), *(each.ravel() for _, each in elements)])).astype(int)
+def _nodes(elements: Elements, n: int) -> np.ndarray:
+    """Those of n nodes that elements have, in rising order."""
+    return distinct(np.concatenate([np.zeros(0, int), *(each.ravel() for _, each in elements)]).astype(int, copy=False), n)
 
 
 def _faces(elements: Elements, number: np.ndarray) -> frozenset[tuple[int, ...]]:

@@ -14,7 +14,7 @@ from preprocessing.basis.solids import sparse_modes
 from preprocessing.basis.solids.nested_dissection import dissected
 from preprocessing.basis.solids.ties import freedom, tie
 from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import element_blocks, points_of
+from preprocessing.elements.solids.elements import element_blocks, wedge_points
 from preprocessing.elements.solids.stress import COMPONENTS, stress_rows
 from preprocessing.mesh.faces import faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
@@ -110,19 +110,27 @@ def test_surface_is_closed_and_encloses_the_volume_also_of_mirrored_elements(kin
 
 @pytest.mark.parametrize("kind", SPATIAL_KINDS)
 def test_points_of_integration_integrate_products_on_curved_elements_exactly(kind):
-    """The mass matrix against that by scikit-fem's points of twice the order; wedges against hexahedra."""
+    """The mass matrix against that by points of a higher order."""
     mesh = box(kind, (1, 1, 1), LENGTHS, bent=0.05)
     (block,) = element_blocks(mesh)
     mine = solid_matrices([block], len(mesh.nodes), 3).scalar_mass.toarray()
-    if kind == "wedge":
-        x, w = points_of("wedge")
-        expected = [1 / 2, 1 / 6, 1 / 4, 1 / 48]  # 1, x, z, x y z on the unit wedge
-        np.testing.assert_allclose([w.sum(), w @ x[0], w @ x[2], w @ (x[0] * x[1] * x[2])], expected, rtol=1e-13)
-        return
-    functions = skfem.CellBasis(block.geometry, block.shapes, intorder=9 if "tetra" in kind else 14)
+    functions = better_functions(block)
     number = block.numbering(functions, len(mesh.nodes))
     better = number.T @ skfem.BilinearForm(lambda u, v, _: u * v).assemble(functions) @ number
     np.testing.assert_allclose(mine, better.toarray(), atol=1e-13 * np.abs(mine).max())  # round-off, and digits of the points
+
+
+def better_functions(block):
+    """Shape functions at points of a higher order; those of wedges are products of a triangle's and a line's."""
+    if "wedge" in block.kind:
+        return skfem.CellBasis(block.geometry, block.shapes, quadrature=wedge_points(13, 14))
+    return skfem.CellBasis(block.geometry, block.shapes, intorder=9 if "tetra" in block.kind else 14)
+
+
+def test_points_of_wedges_integrate_monomials_of_the_unit_wedge_exactly():
+    x, w = wedge_points(5, 5)
+    expected = [1 / 2, 1 / 6, 1 / 4, 1 / 48]  # 1, x, z, x y z on the unit wedge
+    np.testing.assert_allclose([w.sum(), w @ x[0], w @ x[2], w @ (x[0] * x[1] * x[2])], expected, rtol=1e-13)  # round-off
 
 
 @pytest.mark.parametrize("kind", SPATIAL_KINDS)
@@ -151,10 +159,7 @@ def test_kinetic_energy_is_that_of_the_velocity_field_by_brute_force(kind, kind_
 
 
 def _integral_of_squares(block, nodal):
-    if block.kind == "wedge":
-        functions = block.functions()
-    else:
-        functions = skfem.CellBasis(block.geometry, block.shapes, intorder=9 if "tetra" in block.kind else 12)
+    functions = better_functions(block)
     number = block.numbering(functions, len(nodal))
     fields = [np.asarray(functions.interpolate(number @ component)) for component in nodal.T]
     return float(sum((field**2 * functions.dx).sum() for field in fields))
@@ -172,7 +177,7 @@ def test_tied_point_follows_rigid_motions_wherever_it_is(nodes):
     np.testing.assert_allclose(found.rows @ rigid_motions(mesh.nodes), expected, atol=1e-12)  # round-off over arms of a tenth
 
 
-@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "wedge"])
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "wedge", "wedge15"])
 def test_mean_over_a_face_weighs_by_area_on_uneven_meshes(kind):
     """Centre and second moments of a face are those of its area, wherever the nodes crowd."""
     mesh = box(kind, (1, 3, 2), (1.0, 1.0, 1.0))

@@ -66,6 +66,11 @@ class Freedom:
         """Whether neither a clamp nor a rigid tie takes a coordinate, so that averaged points alone can hold the body."""
         return not self.rigid and self.map.shape[0] == self.map.shape[1]
 
+    @property
+    def stiff(self) -> bool:
+        """Whether all nodes move with one point, so that the body is rigid."""
+        return self.map.shape[1] == self.motions and len(self.rigid) == 1 and bool((np.diff(self.map.indptr) > 0).all())
+
     def coordinates_of(self, motions: np.ndarray, ties: Mapping[str, Tie]) -> np.ndarray:
         """Independent coordinates (n^, k) of nodal motions (n, k) that leave tied nodes rigid."""
         return np.vstack([motions[self.free], *(ties[name].rows @ motions for name in self.rigid)])

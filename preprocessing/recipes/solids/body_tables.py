@@ -16,8 +16,8 @@ Box = Annotated[list[FiniteFloat], Field(min_length=4, max_length=6)]
 class MeshTable(Table):
     """A mesh: gmsh (.msh), Abaqus (.inp), Nastran (.bdf), VTK (.vtk, .vtu), or any other that meshio reads.
 
-    Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6) are the body. Without any the body is plane, of triangles (3 or
-    6 nodes) and quadrilaterals (4, 8 or 9). Elements of lower dimension serve to name groups.
+    Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6 or 15) are the body. Without any the body is plane, of triangles
+    (3 or 6 nodes) and quadrilaterals (4, 8 or 9). Elements of lower dimension serve to name groups.
     """
 
     file: FileName  # relative to body.toml
