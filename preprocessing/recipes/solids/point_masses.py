@@ -124,7 +124,9 @@ def _of_mass(mesh: SolidMesh, mass: PointMass) -> Iterator[Moved]:
     try:
         rows = rows_of_place(mesh, mass.carriers, place)
     except InputError as error:
-        raise InputError(f"the concentrated mass of {mass.source} cannot turn with its nodes: {error}") from error
+        raise InputError(
+            f"the concentrated mass of {mass.source} cannot turn with its nodes: {error} Or leave it out: leave_out in [mesh]."
+        ) from error
     yield Moved(mass.mass, rows[:d], place)
     for moment, axis in _principal(mesh, mass):
         yield Moved(moment, sparse.csr_array(rotations(axis).T) @ rows[d:], axis)
