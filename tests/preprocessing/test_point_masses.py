@@ -376,7 +376,7 @@ def test_what_other_programs_may_do_otherwise_is_told(holding, tmp_path):
     path = body_file(tmp_path, mesh, "static")
     holding(*masses)
     read_recipe(path).build(said.append)
-    assert "MASS, line 1 is on a rigid body of 4 nodes in the mesh file; these stay elastic here" in said[0]
+    assert "MASS, line 1 is on a rigid body in the mesh file; its nodes stay elastic here" in said[0]
     assert "CONM2, line 2 has an offset or a rotary inertia at a node" in said[1]
     said.clear()
     path.write_text(path.read_text().replace('tie = "averaged"', 'tie = "rigid"'))
@@ -444,3 +444,15 @@ def test_finished_matrices_hold_the_masses_of_the_mesh_already(holding, tmp_path
         holding(other)
         with pytest.raises(InputError, match=message):
             build(path)
+
+
+def test_many_nodes_of_a_rigid_body_are_told_by_some_and_many_of_a_mean_are_refused(holding, tmp_path):
+    mesh = box("hexahedron", (1, 24, 24), (1.0, 1.0, 1.0))
+    path, right = body_file(tmp_path, mesh), mesh.groups["right"]
+    holding(PointMass((1.5, 0.0, 0.0), 5.0, right))
+    (found,) = mesh_file.read_mesh(path.parent / "body.vtu").masses
+    assert len(found.carriers) == 200
+    np.testing.assert_allclose(np.ptp(mesh.nodes[found.carriers], axis=0), [0.0, 1.0, 1.0])
+    holding(PointMass((1.5, 0.0, 0.0), 5.0, right, rigid=False, source="CONM2, line 3"))
+    with pytest.raises(InputError, match=r"CONM2, line 3\) that follows the mean of 625 nodes; 500 are the most"):
+        mesh_file.read_mesh(path.parent / "body.vtu")

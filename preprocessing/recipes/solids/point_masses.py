@@ -51,7 +51,7 @@ def constant_masses(mesh: SolidMesh) -> dict[Pair, Any]:
 
 def at_nodes(mesh: SolidMesh) -> bool:
     """Whether every mass is at one node, and does not turn."""
-    return not any(_turns(mesh, each) or len(each.carriers) > 1 for each in mesh.masses)
+    return not any(turns or len(each.carriers) > 1 for each, turns in zip(mesh.masses, _turning(mesh), strict=True))
 
 
 def remarks_on_masses(named: NamedMesh) -> Iterator[str]:
@@ -65,18 +65,18 @@ def remarks_on_masses(named: NamedMesh) -> Iterator[str]:
     if file.matrices:
         yield "the mass matrix is taken to hold the concentrated masses of the mesh file already."
     rigid = [named.clamped, *(nodes for name, nodes in named.tied.items() if file.interface_points[name].tie == "rigid")]
-    for each in mesh.masses:
-        yield from _remarks(mesh, each, rigid)
+    for each, turns in zip(mesh.masses, _turning(mesh), strict=True):
+        yield from _remarks(mesh, each, turns, rigid)
 
 
-def _remarks(mesh: SolidMesh, mass: PointMass, rigid: Sequence[np.ndarray]) -> Iterator[str]:
+def _remarks(mesh: SolidMesh, mass: PointMass, turns: bool, rigid: Sequence[np.ndarray]) -> Iterator[str]:
     """Of one mass; `rigid` are the nodes of the clamp and of each rigid tie."""
     if mass.rigid and len(mass.carriers) > 1 and not any(np.isin(mass.carriers, nodes).all() for nodes in rigid):
         yield (
-            f"the concentrated mass of {mass.source} is on a rigid body of {len(mass.carriers)} nodes in the mesh file; these stay "
-            'elastic here, and it moves with their mean. Tie them by an interface point with tie = "rigid" to make them rigid.'
+            f"the concentrated mass of {mass.source} is on a rigid body in the mesh file; its nodes stay elastic here, and it moves with "
+            'their mean. Tie them by an interface point with tie = "rigid" to make them rigid.'
         )
-    if len(mass.carriers) == 1 and _turns(mesh, mass):
+    if len(mass.carriers) == 1 and turns:
         yield (
             f"the concentrated mass of {mass.source} has an offset or a rotary inertia at a node that has no rotation of its own; it "
             "turns with the nodes around that."
@@ -87,21 +87,34 @@ def _remarks(mesh: SolidMesh, mass: PointMass, rigid: Sequence[np.ndarray]) -> I
 
 def _stacked(mesh: SolidMesh) -> tuple[np.ndarray, list[Any]]:
     """Weights (p,), and for each axis the rows (p, n + 1) of all weights, with the hidden coordinate."""
-    moved = [each for mass in mesh.masses for each in _of_mass(mesh, mass)]
+    every = [*zip(mesh.masses, _turning(mesh), strict=True)]
+    still = [mass for mass, turns in every if not turns]
+    moved = [each for mass, turns in every if turns for each in _of_turning(mesh, mass)]
     xi = mesh.nodes.ravel()
     fixed = [each.undeformed - each.rows @ xi for each in moved]
     axes = []
     for axis in range(mesh.dimension):
-        rows = sparse.vstack([sparse.csr_array((0, mesh.n)), *(each.rows[[axis]] for each in moved)])
-        hidden = sparse.csr_array(np.array([each[axis] for each in fixed]).reshape(-1, 1))
+        rows = sparse.vstack([_means(mesh, still, axis), *(each.rows[[axis]] for each in moved)])
+        hidden = sparse.csr_array(np.array([0.0] * len(still) + [each[axis] for each in fixed]).reshape(-1, 1))
         axes.append(sparse.hstack([rows, hidden], format="csr"))
-    return np.array([each.weight for each in moved]), axes
+    return np.array([each.mass for each in still] + [each.weight for each in moved]), axes
 
 
-def _turns(mesh: SolidMesh, mass: PointMass) -> bool:
-    """Whether the rotation of its nodes moves it: it has an inertia, or is not at the middle of its nodes."""
-    arm = np.real(_place(mesh, mass) - mesh.nodes[mass.carriers].mean(axis=0))
-    return bool(np.abs(arm).max() > NARROW * mesh.size or np.any(_own_inertia(mesh, mass)))
+def _means(mesh: SolidMesh, masses: Sequence[PointMass], axis: int) -> Any:
+    """Rows (p, n) of the mean displacements along an axis of the nodes that carry each mass."""
+    counts = np.array([len(each.carriers) for each in masses], int)
+    nodes = np.concatenate([np.zeros(0, int), *(each.carriers for each in masses)])
+    entries = np.repeat(np.arange(len(masses)), counts), mesh.dimension * nodes + axis
+    return sparse.coo_array((np.repeat(1 / counts, counts), entries), shape=(len(masses), mesh.n)).tocsr()
+
+
+def _turning(mesh: SolidMesh) -> list[bool]:
+    """Whether the rotation of its nodes moves each mass: it has an inertia, or is not at the middle of its nodes."""
+    near = NARROW * mesh.size
+    arms = (np.real(_place(mesh, each) - mesh.nodes[each.carriers].mean(axis=0)) for each in mesh.masses)
+    return [
+        bool(np.abs(arm).max() > near or np.any(_own_inertia(mesh, each))) for each, arm in zip(mesh.masses, arms, strict=True)
+    ]
 
 
 def _place(mesh: SolidMesh, mass: PointMass) -> np.ndarray:
@@ -113,14 +126,9 @@ def _own_inertia(mesh: SolidMesh, mass: PointMass) -> tuple[float, ...]:
     return (mass.inertia[2],) if mesh.dimension == 2 else mass.inertia
 
 
-def _of_mass(mesh: SolidMesh, mass: PointMass) -> Iterator[Moved]:
-    """The mass at its place, and those that stand for its inertia."""
-    d = mesh.dimension
-    if not _turns(mesh, mass):
-        carried = mesh.nodes[mass.carriers].mean(axis=0)
-        yield Moved(mass.mass, _mean(mesh, mass.carriers), carried)
-        return
-    place = _place(mesh, mass)
+def _of_turning(mesh: SolidMesh, mass: PointMass) -> Iterator[Moved]:
+    """A mass at its place that turns with its nodes, and those that stand for its inertia."""
+    d, place = mesh.dimension, _place(mesh, mass)
     try:
         rows = rows_of_place(mesh, mass.carriers, place)
     except InputError as error:
@@ -130,13 +138,6 @@ def _of_mass(mesh: SolidMesh, mass: PointMass) -> Iterator[Moved]:
     yield Moved(mass.mass, rows[:d], place)
     for moment, axis in _principal(mesh, mass):
         yield Moved(moment, sparse.csr_array(rotations(axis).T) @ rows[d:], axis)
-
-
-def _mean(mesh: SolidMesh, nodes: np.ndarray) -> Any:
-    """Rows (d, n) of the mean displacement of some nodes."""
-    d, k = mesh.dimension, len(nodes)
-    row, column = np.tile(np.arange(d), k), (d * nodes[:, None] + np.arange(d)).ravel()
-    return sparse.coo_array((np.full(d * k, 1 / k), (row, column)), shape=(d, mesh.n)).tocsr()
 
 
 def _principal(mesh: SolidMesh, mass: PointMass) -> Sequence[tuple[float, np.ndarray]]:
