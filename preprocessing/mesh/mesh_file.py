@@ -23,6 +23,9 @@ from toolkit.foundation.units import LARGEST
 FLAT = 1e-9
 """Part of the extent by which a plane mesh may leave its plane."""
 
+OF_RIGID, CARRIERS = 200, 500
+"""Nodes of a rigid body that carry a mass, and most nodes whose mean does."""
+
 
 def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> SolidMesh:
     """The elements of a mesh file, of the plane or spatial; nodes that none of them has are left out.
@@ -56,7 +59,7 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
         len(raw.points),
         {name: found for name, elements in raw.groups if (found := _own(elements, blocks, number))},
         raw.labels[used] if len(raw.labels) else None,
-        _masses(path, raw.masses, number, scale),
+        _masses(path, raw.masses, number, scale, 2 if kinds is PLANE else 3),
         raw.left_out,
         raw.remarks,
     )
@@ -105,23 +108,42 @@ def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
     return found._replace(cells=cells, groups=groups)
 
 
-def _masses(path: Path, masses: Sequence[PointMass], number: np.ndarray, scale: float) -> list[PointMass]:
+def _masses(path: Path, masses: Sequence[PointMass], number: np.ndarray, scale: float, dimension: int) -> list[PointMass]:
     """Concentrated masses in the new numbers of nodes, with lengths times the scale.
 
     Raises
     ------
     InputError
-        A mass is on a node that no element has and that follows no such nodes.
+        A mass is negative or has no place, or is on a node that no element has and that follows no such nodes.
     """
     found = []
     for each in masses:
-        if np.any(number[each.carriers] < 0):
+        if each.mass < 0 or not np.all(np.isfinite([each.mass, *each.place, *each.inertia])):
+            raise InputError(
+                f"the mesh {str(path)!r} has a mass ({each.source}) that is negative, or whose size, place or inertia is no finite number. "
+                "Correct it, or leave it out: leave_out in [mesh]."
+            )
+        if not len(each.carriers) or np.any(number[each.carriers] < 0):
             raise InputError(
                 f"the mesh {str(path)!r} has a mass ({each.source}) on a node that no element of the body has, and that no rigid body ties "
                 "to such nodes. Put it on a node of the body, or leave it out: leave_out in [mesh]."
             )
-        found.append(each._replace(place=tuple(scale * x for x in each.place), carriers=number[each.carriers]))
+        place, inertia = (scale * x for x in each.place[:dimension]), (scale**2 * x for x in each.inertia)
+        found.append(each._replace(place=tuple(place), carriers=_carriers(path, each, number), inertia=tuple(inertia)))
     return found
+
+
+def _carriers(path: Path, mass: PointMass, number: np.ndarray) -> np.ndarray:
+    """The nodes that carry a mass, or as many of a rigid body's as tell its motion: every pair of them costs memory."""
+    nodes: np.ndarray = np.unique(number[mass.carriers])
+    if mass.rigid and len(nodes) > OF_RIGID:
+        return nodes[np.linspace(0, len(nodes) - 1, OF_RIGID).astype(int)]
+    if len(nodes) > CARRIERS:
+        raise InputError(
+            f"the mesh {str(path)!r} has a mass ({mass.source}) that follows the mean of {len(nodes)} nodes; {CARRIERS} are the most. "
+            "Let it follow fewer of them, or leave it out: leave_out in [mesh]."
+        )
+    return nodes
 
 
 def _refuse_numbers(path: Path, kind: str, block: np.ndarray, n: int) -> None:

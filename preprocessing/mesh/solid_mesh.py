@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
@@ -53,6 +53,11 @@ class SolidMesh:
     def size(self) -> float:
         """Largest extent of the body along an axis."""
         return float(np.ptp(self.nodes.real, axis=0).max())
+
+    def moved(self, motion: np.ndarray) -> SolidMesh:
+        """The mesh where its nodes move by (n_nodes, d), real or complex; concentrated masses keep their offset from the mean of theirs."""
+        masses = [each._replace(place=tuple(each.place + motion[each.carriers].mean(axis=0))) for each in self.masses]
+        return replace(self, nodes=self.nodes + motion, masses=masses)
 
     def around(self, node: int) -> np.ndarray:
         """Numbers of the other nodes of all elements that have a node."""

@@ -70,6 +70,7 @@ class BodyRecipe(Recipe[BodyFile]):
             from preprocessing.recipes.solids.discrete_body import discretised
             from preprocessing.recipes.solids.named_mesh import named_mesh
             from preprocessing.recipes.solids.pieces.piece_bodies import piece_bodies
+            from preprocessing.recipes.solids.point_masses import remarks_on_masses
         except ImportError as error:
             raise InputError(
                 f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install "
@@ -77,9 +78,9 @@ class BodyRecipe(Recipe[BodyFile]):
             ) from error
         named = named_mesh(self.path, self.file)
         told = slit_told(named.mesh) if named.mesh.blocks else ""
-        for text in (*([told] if told else []), *told_of_file(named.mesh)):
-            if remark is not None:
-                remark(f"{self.path.name}: {text}")
+        if remark is not None:
+            for each in (*filter(None, [told]), *told_of_file(named.mesh), *remarks_on_masses(named)):
+                remark(f"{self.path.name}: {each}")
         return discretised(named) if self.file.pieces is None else piece_bodies(named)
 
     def _fields(self, designs: Any) -> dict[str, Any]:
