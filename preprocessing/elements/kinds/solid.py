@@ -17,7 +17,7 @@ from preprocessing.elements.element import Contribution, Coordinates, Element
 from preprocessing.elements.section import Patch, monomial
 from preprocessing.elements.section_shape import ONE, Term, Terms
 from preprocessing.elements.solids.elasticity import SolidMatrices, in_block
-from preprocessing.elements.solids.finished import refuse_supports, scalar_mass
+from preprocessing.elements.solids.finished import refuse_supports, refuse_swapped, scalar_mass
 from preprocessing.elements.solids.geometric_stiffness import StressedSolid
 from preprocessing.elements.solids.stress import Rows
 from preprocessing.elements.space import SPACES
@@ -32,6 +32,8 @@ QUANTITIES = {
 MATERIAL = {name: name for name in ("youngs_modulus", "density", "width", "damping_mass", "damping_stiffness")}
 SCALES = {**MATERIAL, "youngs_modulus": "stiffness_scale", "density": "mass_scale"}
 """Parameters of finished matrices of unknown material."""
+OTHER_MASS = {**MATERIAL, "density": "mass_scale"}
+"""Parameters of finished matrices whose mass is not that of their density alone."""
 ALL = np.zeros(0, int)
 """The elements of a solid are not told apart."""
 
@@ -45,7 +47,7 @@ class Solid(Element):
     stiffness: Any  # sparse (n, n)
     stress: Any  # sparse (n_stress, n)
     parameters: Mapping[str, str]  # quantity -> name of the parameter
-    across: Terms  # what mass and stiffness grow with besides the material: the width in the plane
+    across: Terms  # what stiffness, and mass of a density, grow with besides the material: the width in the plane
     stressed: StressedSolid | None = None  # None of finished matrices
 
     @property
@@ -60,7 +62,7 @@ class Solid(Element):
     def contributions(self) -> Iterator[Contribution]:
         patch, space = Patch(ALL, self.parameters), self.coordinates.space
         blocks = {(a, b): in_block(self.scalar_mass, a, b, space.dimension) for a, b in space.pairs}
-        yield Contribution("mass", patch, self.across, blocks)
+        yield Contribution("mass", patch, ONE if self.parameters["density"] == "mass_scale" else self.across, blocks)
         yield Contribution("stiffness", patch, self.across, self.stiffness)
         yield Contribution("stress", patch, ONE, self.stress)
 
@@ -100,13 +102,16 @@ def finished_solid(mesh: SolidMesh, mass: Any, stiffness: Any, stress: Any, made
     InputError
         The matrices are not those of displacement-based elements, or of a body with supports.
     """
+    refuse_swapped(mesh, mass, stiffness)
     refuse_supports(mesh, stiffness)
     scalar = scalar_mass(mass, mesh.dimension)
     if not made_with:
         return Solid(mesh.nodes, scalar, stiffness, stress, SCALES, ONE)
-    modulus, density, width = made_with["youngs_modulus"], made_with["density"], made_with.get("width", 1.0)
-    scaled = scalar / (density * width), stiffness / (modulus * width), stress / modulus
-    return Solid(mesh.nodes, *scaled, MATERIAL, _width(mesh.dimension))
+    modulus, width = made_with["youngs_modulus"], made_with.get("width", 1.0)
+    scaled = stiffness / (modulus * width), stress / modulus
+    if "density" not in made_with:
+        return Solid(mesh.nodes, scalar, *scaled, OTHER_MASS, _width(mesh.dimension))
+    return Solid(mesh.nodes, scalar / (made_with["density"] * width), *scaled, MATERIAL, _width(mesh.dimension))
 
 
 def parameters_of(material: Mapping[str, float], damping: Mapping[str, float]) -> Iterator[tuple[str, float]]:

@@ -6,13 +6,30 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
+from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions, translations
 from toolkit.foundation.errors import InputError
 
 UNEQUAL = 1e-9
 """Largest difference, relative to the largest entry, of parts of a mass matrix that should be equal or zero."""
 RESISTED = 1e-6
 """Largest force against a rigid motion, relative to those of a motion of the same size of single nodes."""
+
+
+def refuse_swapped(mesh: SolidMesh, mass: Any, stiffness: Any) -> None:
+    """Refuse a mass matrix that lets the body move without inertia, while the stiffness matrix resists: each is the other.
+
+    Raises
+    ------
+    InputError
+        They are swapped.
+    """
+    motion = translations(*mesh.nodes.shape)
+    resisted = [np.abs(matrix @ motion).max() > RESISTED * (abs(matrix) @ np.abs(motion)).max() for matrix in (mass, stiffness)]
+    if resisted == [False, True]:
+        raise InputError(
+            "a motion of the whole body meets no mass, but stiffness: the two files are swapped. Give the mass matrix as mass, and the "
+            "stiffness matrix as stiffness."
+        )
 
 
 def scalar_mass(mass: Any, d: int) -> Any:
