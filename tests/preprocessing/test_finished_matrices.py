@@ -400,6 +400,45 @@ def test_a_mass_that_differs_does_not_grow_with_the_width(tmp_path):
     np.testing.assert_allclose(mass_at(model, width=2.0), whole, rtol=1e-12)
 
 
+def without_mesh(body: Path) -> Path:
+    """The same body with its nodes in a table, in the rising order of their numbers."""
+    mesh = bar()
+    np.savetxt(body.parent / "nodes.csv", mesh.nodes[np.argsort(mesh.labels)], delimiter=",")
+    changed(body, 'mesh.file = "bar.inp"\n', "")
+    changed(body, 'stiffness = "bar.sti"', 'stiffness = "bar.sti", nodes = "nodes.csv"')
+    changed(body, 'clamp.group = "left"', "clamp.box = [-1, -1, -1, 0.1, 1, 1]")
+    return changed(body, 'group = "right"', "box = [1.4, -1, -1, 1.6, 1, 1]")
+
+
+NODES_ALONE: dict[str, tuple[str, str, str]] = {
+    "too heavy": (
+        "density = 7800.0",
+        "density = 780.0",
+        "a mass of 2340, which is density times a volume of 3, and all nodes lie within 0.3",
+    ),
+    "a density that does not fit to the modulus": (
+        "density = 7800.0",
+        "density = 8000.0",
+        "of a volume of mass by density say, .* is 1.02564",
+    ),
+    "a modulus that does not fit to the density": (
+        "2.1e11",
+        "2.0e11",
+        "Young's modulus 2.1e.11 and Poisson's ratio 0.3, .* is 1.05",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", NODES_ALONE)
+def test_matrices_of_nodes_alone_are_compared_with_each_other(body, kind):
+    told: list[str] = []
+    found = BodyRecipe.read(without_mesh(body)).build(told.append)
+    np.testing.assert_allclose(found.invariants.mass, 2340.0, rtol=1e-12)
+    assert told == [text for text in told if "from 101 to 230" in text and len(told) == 1]
+    with pytest.raises(InputError, match=NODES_ALONE[kind][2]):
+        build(changed(body, *NODES_ALONE[kind][:2]))
+
+
 def test_a_mass_matrix_in_another_order_of_nodes_has_another_centre(body):
     """The nodes of the heavy middle and of the ends exchanged, which keeps the whole mass."""
     text = (body.parent / "bar.dof").read_text()

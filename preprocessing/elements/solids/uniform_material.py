@@ -4,17 +4,19 @@ All displacement-based elements follow a uniform strain exactly, u = eps x at th
 
     u . K u = V eps : C : eps,    sum of the entries of one component of M = rho V,    and their centre is that of the volume,
 
-with the volume V, in the plane times the width, from the elements of the mesh.
+with the volume V, in the plane times the width, from the elements of the mesh. Without elements V is mass by density, so that the second
+equation says nothing, and the first one whether both matrices fit to the material.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isclose, log10
+from math import inf, isclose, log10
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from preprocessing.elements.solids.elements import ElementBlock, points_of
 from preprocessing.mesh.solid_mesh import SolidMesh
@@ -26,6 +28,13 @@ OFF_CENTRE = 0.02
 """Distance of the two centres, in parts of the extent: masses that are lumped at nodes move it a little, another order of nodes far."""
 COARSE = {"triangle": 1, "quad": 1, "tetra": 1, "hexahedron": 1, "wedge": 1, "triangle6": 2, "tetra10": 2}
 """Order of the fewest points by which programs integrate an element; 3 for the others, two points along each axis."""
+BULGE = 1.25
+"""Largest volume, in parts of what lies between the nodes: a curved edge leaves the straight lines between its three nodes, as of a disk
+with eight of them."""
+TWO_INTEGRATIONS = 0.005
+"""Relative difference of the volumes by which two matrices of curved elements were integrated."""
+AT_ONCE = 20_000
+"""Elements whose maps at all points are in memory at once."""
 REMEDY = (
     "Correct [material], give the files that belong to it, or leave [material] out, so that the model has a stiffness_scale and a "
     "mass_scale"
@@ -49,20 +58,49 @@ class Volume(NamedTuple):
     size: float
     centre: np.ndarray  # (d,)
     doubt: float  # relative difference of the size by as few points as programs use
+    words: str = "the mesh's elements"  # what has this volume
 
 
 def volume_of(blocks: Sequence[ElementBlock]) -> Volume:
     """Of the elements of a mesh."""
     size, coarse, moment = 0.0, 0.0, 0.0
     for block in blocks:
-        mapping = block.geometry.mapping()
-        points, weights = points_of(block.kind)
-        each = np.abs(mapping.detDF(points)) * weights
-        size += each.sum()
-        moment = moment + np.einsum("aep,ep->a", mapping.F(points), each)
-        points, weights = points_of(block.kind, COARSE.get(block.kind, 3))
-        coarse += (np.abs(mapping.detDF(points)) * weights).sum()
+        mapping, (points, weights) = block.geometry.mapping(), points_of(block.kind)
+        fewer, their_weights = points_of(block.kind, COARSE.get(block.kind, 3))
+        for elements in np.array_split(np.arange(len(block.connectivity)), 1 + len(block.connectivity) // AT_ONCE):
+            each = np.abs(mapping.detDF(points, elements)) * weights
+            size += each.sum()
+            moment = moment + np.einsum("aep,ep->a", mapping.F(points, elements), each)
+            coarse += (np.abs(mapping.detDF(fewer, elements)) * their_weights).sum()
     return Volume(float(size), np.asarray(moment) / size, float(abs(coarse / size - 1)))
+
+
+def volume_of_mass(mesh: SolidMesh, scalar_mass: Any, material: UniformMaterial) -> Volume:
+    """The volume that the mass has with the density of the material, of a body of which only nodes are known.
+
+    Raises
+    ------
+    InputError
+        It is larger than all that lies between the nodes.
+    """
+    nodal = np.asarray(scalar_mass.sum(axis=1)).ravel()
+    mass, across = float(nodal.sum()), " times width" if mesh.dimension == 2 else ""
+    size, most = mass / (material.density * material.width), _between(mesh.nodes)
+    if not 0 < size <= BULGE * most:
+        raise InputError(
+            f"the mass matrix has a mass of {mass:g}, which is density times a volume of {size:g}{across}, and all "
+            f"nodes lie within {most:g}. {REMEDY}. If the mass is meant, because of point masses for example, set "
+            "matrices.mass_differs = true."
+        )
+    return Volume(size, nodal @ mesh.nodes / mass, TWO_INTEGRATIONS, "a volume of mass by density")
+
+
+def _between(nodes: np.ndarray) -> float:
+    """Volume of all that lies between nodes, in the plane its area; infinite where they lie on a plane or a line."""
+    try:
+        return float(ConvexHull(nodes).volume)
+    except QhullError:
+        return inf
 
 
 def refuse_other_mass(mesh: SolidMesh, scalar_mass: Any, material: UniformMaterial, volume: Volume) -> None:
@@ -126,17 +164,18 @@ def refuse_other_stiffness(mesh: SolidMesh, stiffness: Any, material: UniformMat
         or min(lame[1], lame.sum()) <= 0
     ):
         raise InputError(
-            "the stiffness matrix has energies under uniform strains that are those of no single isotropic material in the elements of the "
-            "mesh: it has several materials, springs, or a material that differs by direction, or mesh and matrices are not of one model. "
+            "the stiffness matrix has energies under uniform strains that are those of no single isotropic material: it has several "
+            "materials, springs, or a material that differs by direction, or nodes and matrices are not of one model. "
             f"{REMEDY}."
         )
-    _refuse_material(lame, material, unequal)
+    _refuse_material(lame, material, volume)
 
 
-def _refuse_material(lame: np.ndarray, material: UniformMaterial, unequal: float) -> None:
+def _refuse_material(lame: np.ndarray, material: UniformMaterial, volume: Volume) -> None:
     """Refuse the material of body.toml where the matrix is of another one; without Poisson's ratio its modulus decides."""
     states = [material.state] if material.state == "space" or material.lame else ["plane-stress", "plane-strain"]
     found = [_modulus_and_ratio(lame, state) for state in states]
+    unequal = UNEQUAL + 2 * volume.doubt
     if material.lame is None and any(isclose(modulus, material.youngs_modulus, rel_tol=unequal) for modulus, _ in found):
         return
     modulus, ratio = found[0]
@@ -146,7 +185,7 @@ def _refuse_material(lame: np.ndarray, material: UniformMaterial, unequal: float
         own = f" and {_modulus_and_ratio(np.array(material.lame, float), material.state)[1]:.6g}"
     raise InputError(
         f"the stiffness matrix is that of a material with Young's modulus {modulus:.6g} and Poisson's ratio {ratio:.6g}, as its energies "
-        f"under uniform strains of the mesh's elements say, and [material] has {material.youngs_modulus:.6g}{own}: the ratio of the "
+        f"under uniform strains of {volume.words} say, and [material] has {material.youngs_modulus:.6g}{own}: the ratio of the "
         f"moduli is {part:.6g}{_power_of_ten(part)}. {REMEDY}."
     )
 

@@ -21,7 +21,13 @@ from preprocessing.elements.solids.finished import scalar_mass
 from preprocessing.elements.solids.geometric_stiffness import StressedSolid
 from preprocessing.elements.solids.stress import Rows, stress_rows
 from preprocessing.elements.solids.stress_error import Elastic
-from preprocessing.elements.solids.uniform_material import UniformMaterial, refuse_other_mass, refuse_other_stiffness, volume_of
+from preprocessing.elements.solids.uniform_material import (
+    UniformMaterial,
+    refuse_other_mass,
+    refuse_other_stiffness,
+    volume_of,
+    volume_of_mass,
+)
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.faces import BoundaryFaces
 from preprocessing.mesh.matrix_file import read_matrix, square_of
@@ -152,26 +158,37 @@ def _moved(
 
 def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> tuple[Solid, list[str]]:
     """The body of finished matrices, and what the user should know of how they were read."""
-    path, file, mesh, boundary = named.path, named.file, named.mesh, named.boundary
+    path, file, mesh = named.path, named.file, named.mesh
     assert file.matrices is not None
     found = []
     for key in ("mass", "stiffness"):
         with at_key(path, f"matrices.{key}"):
             found.append(_square(path, file.matrices, getattr(file.matrices, key), mesh))
     (mass, of_mass), (stiffness, of_stiffness) = found
-    stress = sparse.csr_array((0, mesh.n))
-    if file.matrices.stress is not None:
-        with at_key(path, "matrices.stress"):
-            stress = read_matrix(path.parent / file.matrices.stress, mesh.n, mesh.dimension)
-            _refuse_other_points(stress.shape[0], boundary, mesh)
-    elif boundary is not None and file.material is not None and file.material.poisson_ratio is not None:
-        first, shear = _stress(named, element_blocks(mesh))
-        by_lambda, by_mu = lame_factors(_ratio(file), _state(file, mesh))
-        stress = file.material.youngs_modulus * (by_lambda * first + by_mu * shear)
+    blocks = []
+    if file.material is not None and mesh.blocks:
+        with at_key(path, "mesh.file"):
+            blocks = element_blocks(mesh)
+    stress = _finished_stress(named, blocks)
     with at_key(path, "matrices"):
         solid = finished_solid(mesh, mass, stiffness, stress, made_with)
-        _compare(named, mass, stiffness)
+        _compare(named, blocks, mass, stiffness)
     return solid, [*dict.fromkeys(remark for remark in (of_mass, of_stiffness) if remark)]
+
+
+def _finished_stress(named: NamedMesh, blocks: list[ElementBlock]) -> Any:
+    """Stress per nodal displacement, from its file, or from the elements where there are both these and their material."""
+    path, file, mesh = named.path, named.file, named.mesh
+    if file.matrices is not None and file.matrices.stress is not None:
+        with at_key(path, "matrices.stress"):
+            stress = read_matrix(path.parent / file.matrices.stress, mesh.n, mesh.dimension)
+            _refuse_other_points(stress.shape[0], named.boundary, mesh)
+        return stress
+    if not blocks or file.material is None or file.material.poisson_ratio is None:
+        return sparse.csr_array((0, mesh.n))
+    first, shear = _stress(named, blocks)
+    by_lambda, by_mu = lame_factors(_ratio(file), _state(file, mesh))
+    return file.material.youngs_modulus * (by_lambda * first + by_mu * shear)
 
 
 def _square(path: Path, matrices: MatricesTable, name: str, mesh: SolidMesh) -> tuple[Any, str]:
@@ -187,18 +204,18 @@ def _square(path: Path, matrices: MatricesTable, name: str, mesh: SolidMesh) -> 
     )
 
 
-def _compare(named: NamedMesh, mass: Any, stiffness: Any) -> None:
-    """Refuse matrices that are not those of the material in the elements of the mesh, where there are both."""
+def _compare(named: NamedMesh, blocks: list[ElementBlock], mass: Any, stiffness: Any) -> None:
+    """Refuse matrices that are not those of the material, in the elements of the mesh where there is one."""
     file, mesh, given = named.file, named.mesh, named.file.material
-    if given is None or not mesh.blocks or file.matrices is None:
+    if given is None or file.matrices is None or (file.matrices.mass_differs and not blocks):
         return
-    blocks = element_blocks(mesh)
-    volume, state = volume_of(blocks), _state(file, mesh)
+    state, scalar = _state(file, mesh), scalar_mass(mass, mesh.dimension)
     lame = None if given.poisson_ratio is None else lame_factors(given.poisson_ratio, state)
     width = file.section.width if file.section else 1.0
     material = UniformMaterial(given.youngs_modulus, given.density, lame, width, state)
-    if not file.matrices.mass_differs:
-        refuse_other_mass(mesh, scalar_mass(mass, mesh.dimension), material, volume)
+    volume = volume_of(blocks) if blocks else volume_of_mass(mesh, scalar, material)
+    if blocks and not file.matrices.mass_differs:
+        refuse_other_mass(mesh, scalar, material, volume)
     refuse_other_stiffness(mesh, stiffness, material, volume)
 
 
