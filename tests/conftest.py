@@ -96,4 +96,4 @@ def _run(command: list[str], *, input: str | None, **_options: object) -> subpro
 def _read(reader: str, path: Path, _bounds: object, *more: str) -> Ended:
     output = BytesIO()
     send(output, reading(reader, str(path), *more))
-    return Ended(0, output.getvalue())
+    return Ended(0, output)

@@ -6,7 +6,8 @@ import signal
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from tempfile import TemporaryFile
+from typing import Any, BinaryIO, NamedTuple
 
 from preprocessing.foreign_files.bounds import LARGEST_FILE, Bounds
 from preprocessing.foreign_files.wire import receive
@@ -24,7 +25,7 @@ class Ended(NamedTuple):
     """How the process ended."""
 
     code: int | None  # negative: the signal that ended it; None: it was waited for in vain
-    output: bytes
+    output: BinaryIO
 
 
 def read_apart(reader: str, path: Path, how: str, remedy: str, *more: str, drawn: Sequence[Path] = ()) -> Any:
@@ -44,10 +45,11 @@ def read_apart(reader: str, path: Path, how: str, remedy: str, *more: str, drawn
     """
     bounds = Bounds.of(sum(bounded_size(each) for each in (path, *drawn)))
     ended = run(reader, path, bounds, *more)
-    try:
-        found = receive(ended.output) if ended.code == 0 else {}
-    except ValueError:
-        found = {}
+    with ended.output as output:
+        try:
+            found = receive(output) if ended.code == 0 else {}
+        except ValueError:
+            found = {}
     if "found" in found:
         return found["found"]
     if "refused" in found:
@@ -80,19 +82,20 @@ def run(reader: str, path: Path, bounds: Bounds, *more: str) -> Ended:
     """Run a reader in its process, and keep what it sends."""
     refuse_namesakes()
     arguments = (reader, str(path), str(bounds.memory), str(bounds.seconds), *more)
+    output = TemporaryFile()  # noqa: SIM115 (who asks reads and closes it: arrays come from there without a copy of them all)
     try:
         done = subprocess.run(
             command(CHILD, *arguments),
             env=environment() | ONE_THREAD,
             stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
+            stdout=output,
             stderr=subprocess.DEVNULL,
             timeout=bounds.patience,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return Ended(None, b"")
-    return Ended(done.returncode, done.stdout)
+        return Ended(None, output)
+    return Ended(done.returncode, output)
 
 
 def _why(ended: Ended, found: dict[str, Any], bounds: Bounds) -> str:

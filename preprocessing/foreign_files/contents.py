@@ -35,7 +35,7 @@ class MeshContents(NamedTuple):
 
     points: np.ndarray  # (n, 2) or (n, 3), in the order of the file
     cells: Elements
-    groups: list[tuple[str, Elements]]  # name -> its nodes (kind "vertex") or elements; a name stands here once
+    groups: list[tuple[str, Elements]]  # name, nodes ("vertex") or elements; of one that is here twice the first tells the nodes
     labels: np.ndarray = np.zeros(0, np.int64)  # (n,) number of every node in the file; none where the format counts them
     masses: Sequence[PointMass] = ()
     left_out: Sequence[LeftOut] = ()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from io import BytesIO, TextIOWrapper
+from io import BytesIO
 from pathlib import Path
 from xml.etree import ElementTree
 
+from preprocessing.foreign_files.abaqus.blocks import deck_files
 from preprocessing.foreign_files.bounds import LARGEST_FILE
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.regular_file import read_whole
@@ -15,6 +16,8 @@ from toolkit.foundation.files.regular_file import read_whole
 DEEPEST, MOST = 20, 1000
 """Files that include each other in a row, and files in all, that any mesh is made of."""
 PAIRS = {".node": ".ele", ".ele": ".node"}
+DECKS = (".inp",)
+"""Endings of decks of Abaqus and CalculiX."""
 
 
 def drawn_on(path: Path) -> list[Path]:
@@ -29,7 +32,7 @@ def drawn_on(path: Path) -> list[Path]:
     found: dict[Path, None] = {}
 
     def follow(each: Path, chain: tuple[str, ...]) -> None:
-        for named in _named(each):
+        for named in _named(path, each):
             place = os.path.realpath(named)
             if place in chain and not _is_pair(named):
                 raise InputError(
@@ -51,15 +54,16 @@ def _is_pair(path: Path) -> bool:
     return path.suffix.lower() in PAIRS
 
 
-def _named(path: Path) -> Iterator[Path]:
+def _named(main: Path, path: Path) -> Iterator[Path]:
     of_kind: dict[str, Callable[[Path, bytes], Iterator[Path]]] = {
-        ".inp": _abaqus,
         ".xdmf": _xdmf,
         ".xmf": _xdmf,
         ".node": _pair,
         ".ele": _pair,
     }
     kind = path.suffix.lower()
+    if main.suffix.lower() in DECKS:  # what such a file includes is a deck, whatever its ending
+        kind, of_kind = "", {"": lambda path, content: deck_files(main, path, content)}
     if kind in of_kind and os.path.lexists(path):
         yield from (each for each in of_kind[kind](path, _content(path)) if "\0" not in str(each))  # that is no path
 
@@ -71,13 +75,6 @@ def _content(path: Path) -> bytes:
         return b""
     except OSError as error:
         raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Fix the path, or give a regular file.") from error
-
-
-def _abaqus(path: Path, content: bytes) -> Iterator[Path]:
-    """Files of the lines *INCLUDE, INPUT=file, which are found as the reader of meshes finds them: stars count nowhere, nor does INPUT."""
-    for line in TextIOWrapper(BytesIO(content), errors="surrogateescape"):
-        if "," in line and line.partition(",")[0].strip().replace("*", "").upper() == "INCLUDE":
-            yield _where(path, line.split("=")[-1].strip())
 
 
 def _where(path: Path, name: str) -> Path:

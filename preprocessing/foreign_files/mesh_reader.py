@@ -7,7 +7,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-READERS: dict[str, tuple[str, str]] = {}
+READERS: dict[str, tuple[str, str]] = {
+    ".inp": ("preprocessing.foreign_files.abaqus.reader", "read_deck"),
+}
 """Ending -> module of a reader of its own, and its function of a path and of what is to be left out, which returns `MeshContents`."""
 
 

@@ -47,7 +47,7 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     mesh = SolidMesh(
         scale * (_plane(path, points) if kinds is PLANE else _space(path, points)),
         {kind: number[block] for kind, block in blocks.items()},
-        {name: np.unique(number[nodes := _nodes(elements)][number[nodes] >= 0]) for name, elements in raw.groups},
+        _node_groups(raw, number),
         used,
         {name: faces for name, elements in raw.groups if (faces := _faces(elements, number))} if kinds is SPATIAL else {},
         len(raw.points),
@@ -59,6 +59,16 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     )
     refuse_parts(mesh)
     return mesh
+
+
+def _node_groups(raw: MeshContents, number: np.ndarray) -> dict[str, np.ndarray]:
+    """Nodes of every group, in the new numbers; where two have one name, as a node set and an element set may, those of the first."""
+    found: dict[str, np.ndarray] = {}
+    for name, elements in raw.groups:
+        if name not in found:
+            nodes = number[_nodes(elements)]
+            found[name] = np.unique(nodes[nodes >= 0])
+    return found
 
 
 def _once(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
@@ -77,7 +87,7 @@ def _once(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
 def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
     """What the file holds, with the numbers of nodes in range."""
     remedy = "Export it again, for example as gmsh .msh or Abaqus .inp."
-    found = MeshContents.received(read_apart("mesh", path, "by meshio", remedy, json.dumps([*leave_out]), drawn=drawn_on(path)))
+    found = MeshContents.received(read_apart("mesh", path, "as a mesh", remedy, json.dumps([*leave_out]), drawn=drawn_on(path)))
     points = found.points
     cells = [(kind, block) for kind, block in found.cells if block.size or kind not in KNOWN]
     groups = [(name, [(kind, block) for kind, block in elements if block.size]) for name, elements in found.groups]

@@ -13,6 +13,7 @@ import sys
 import tempfile
 import time
 import traceback
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -144,7 +145,7 @@ def reader_in_copy(reader: str, path: Path, bounds: Bounds, *more: str) -> apart
     _, status = os.waitpid(child, 0)
     signal.alarm(0)
     code = os.waitstatus_to_exitcode(status)
-    return apart.Ended(None if code == -signal.SIGALRM else code, content)
+    return apart.Ended(None if code == -signal.SIGALRM else code, BytesIO(content))
 
 
 def run_fresh(case: Case, folder: Path, seconds: float = SECONDS) -> Ended:

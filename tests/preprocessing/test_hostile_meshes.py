@@ -225,27 +225,27 @@ VTK = "# vtk DataFile Version 5.1\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {
 MESHES: dict[str, tuple[str, str, str]] = {
     "a node tag of 5e8": (".msh", gmsh("3\n500000000 0 0 0\n2 1 0 0\n3 0 1 0", "1\n1 2 0 500000000 2 3"),
     "more than 10\\d\\d MiB|cannot be read"),
-    "a count of 1e12 nodes": (".msh", gmsh("1000000000000\n1 0 0 0", "0"), "cannot be read by meshio"),
+    "a count of 1e12 nodes": (".msh", gmsh("1000000000000\n1 0 0 0", "0"), "cannot be read as a mesh"),
     "a group that is generated without end": (".inp", PLATE + "*NSET, NSET=a, GENERATE\n1, 2000000000, 1\n",
-    "more than 10\\d\\d MiB"),
+    "2000000000 is no number of a node"),
     "a group that is generated in steps of nothing": (".inp", PLATE + "*NSET, NSET=a, GENERATE\n1, 4, 0\n",
-    "cannot be read by meshio"),
+    "from 1 to 4 in steps of 0"),
     "a node that is not there": (".vtk",
     "# vtk DataFile Version 4.2\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
                                  "CELLS 1 4\n3 0 1 77\nCELL_TYPES 1\n5\n", "names node 77, and the nodes count from 0 to 2"),
     "a negative node": (".vtk",
     "# vtk DataFile Version 4.2\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
                         "CELLS 1 4\n3 0 1 -1\nCELL_TYPES 1\n5\n", "names node -1, and the nodes count from 0 to 2"),
-    "1e13 points": (".vtk", VTK.format(points=10**13), "cannot be read by meshio"),
-    "no points": (".inp", "*NODE\n*ELEMENT, TYPE=CPS4\n", "cannot be read by meshio|of shape|holds no"),
+    "1e13 points": (".vtk", VTK.format(points=10**13), "cannot be read as a mesh"),
+    "no points": (".inp", "*NODE\n*ELEMENT, TYPE=CPS4\n", "cannot be read as a mesh|of shape|holds no"),
     "all nodes at one place": (".inp", PLATE.replace(" 1, 0, 0", " 0, 0, 0").replace(" 1, 1, 0", " 0, 0, 0").replace(" 0, 1, 0",
     " 0, 0, 0"), "all at one place"),
     "coordinates of 1e300": (".inp", PLATE.replace("2, 1, 0", "2, 1e300, 0"), r"reaches to 1e\+300"),
     "an archive that ends": (".vtu",
     "<VTKFile type='UnstructuredGrid' version='0.1' compressor='vtkZLibDataCompressor'><UnstructuredGrid/></VTKFile>",
-                             "cannot be read by meshio"),
-    "XML that is none": (".xdmf", "<Xdmf><Domain>", "cannot be read by meshio"),
-    "a reader that never ends": (".ele", "", "comes to no end within|cannot be read by meshio"),
+                             "cannot be read as a mesh"),
+    "XML that is none": (".xdmf", "<Xdmf><Domain>", "cannot be read as a mesh"),
+    "a reader that never ends": (".ele", "", "comes to no end within|cannot be read as a mesh"),
 }  # fmt: skip
 
 
@@ -280,7 +280,7 @@ def test_a_reader_that_crashes_its_process_is_one_error(tmp_path, monkeypatch):
 
     monkeypatch.setattr(apart, "CHILD", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
     with pytest.raises(
-        InputError, match=r"body\.inp' cannot be read by meshio \(its reader crashed, SIGSEGV\)\. Export it again"
+        InputError, match=r"body\.inp' cannot be read as a mesh \(its reader crashed, SIGSEGV\)\. Export it again"
     ):
         read_mesh(tmp_path / "body.inp")
     monkeypatch.setattr(apart, "CHILD", "import sys; sys.exit(3)")
@@ -291,7 +291,6 @@ def test_a_reader_that_crashes_its_process_is_one_error(tmp_path, monkeypatch):
 def test_a_package_that_is_missing_is_named(tmp_path, monkeypatch):
     import preprocessing.foreign_files.apart as apart
 
-    (tmp_path / "body.inp").write_text(PLATE)
     blocked = "sys.modules['{}'] = None\n"
     for package, remedy in (
         ("meshio", "pip install 'ffrf-toolkit"),
@@ -300,7 +299,7 @@ def test_a_package_that_is_missing_is_named(tmp_path, monkeypatch):
         monkeypatch.setattr(
             apart, "CHILD", blocked.format(package) + "from preprocessing.foreign_files.child import main; main(*sys.argv[1:])"
         )
-        path = tmp_path / ("body.inp" if package == "meshio" else "body.e")
+        path = tmp_path / ("body.vtk" if package == "meshio" else "body.e")
         path.write_text(PLATE)
         with pytest.raises(InputError, match=rf"needs {package}, which cannot be loaded\)\. .*{remedy}"):
             read_mesh(path)
@@ -311,7 +310,7 @@ INCLUDES = {
     "in a circle": (PLATE + "*INCLUDE, INPUT=other.inp\n", r"other\.inp' includes .*body\.inp', which includes it in turn"),
     "of a pipe": (PLATE + "*INCLUDE, INPUT=pipe.inp\n", r"pipe\.inp' cannot be read \(it is a pipe, not a regular file\)"),
     "of a device": (PLATE + "*INCLUDE, INPUT=/dev/zero\n", r"/dev/zero' cannot be read \(it is a device, not a regular file\)"),
-    "as only the reader spells it": (PLATE + "in*clude, x=pipe.inp\n", r"pipe\.inp' cannot be read \(it is a pipe"),
+    "with blanks and other letters": (PLATE + " * In clude ,\n input = pipe.inp\n", r"pipe\.inp' cannot be read \(it is a pipe"),
     "of a terabyte": (PLATE + "*INCLUDE, INPUT=large.inp\n", r"large\.inp' cannot be read \(it has more than 2000000000 bytes\)"),
 }
 

@@ -1,0 +1,1 @@
+"""Input decks of Abaqus and CalculiX, read by their manuals: keyword lines with parameters, and the data lines below each of them."""
