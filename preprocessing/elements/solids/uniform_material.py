@@ -103,8 +103,14 @@ def _between(nodes: np.ndarray) -> float:
         return inf
 
 
-def refuse_other_mass(mesh: SolidMesh, scalar_mass: Any, material: UniformMaterial, volume: Volume) -> None:
+def refuse_other_mass(
+    mesh: SolidMesh, scalar_mass: Any, material: UniformMaterial, volume: Volume, differs: bool = False
+) -> None:
     """Refuse a mass matrix (n_nodes, n_nodes) of one component that has another mass than the material in the elements.
+
+    Parameters
+    ----------
+    differs : whether it is meant to; then it has at least the point masses of the mesh file
 
     Raises
     ------
@@ -113,18 +119,23 @@ def refuse_other_mass(mesh: SolidMesh, scalar_mass: Any, material: UniformMateri
     """
     nodal = np.asarray(scalar_mass.sum(axis=1)).ravel()
     mass, meant = float(nodal.sum()), material.density * material.width * volume.size
-    unequal = UNEQUAL + 2 * volume.doubt
-    points = sum(each.mass for each in mesh.masses)
-    if not isclose(mass, meant, rel_tol=unequal):
+    points, unequal = sum(each.mass for each in mesh.masses), UNEQUAL + 2 * volume.doubt
+    equal = isclose(mass, meant, rel_tol=unequal)
+    if not equal and not differs:
         _say_other_mass(mass, meant, points, material.density, mesh.dimension)
-    if points > unequal * mass:
+    if equal and points > unequal * mass:
         raise InputError(
             f"the mesh file has point masses of {points:g}, and the mass matrix is that of the elements alone, {mass:g}. Export the "
             "matrices with them, and set matrices.mass_differs = true, or leave them out of the mesh: leave_out in [mesh]."
         )
-    off = np.abs(nodal @ mesh.nodes / mass - volume.centre)
-    if off.max() > OFF_CENTRE * mesh.size:
-        places = (", ".join(f"{x:g}" for x in place) for place in (nodal @ mesh.nodes / mass, volume.centre))
+    if not differs:
+        _refuse_other_centre(nodal @ mesh.nodes / mass, volume, mesh.size)
+
+
+def _refuse_other_centre(centre: np.ndarray, volume: Volume, size: float) -> None:
+    """Refuse a mass whose centre is not that of the volume of a body of this extent."""
+    if np.abs(centre - volume.centre).max() > OFF_CENTRE * size:
+        places = (", ".join(f"{x:g}" for x in place) for place in (centre, volume.centre))
         raise InputError(
             "the mass matrix has its centre at ({}), and the elements of the mesh have theirs at ({}). Give both of one model, with nodes "
             "in one order.".format(*places)

@@ -18,10 +18,11 @@ def matrix_entries(path: str, n: str, dimension: str, degrees: str = "") -> dict
     The text of the last two also tells `labels`, the numbers of the nodes in whose order its rows are, or None.
     """
     file = Path(path)
-    if file.suffix == ".npz":
-        shape, row, column, value = of_archive(archive(file))
-    elif (text := plain_text(file.read_bytes())).lstrip()[: len(MATRIX_MARKET)].lower() == MATRIX_MARKET.lower():
-        shape, row, column, value = of_matrix_market(text)
-    else:
+    text = b"" if file.suffix == ".npz" else plain_text(file.read_bytes())
+    is_market = text.lstrip()[: len(MATRIX_MARKET)].lower() == MATRIX_MARKET.lower()
+    if file.suffix != ".npz" and not is_market:
         return of_program(text, int(n), int(dimension), Path(degrees).read_bytes() if degrees else None)
+    if degrees:
+        raise ValueError("a .dof file says what the rows of CalculiX's text are, and this is none; leave matrices.dof out")
+    shape, row, column, value = of_matrix_market(text) if is_market else of_archive(archive(file))
     return {"shape": [int(size) for size in shape], "row": row, "column": column, "value": value}

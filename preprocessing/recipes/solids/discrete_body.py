@@ -214,8 +214,8 @@ def _compare(named: NamedMesh, blocks: list[ElementBlock], mass: Any, stiffness:
     width = file.section.width if file.section else 1.0
     material = UniformMaterial(given.youngs_modulus, given.density, lame, width, state)
     volume = volume_of(blocks) if blocks else volume_of_mass(mesh, scalar, material)
-    if blocks and not file.matrices.mass_differs:
-        refuse_other_mass(mesh, scalar, material, volume)
+    if blocks:
+        refuse_other_mass(mesh, scalar, material, volume, file.matrices.mass_differs)
     refuse_other_stiffness(mesh, stiffness, material, volume)
 
 
