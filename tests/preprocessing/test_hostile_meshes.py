@@ -140,9 +140,9 @@ MARKETS = {
     "no entries": (b"%%MatrixMarket matrix coordinate real symmetric\n4 4 0\n", "no entry larger than 0"),
     "entries of 1e308": (b"%%MatrixMarket matrix coordinate real symmetric\n4 4 1\n1 1 1e308\n", r"beyond 1e\+60"),
     "entries of 1e-300": (b"%%MatrixMarket matrix coordinate real symmetric\n4 4 1\n1 1 1e-300\n", "no entry larger than 1e-300"),
-    "nan": (b"%%MatrixMarket matrix coordinate real symmetric\n4 4 1\n1 1 nan\n", "finite real numbers"),
+    "nan": (b"%%MatrixMarket matrix coordinate real symmetric\n4 4 1\n1 1 nan\n", "line 3 .* no finite real number"),
     "Abaqus with half a node": (b"1.5,1,1,1,3.0\n", "lines of Abaqus are"),
-    "Abaqus with no node": (b"nan,1,1,1,3.0\n", "lines of Abaqus are"),
+    "Abaqus with no node": (b"nan,1,1,1,3.0\n", "line 1 has a field, number 1, that is no finite real number"),
 }
 
 

@@ -81,7 +81,13 @@ class BodyRecipe(Recipe[BodyFile]):
         if remark is not None:
             for each in (*filter(None, [told]), *told_of_file(named.mesh), *remarks_on_masses(named)):
                 remark(f"{self.path.name}: {each}")
-        return discretised(named) if self.file.pieces is None else piece_bodies(named)
+        if self.file.pieces is not None:
+            return piece_bodies(named)
+        body = discretised(named)
+        if remark is not None:
+            for each in body.mesh.remarks[len(named.mesh.remarks) :]:
+                remark(f"{self.path.name}: {each}")
+        return body
 
     def _fields(self, designs: Any) -> dict[str, Any]:
         from preprocessing.recipes.solids.pieces.joined_model import joined_model
