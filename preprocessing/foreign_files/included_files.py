@@ -1,4 +1,4 @@
-"""Files that a mesh file draws on: what Abaqus includes, the data of XDMF, the other half of TetGen's pairs."""
+"""Files that a mesh file draws on: what Abaqus and Nastran include, the data of XDMF, the other half of TetGen's pairs."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from preprocessing.foreign_files.bounds import LARGEST_FILE
+from preprocessing.foreign_files.nastran.lines import named_files
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.regular_file import read_whole
 
 DEEPEST, MOST = 20, 1000
 """Files that include each other in a row, and files in all, that any mesh is made of."""
 PAIRS = {".node": ".ele", ".ele": ".node"}
+BULK = (".bdf", ".nas", ".fem", ".blk")
+"""Endings of bulk data of Nastran; what such a file includes is bulk data, whatever its ending."""
 
 
 def drawn_on(path: Path) -> list[Path]:
@@ -29,7 +32,7 @@ def drawn_on(path: Path) -> list[Path]:
     found: dict[Path, None] = {}
 
     def follow(each: Path, chain: tuple[str, ...]) -> None:
-        for named in _named(each):
+        for named in _named(path, each):
             place = os.path.realpath(named)
             if place in chain and not _is_pair(named):
                 raise InputError(
@@ -51,7 +54,7 @@ def _is_pair(path: Path) -> bool:
     return path.suffix.lower() in PAIRS
 
 
-def _named(path: Path) -> Iterator[Path]:
+def _named(main: Path, path: Path) -> Iterator[Path]:
     of_kind: dict[str, Callable[[Path, bytes], Iterator[Path]]] = {
         ".inp": _abaqus,
         ".xdmf": _xdmf,
@@ -60,6 +63,8 @@ def _named(path: Path) -> Iterator[Path]:
         ".ele": _pair,
     }
     kind = path.suffix.lower()
+    if main.suffix.lower() in BULK:
+        kind, of_kind = "", {"": lambda path, content: named_files(main, path, content)}
     if kind in of_kind and os.path.lexists(path):
         yield from (each for each in of_kind[kind](path, _content(path)) if "\0" not in str(each))  # that is no path
 

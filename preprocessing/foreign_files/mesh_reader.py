@@ -7,7 +7,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-READERS: dict[str, tuple[str, str]] = {}
+READERS: dict[str, tuple[str, str]] = {
+    ending: ("preprocessing.foreign_files.nastran.bulk_file", "read_bulk") for ending in (".bdf", ".nas", ".fem", ".blk")
+}
 """Ending -> module of a reader of its own, and its function of a path and of what is to be left out, which returns `MeshContents`."""
 
 
