@@ -174,7 +174,7 @@ def _remarks(cards: Cards, found: Body, masses: bool) -> Iterator[str]:
         yield f"PARAM WTMASS multiplies the masses of {' and '.join(MASSES)} by {factor:g}, as it does in Nastran."
     if cards.long_lines:
         yield f"{cards.long_lines} lines have more than 80 characters, and Nastran does not read the rest of them."
-    if cards.end is not None and any(line.partition(b"$")[0].strip() for line in cards.lines.texts[cards.end + 1 :]):
+    if cards.end is not None and cards.after_end:
         yield f"What follows ENDDATA ({cards.lines.place(cards.end)}) is not read, as in Nastran."
 
 

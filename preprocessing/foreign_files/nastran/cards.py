@@ -6,7 +6,7 @@ A line whose first field is blank, or begins with + or *, continues a card: the 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -65,6 +65,7 @@ class Cards:
         self.by_name: dict[str, list[Card]] = {}
         self.long_lines = 0  # lines with something beyond the last column
         self.end: int | None = None  # line of ENDDATA
+        self.after_end = False  # whether something follows it
         self._last: Card | None = None
         self._plain: dict[bytes, list[Card]] = {}  # first field of lines in small format -> cards of that name
         self._mark = b""  # in the tenth field of the line before
@@ -92,6 +93,8 @@ class Cards:
                 if found.end is not None:
                     break
         found._resolve()
+        found.after_end = found.end is not None and any(line.partition(b"$")[0].strip() for line in lines.texts[found.end + 1 :])
+        lines.texts.clear()  # places of lines need no text
         return found
 
     def _take_plain(self, k: int, line: bytes) -> bool:
@@ -229,48 +232,33 @@ class Table:
             A card has more fields, or one that is too long.
         """
         self.name, self.cards, self.lines = name, cards, lines
-        text = np.zeros((len(cards), fields, 8), np.uint8)
-        small = np.array([card.fields is None for card in cards], bool)
-        if small.any():
-            text[small] = self._small([card for card in cards if card.fields is None], fields, rest)
-        if not small.all():
-            text = self._free(text, np.flatnonzero(~small), fields, rest)
-        self.text = text
+        for card in cards:
+            more = card.body[8 * fields :].strip() if card.fields is None else any(card.fields[fields:])
+            if card.excess or (more and not rest):
+                raise lines.error(card.line, f"{name} has more fields than {fields}, or a line more than ten. Mend the card.")
+        longest = max((len(card.body) // 8 if card.fields is None else len(card.fields) for card in cards), default=0)
+        self._fields = fields
+        self._text = self._padded(min(longest, fields))
 
     def __len__(self) -> int:
         return len(self.cards)
 
-    def _small(self, cards: list[Card], fields: int, rest: bool) -> np.ndarray:
-        """Fields of eight characters."""
-        longest = max(max(len(card.body) for card in cards), 8 * fields)
-        if rest:
-            longest = 8 * fields
-        joined = b"".join(card.body.ljust(longest) if len(card.body) <= longest else card.body[:longest] for card in cards)
-        text = np.frombuffer(joined, np.uint8).reshape(len(cards), -1, 8)
-        if text.shape[1] > fields and (more := (text[:, fields:] != ord(" ")).any(axis=(1, 2))).any():
-            raise self._too_many(cards[int(np.argmax(more))], fields)
-        return text[:, :fields]
-
-    def _free(self, text: np.ndarray, places: np.ndarray, fields: int, rest: bool) -> np.ndarray:
-        """The fields with those of the other cards, as wide as the widest."""
-        rows = []
-        for k in places:
-            card = self.cards[k]
-            row = (card.fields or [])[:fields]
-            if card.excess or (not rest and any((card.fields or [])[fields:])):
-                raise self._too_many(card, fields)
+    def _padded(self, fields: int) -> np.ndarray:
+        """Text of the first fields of every card, (n, fields, characters)."""
+        text = np.full((len(self.cards), fields, 8), ord(" "), np.uint8)
+        small = np.array([card.fields is None for card in self.cards], bool)
+        joined = b"".join(card.body[: 8 * fields].ljust(8 * fields) for card in self.cards if card.fields is None)
+        text[small] = np.frombuffer(joined, np.uint8).reshape(int(small.sum()), fields, 8)
+        rows = [(card.fields[:fields] + [b""] * fields)[:fields] for card in self.cards if card.fields is not None]
+        for row, k in zip(rows, np.flatnonzero(~small).tolist(), strict=True):
             if max(map(len, row), default=0) > LONGEST:
-                raise self.lines.error(card.line, f"a field of {self.name} has more than {LONGEST} characters. Shorten it.")
-            rows.append(row + [b""] * (fields - len(row)))
-        width = max(8, max(len(each) for row in rows for each in row))
-        wide = np.full((len(self.cards), fields, width), ord(" "), np.uint8)
-        wide[:, :, :8] = np.where(text == 0, ord(" "), text)
-        joined = b"".join(each.ljust(width) for row in rows for each in row)
-        wide[places] = np.frombuffer(joined, np.uint8).reshape(len(rows), fields, width)
-        return wide
-
-    def _too_many(self, card: Card, fields: int) -> InputError:
-        return self.lines.error(card.line, f"{self.name} has more fields than {fields}, or a line more than ten. Mend the card.")
+                raise self.error(k, f"a field of {self.name} has more than {LONGEST} characters. Shorten it.")
+        width = max((len(each) for row in rows for each in row), default=0)
+        if width > 8:
+            text = np.concatenate([text, np.full((*text.shape[:2], width - 8), ord(" "), np.uint8)], axis=2)
+        joined = b"".join(each.ljust(text.shape[2]) for row in rows for each in row)
+        text[~small] = np.frombuffer(joined, np.uint8).reshape(len(rows), *text.shape[1:])
+        return text
 
     def whole(self, first: int, after: int | None = None, blank: int | None = None) -> np.ndarray:
         """Whole numbers in one field (n,), or in several (n, fields); fields count from 0. Blank ones are `blank`, or wrong."""
@@ -280,24 +268,31 @@ class Table:
         """Real numbers, in the same way."""
         return self._numbers(real_numbers, "number", first, after, blank)
 
-    def _numbers(self, read: object, what: str, first: int, after: int | None, blank: float | None) -> np.ndarray:
-        found: Numbers = read(self.text[:, first : first + 1 if after is None else after])  # type: ignore[operator]
+    def _numbers(
+        self, read: Callable[[np.ndarray], Numbers], what: str, first: int, after: int | None, blank: float | None
+    ) -> np.ndarray:
+        found = read(self._text[:, first : first + 1 if after is None else after])
+        values = np.where(found.blank, blank or 0, found.values)
         wrong = found.wrong | (found.blank if blank is None else False)
+        missing = min(self._fields, first + 1 if after is None else after) - first - values.shape[1]
+        if missing:
+            values = np.pad(values, ((0, 0), (0, missing)), constant_values=blank or 0)
+            wrong = np.pad(wrong, ((0, 0), (0, missing)), constant_values=blank is None)
         if wrong.any():
             row, column = (int(k) for k in np.argwhere(wrong)[0])
-            raise self.error(
-                row, f"{_field(first + column)} of {self.name} holds no {what}. Write one there, within its columns."
-            )
-        values = found.values if not blank else np.where(found.blank, blank, found.values)
+            where = f"{_field(first + column)} of {self.name}"
+            raise self.error(row, f"{where} holds no {what}. Write one there, within its columns.")
         return values[:, 0] if after is None else values
 
-    def blank(self, first: int, after: int) -> np.ndarray:
-        """Whether fields are blank, (n, fields)."""
-        return (self.text[:, first:after] == ord(" ")).all(axis=2)
+    def blank(self, field: int) -> np.ndarray:
+        """Whether a field is blank, (n,)."""
+        if field >= self._text.shape[1]:
+            return np.ones(len(self.cards), bool)
+        return (self._text[:, field] == ord(" ")).all(axis=1)
 
     def word(self, row: int, field: int) -> str:
         """Text of one field in capitals."""
-        return self.text[row, field].tobytes().decode("ascii", "replace").strip().upper()
+        return (self.cards[row].words() + [""] * field)[field]
 
     def error(self, row: int, what: str) -> InputError:
         """The error that something is wrong with one of the cards."""

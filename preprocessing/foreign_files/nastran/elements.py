@@ -61,7 +61,7 @@ def _blocks(name: str, cards: Cards, grid: Grid, kinds: Mapping[int, str]) -> It
     most = max(kinds)
     table = Table(name, cards.by_name[name], 2 + most, cards.lines, rest=name not in SOLIDS)
     labels, nodes = table.whole(0), table.whole(2, 2 + most, blank=0)
-    properties = np.where(table.blank(1, 2)[:, 0], labels, table.whole(1, blank=0))
+    properties = np.where(table.blank(1), labels, table.whole(1, blank=0))
     given = nodes != 0
     places = np.where(given, grid.places(nodes), 0)
     refuse_missing(table, nodes, places)

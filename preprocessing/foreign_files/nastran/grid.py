@@ -90,9 +90,9 @@ def grid_of(cards: Cards, systems: Iterable[int]) -> Grid:
 def _given(cards: Cards, table: Table) -> _Given:
     default_system, default_motion, default_held = _defaults(cards)
     system, motion = table.whole(1, blank=0), table.whole(5, blank=0)
-    system = np.where(table.blank(1, 2)[:, 0], default_system, system)
-    motion = np.where(table.blank(5, 6)[:, 0], default_motion, motion)
-    held = np.where(table.blank(6, 7)[:, 0], default_held, table.whole(6, blank=0)) != 0
+    system = np.where(table.blank(1), default_system, system)
+    motion = np.where(table.blank(5), default_motion, motion)
+    held = np.where(table.blank(6), default_held, table.whole(6, blank=0)) != 0
     labels = table.whole(0)
     for wrong, what in (
         (labels < 1, "GRID has a number below 1. Number nodes from 1"),
