@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from preprocessing.foreign_files.contents import PointMass
 from preprocessing.foreign_files.nastran.cards import Cards, Table
 from preprocessing.foreign_files.nastran.grid import Grid
-from preprocessing.foreign_files.nastran.ties import carriers_of
+from preprocessing.foreign_files.nastran.ties import Tie, carriers_of, ties_of
 
 BASIC_PLACE = -1
 """The coordinate system of a CONM2 whose centre is given as a place in the basic system, and not as an offset."""
@@ -114,12 +114,19 @@ def point_masses(masses: list[Given], cards: Cards, grid: Grid, in_body: np.ndar
     InputError
         A mass hangs on no node of the body, or its coordinate system is missing or has no directions of its own.
     """
-    return [_placed(each, cards, grid, in_body, factor) for each in masses if each.mass or each.inertia.any()]
+    ties: list[Tie] = []
+
+    def all_ties() -> list[Tie]:
+        if not ties:
+            ties.extend(ties_of(cards))
+        return ties
+
+    return [_placed(each, all_ties, grid, in_body, factor) for each in masses if each.mass or each.inertia.any()]
 
 
-def _placed(each: Given, cards: Cards, grid: Grid, in_body: np.ndarray, factor: float) -> PointMass:
+def _placed(each: Given, ties: Callable[[], Sequence[Tie]], grid: Grid, in_body: np.ndarray, factor: float) -> PointMass:
     name, place = each.table.name, each.table.place(each.row)
-    carriers = carriers_of(each.node, cards, grid, in_body, place)
+    carriers = carriers_of(each.node, ties, grid, in_body, place)
     node = grid.points[grid.places(np.array([each.node]))[0]]
     basic = each.system == BASIC_PLACE and name == "CONM2"
     if not basic and each.system not in grid.systems:

@@ -85,13 +85,13 @@ def real_numbers(text: np.ndarray) -> Numbers:
     values = np.where(scan.power < 0, digits / ten, digits * ten)
     values = np.where(scan.negative & exact, -values, values)
     for place in zip(*np.nonzero(good & ~exact), strict=True):
-        values[place] = _float(text[place].tobytes().decode("ascii"))
+        values[place] = one_number(text[place].tobytes().decode("ascii"))
     finite = np.isfinite(values)
     return Numbers(np.where(finite, values, 0), blank, (~good & ~blank) | ~finite)
 
 
-def _float(text: str) -> float:
-    """One number, whatever its size."""
+def one_number(text: str) -> float:
+    """The value of the text of a real number, whatever its size."""
     return float(re.sub(r"(?<=[0-9.])([+-])", r"E\1", text.upper().strip().replace("D", "E")))
 
 

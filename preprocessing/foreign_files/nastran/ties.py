@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from preprocessing.foreign_files.nastran.cards import Cards
 from preprocessing.foreign_files.nastran.grid import Grid
+from preprocessing.foreign_files.nastran.numbers import one_number
 from toolkit.foundation.errors import InputError
 
 NUMBER, WEIGHT = re.compile(r"\d+"), re.compile(r"[+-]?(\d+\.\d*|\.\d+)([ED]?[+-]?\d+)?")
@@ -35,8 +36,12 @@ class Carriers(NamedTuple):
     by: str  # name of the card that ties it to them; empty for its own node
 
 
-def carriers_of(label: int, cards: Cards, grid: Grid, in_body: np.ndarray, place: str) -> Carriers:
+def carriers_of(label: int, ties: Callable[[], Sequence[Tie]], grid: Grid, in_body: np.ndarray, place: str) -> Carriers:
     """The nodes of the body that carry a mass on a node: itself, or those that one rigid element ties it to.
+
+    Parameters
+    ----------
+    ties : gives all rigid elements, and is called only if the node is not one of the body
 
     Raises
     ------
@@ -48,18 +53,15 @@ def carriers_of(label: int, cards: Cards, grid: Grid, in_body: np.ndarray, place
         raise InputError(f"{place}: the mass is on node {label}, and no GRID defines it. Add it.")
     if in_body[own[0]]:
         return Carriers(own, True, "")
-    ties = [tie for tie in _ties(cards) if label == tie.reference or (tie.name != "RBE3" and label in tie.nodes)]
-    if len(ties) != 1 or not ties[0].holds:
-        why = (
-            f"{len(ties)} rigid elements"
-            if len(ties) != 1
-            else f"one {ties[0].name} that leaves translations free or weighs its nodes"
-        )
+    found = [tie for tie in ties() if label == tie.reference or (tie.name != "RBE3" and label in tie.nodes)]
+    if len(found) != 1 or not found[0].holds:
+        several = f"{len(found)} rigid elements tie it to others"
+        why = several if len(found) != 1 else f"{found[0].name} ties it, but leaves translations free or weighs its nodes"
         raise InputError(
-            f"{place}: the mass is on node {label}, which has no element of the body, and {why} tie it to the body. Put it on a node of "
-            'the body, tie it by one RBE2 or one RBE3 with equal weights, or leave it out: leave_out = ["CONM2"] in [mesh].'
+            f"{place}: the mass is on node {label}, which has no element of the body, and {why}. Put it on a node of the body, tie it "
+            'by one RBE2, or by one RBE3 with equal weights, or leave it out: leave_out = ["CONM2"] in [mesh].'
         )
-    return _carriers(ties[0], label, grid, in_body)
+    return _carriers(found[0], label, grid, in_body)
 
 
 def _carriers(tie: Tie, label: int, grid: Grid, in_body: np.ndarray) -> Carriers:
@@ -72,7 +74,7 @@ def _carriers(tie: Tie, label: int, grid: Grid, in_body: np.ndarray) -> Carriers
     return Carriers(places[inside], tie.name != "RBE3", tie.name)
 
 
-def _ties(cards: Cards) -> Iterator[Tie]:
+def ties_of(cards: Cards) -> Iterator[Tie]:
     """All rigid elements that may carry a mass."""
     for name, read in (("RBE2", _rbe2), ("RBAR", _rbar), ("RBE3", _rbe3)):
         for card in cards.by_name.get(name, []):
@@ -100,16 +102,18 @@ def _rbar(name: str, place: str, words: list[str]) -> Tie:
 
 def _rbe3(name: str, place: str, words: list[str]) -> Tie:
     nodes: list[int] = []
-    weights, holds = set(), _translations(words[3])
+    weights: set[float] = set()
+    holds = _translations(words[3])
     left = [each for each in words[4:] if each]
+    if not left or not WEIGHT.fullmatch(left[0]):
+        raise ValueError("no weight")
     while left and left[0] not in ENDS:
         if WEIGHT.fullmatch(left[0]):
-            weights.add(left[0])
+            weights.add(one_number(left[0]))
             holds = holds and _translations(left[1])
             left = left[2:]
         nodes.append(_number(left.pop(0)))
-    values = {float(re.sub(r"(?<=[0-9.])([+-])", r"E\1", each.replace("D", "E")).replace("EE", "E")) for each in weights}
-    return Tie(name, place, tuple(nodes), _number(words[2]), holds and len(values) == 1)
+    return Tie(name, place, tuple(nodes), _number(words[2]), holds and len(weights) == 1)
 
 
 def _number(text: str) -> int:
