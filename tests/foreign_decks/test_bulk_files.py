@@ -62,6 +62,29 @@ CUBE = GRID + "CHEXA,1,1,1,2,3,4,5,6\n,7,8\n"
 PLATE = GRID + "CQUAD4,1,1,1,2,3,4\n"
 
 
+FORMATS = {
+    "small, then large": ["CHEXA   1       1       1       2       3       4       5       6       +A", "*A      7               8"],
+    "large, then small": ["CHEXA*  1               1               1               2", "*       3               4               5"
+                          "               6", "+       7       8"],
+    "large half, then small": ["CHEXA*  1               1               1               2               *X",
+                               "+X      7       8"],
+    "free, then small": ["CHEXA,1,1,1,2,3,4,5,6,+", "+       7       8"],
+    "mark in column 74": ["CHEXA   1       1       1       2       3       4       5       6       QED12", "+ED12   7       8"],
+    "marks of all lines": ["CHEXA   1       1       1       2       3       4       5       6       LINE0007", "        7       8"],
+    "name in the middle": ["  CHEXA 1       1       1       2       3       4       5       6", "        7       8"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_lines_of_one_card_may_have_formats_of_their_own(kind, tmp_path):
+    text = GRID + "\n".join(FORMATS[kind]) + "\n"
+    if kind == "large half, then small":  # the other half of the first line is blank, so that corners are missing
+        with pytest.raises(InputError, match="CHEXA is read with 8 or 20 nodes"):
+            read(tmp_path, text)
+        return
+    assert [(name, nodes.tolist()) for name, nodes in read(tmp_path, text).cells] == [("hexahedron", [[*range(8)]])]
+
+
 def test_a_mass_stands_where_its_offset_puts_it_with_the_inertia_of_its_axes(tmp_path):
     """Axes turned by 90 degrees about z, and a product of inertia that counts as an integral."""
     text = CUBE + "CORD2R,4,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\nCONM2,9,7,4,5.,.1,.2,.3,,\n,1.,.25,2.,.125,.5,3.\n"

@@ -12,7 +12,7 @@ from preprocessing.foreign_files.contents import Elements, LeftOut, MeshContents
 from preprocessing.foreign_files.nastran.cards import Cards, Table
 from preprocessing.foreign_files.nastran.elements import Block, blocks_of, only_name, refuse_twice
 from preprocessing.foreign_files.nastran.grid import Grid, grid_of
-from preprocessing.foreign_files.nastran.groups import property_groups, set_groups
+from preprocessing.foreign_files.nastran.groups import MOST, properties_of, property_groups, set_groups
 from preprocessing.foreign_files.nastran.lines import bulk_lines
 from preprocessing.foreign_files.nastran.masses import MASSES, given_masses, point_masses, systems_of
 from preprocessing.foreign_files.nastran.vocabulary import (
@@ -65,7 +65,7 @@ def read_bulk(path: Path, leave_out: frozenset[str]) -> MeshContents:
     return MeshContents(
         grid.points,
         _cells(found.body),
-        [*property_groups(found.all), *sets],
+        [*property_groups(found.body, found.naming), *sets],
         grid.labels,
         point_masses(masses, cards, grid, in_body, _mass_factor(cards)),
         [*_left_out(cards, leave_out), *_naming(found.naming), *grid.left_out(), *unread],
@@ -164,12 +164,11 @@ def _remarks(cards: Cards, found: Body, masses: bool) -> Iterator[str]:
     """What the user should know of the reading."""
     if (n := _materials(cards, found.body)) > 1:
         yield f"The elements of the file have {n} materials; those of the body have the one of body.toml."
-    both = {int(k) for block in found.body for k in np.unique(block.properties)} & {
-        int(k) for block in found.naming for k in np.unique(block.properties)
-    }
-    if both:
+    if both := properties_of(found.body) & properties_of(found.naming):
         names = ", ".join(f"pid {k}" for k in sorted(both)[:5])
-        yield f"Groups that name both elements of the body and faces or edges of it, and hold both: {names}."
+        yield f"Elements of the body and faces or edges of it have one property; groups such as {names} are of the body only."
+    if len(properties_of(found.all)) > MOST:
+        yield f"The elements have more than {MOST} properties, which are no groups."
     if masses and (factor := _mass_factor(cards)) != 1.0:
         yield f"PARAM WTMASS multiplies the masses of {' and '.join(MASSES)} by {factor:g}, as it does in Nastran."
     if cards.long_lines:
@@ -186,7 +185,7 @@ def _materials(cards: Cards, body: Sequence[Block]) -> int:
     InputError
         A property is that of a fluid.
     """
-    used = {int(k) for block in body for k in np.unique(block.properties)}
+    used = properties_of(body)
     numbers: set[int] = set()
     for name in ("PSOLID", "PSHELL"):
         table = Table(name, cards.by_name.get(name, []), 7, cards.lines, rest=True)

@@ -19,16 +19,23 @@ UNREAD = "its words are no list of numbers, so that it is no group"
 Group = tuple[str, Elements]
 
 
-def property_groups(blocks: Sequence[Block]) -> list[Group]:
-    """Elements by property, under names such as `pid 3`."""
-    found: dict[int, Elements] = {}
-    if len(np.unique(np.concatenate([np.zeros(0, np.int64), *(block.properties for block in blocks)]))) > MOST:
+def property_groups(body: Sequence[Block], naming: Sequence[Block]) -> list[Group]:
+    """Elements by property, as `pid 3`; faces and edges are `pid 3 CQUAD4` where elements of the body have the same property."""
+    found: dict[str, Elements] = {}
+    own = properties_of(body)
+    if len(own) > MOST:
         return []
-    for block in blocks:
+    for block in [*body, *naming]:
         numbers, which = np.unique(block.properties, return_inverse=True)
-        for k, number in enumerate(numbers.tolist()):
-            found.setdefault(number, []).append((block.kind, block.nodes[which == k]))
-    return [(f"pid {number}", elements) for number, elements in sorted(found.items())]
+        for k, number in enumerate(numbers.tolist()[:MOST]):
+            card = f" {block.card}" if any(block is each for each in naming) and number in own else ""
+            found.setdefault(f"pid {number}{card}", []).append((block.kind, block.nodes[which == k]))
+    return list(found.items())
+
+
+def properties_of(blocks: Sequence[Block]) -> set[int]:
+    """Numbers of the properties of elements."""
+    return {int(number) for block in blocks for number in np.unique(block.properties)}
 
 
 def set_groups(cards: Cards, grid: Grid, blocks: Sequence[Block]) -> tuple[list[Group], list[LeftOut]]:

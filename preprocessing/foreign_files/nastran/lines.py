@@ -17,7 +17,7 @@ from toolkit.foundation.files.regular_file import read_whole
 STATEMENT = re.compile(rb"[ \t]*include(?=[\s='\"]|$)[ \t]*=?", re.IGNORECASE)
 ANY_STATEMENT = re.compile(rb"^[ \t]*include", re.IGNORECASE | re.MULTILINE)
 BEGIN = re.compile(rb"[ \t]*begin\b[ \t]*(.*)", re.IGNORECASE)
-CASE_PARAMETER = re.compile(rb"[ \t]*param\b", re.IGNORECASE)
+CASE_PARAMETER = re.compile(rb"[ \t]*param[ \t]*[, \t]", re.IGNORECASE)
 CASE_CONTROL = re.compile(rb"[ \t]*cend[ \t]*(\$.*)?", re.IGNORECASE)
 DEEPEST, MOST = 20, 1000
 """Files that include each other in a row, and files in all, that a bulk file is made of."""
