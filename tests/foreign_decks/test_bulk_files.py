@@ -51,6 +51,12 @@ def test_the_body_has_the_mass_and_centre_of_the_file(name, tmp_path):
         np.testing.assert_allclose(found.first_moment[:, 0] / found.mass, centre, rtol=1e-7)
 
 
+def test_the_process_that_reads_has_memory_enough():
+    """It is bounded to a gigabyte more than the file is long."""
+    mesh = read_mesh(FILES / "include.bdf")
+    assert {kind: len(block) for kind, block in mesh.blocks.items()} == {"hexahedron": 10}
+
+
 def read(folder: Path, text: str, *leave_out: str) -> MeshContents:
     (folder / "body.bdf").write_text(text)
     return read_bulk(folder / "body.bdf", frozenset(leave_out))
