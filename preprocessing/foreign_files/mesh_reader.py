@@ -9,6 +9,7 @@ from typing import Any
 
 READERS: dict[str, tuple[str, str]] = {
     ".inp": ("preprocessing.foreign_files.abaqus.reader", "read_deck"),
+    **dict.fromkeys((".bdf", ".nas", ".fem", ".blk"), ("preprocessing.foreign_files.nastran.bulk_file", "read_bulk")),
 }
 """Ending -> module of a reader of its own, and its function of a path and of what is to be left out, which returns `MeshContents`."""
 
