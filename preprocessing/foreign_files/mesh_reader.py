@@ -7,7 +7,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-READERS: dict[str, tuple[str, str]] = {}
+READERS: dict[str, tuple[str, str]] = {
+    ".msh": ("preprocessing.foreign_files.meshes.gmsh_mesh", "gmsh_mesh"),
+}
 """Ending -> module of a reader of its own, and its function of a path and of what is to be left out, which returns `MeshContents`."""
 
 
@@ -19,4 +21,4 @@ def mesh_contents(path: str, leave_out: str = "[]") -> dict[str, Any]:
         return getattr(import_module(module), function)(Path(path), frozenset(map(str.upper, json.loads(leave_out)))).sent()
     from preprocessing.foreign_files.any_mesh import any_mesh
 
-    return any_mesh(path, "gmsh" if ending == ".msh" else None).sent()  # .msh is not that of ANSYS Fluent
+    return any_mesh(path).sent()

@@ -38,7 +38,9 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     raw = _read(path, leave_out)
     kinds = _kinds(path, [kind for kind, _ in raw.cells])
     present = [kind for kind in dict.fromkeys(kind for kind, _ in raw.cells) if kind in kinds]
-    blocks = {kind: _once(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present}
+    blocks = {
+        kind: _refuse_twice(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present
+    }
     used = np.unique(np.concatenate([block.ravel() for block in blocks.values()]))
     number = np.full(len(raw.points), -1)
     number[used] = np.arange(len(used))
@@ -61,17 +63,17 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     return mesh
 
 
-def _once(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
-    """Every element once; gmsh 2.2 writes those that are in several groups several times, and nobody else should."""
+def _refuse_twice(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
+    """The elements, none of which is there twice."""
     _, first = np.unique(np.sort(elements, axis=1), axis=0, return_index=True)
     twice = np.setdiff1d(np.arange(len(elements)), first)
-    if len(twice) and path.suffix != ".msh":
+    if len(twice):
         place = ", ".join(f"{x:g}" for x in raw.points[elements[twice[0]]].mean(axis=0))
         raise InputError(
             f"the mesh {str(path)!r} holds {len(twice)} elements twice, the first round ({place}), so that it is not clear whether their "
             "mass counts twice. Delete the copies; what should be twice as heavy needs twice the density or width."
         )
-    return elements[np.sort(first)]
+    return elements
 
 
 def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
