@@ -1,1 +1,1 @@
-"""Meshes that programs other than Abaqus and Nastran write: gmsh, VTK, Ansys, universal files, MED and more."""
+"""Meshes of other formats, and what the readers of all of them share."""

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from preprocessing.foreign_files.contents import Elements
-from preprocessing.foreign_files.meshes.gmsh_kinds import DIMENSIONS
-from preprocessing.foreign_files.meshes.gmsh_sections import REMEDY, Section
+from preprocessing.foreign_files.gmsh.kinds import DIMENSIONS
+from preprocessing.foreign_files.gmsh.sections import REMEDY, Section
 from preprocessing.foreign_files.meshes.wrong_file import wrong_file
 
 Group = tuple[int, int]

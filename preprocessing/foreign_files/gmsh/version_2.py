@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preprocessing.foreign_files.meshes.gmsh_kinds import GmshKind
-from preprocessing.foreign_files.meshes.gmsh_nodes import Block, Nodes, known_kind
-from preprocessing.foreign_files.meshes.gmsh_sections import REMEDY, BinaryNumbers, TextNumbers
+from preprocessing.foreign_files.gmsh.kinds import GmshKind
+from preprocessing.foreign_files.gmsh.nodes import Block, Nodes, known_kind
+from preprocessing.foreign_files.gmsh.sections import REMEDY, BinaryNumbers, TextNumbers
 from preprocessing.foreign_files.meshes.wrong_file import wrong_file
 
 SPREAD = 0x9E3779B97F4A7C15

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.foreign_files.meshes.gmsh_nodes import Block, Nodes, known_kind
-from preprocessing.foreign_files.meshes.gmsh_sections import REMEDY, Numbers
+from preprocessing.foreign_files.gmsh.nodes import Block, Nodes, known_kind
+from preprocessing.foreign_files.gmsh.sections import REMEDY, Numbers
 from preprocessing.foreign_files.meshes.wrong_file import wrong_file
 
 Entity = tuple[int, int]

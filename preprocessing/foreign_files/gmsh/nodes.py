@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from preprocessing.foreign_files.contents import Elements, MeshContents
-from preprocessing.foreign_files.meshes.gmsh_groups import Group, named_groups
-from preprocessing.foreign_files.meshes.gmsh_kinds import KINDS, GmshKind, reordered
-from preprocessing.foreign_files.meshes.gmsh_sections import REMEDY
+from preprocessing.foreign_files.gmsh.groups import Group, named_groups
+from preprocessing.foreign_files.gmsh.kinds import KINDS, GmshKind, reordered
+from preprocessing.foreign_files.gmsh.sections import REMEDY
 from preprocessing.foreign_files.meshes.wrong_file import wrong_file
 
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from preprocessing.foreign_files.contents import MeshContents
-from preprocessing.foreign_files.meshes import gmsh_2, gmsh_4
-from preprocessing.foreign_files.meshes.gmsh_groups import names_of_groups
-from preprocessing.foreign_files.meshes.gmsh_nodes import Block, Nodes, contents
-from preprocessing.foreign_files.meshes.gmsh_sections import (
+from preprocessing.foreign_files.gmsh import version_2, version_4
+from preprocessing.foreign_files.gmsh.groups import names_of_groups
+from preprocessing.foreign_files.gmsh.nodes import Block, Nodes, contents
+from preprocessing.foreign_files.gmsh.sections import (
     REMEDY,
     BinaryNumbers,
     Section,
@@ -94,14 +94,14 @@ def _version_4(path: Path, kind: Format, by_name: Mapping[str, Section]) -> tupl
         section = _needed(path, by_name, name)
         return BinaryNumbers(path, section, kind.size, kind.order) if kind.binary else TextNumbers(path, section)
 
-    groups: dict[gmsh_4.Entity, tuple[int, ...]] = {}
-    for name, read in (("Entities", gmsh_4.entities), ("PartitionedEntities", gmsh_4.partitioned_entities)):
+    groups: dict[version_4.Entity, tuple[int, ...]] = {}
+    for name, read in (("Entities", version_4.entities), ("PartitionedEntities", version_4.partitioned_entities)):
         if name in by_name:
             numbers = opened(name)
             groups.update(read(numbers))
             numbers.finish()
     node_numbers, element_numbers = opened("Nodes"), opened("Elements")
-    nodes, blocks = gmsh_4.nodes(path, node_numbers), gmsh_4.elements(path, element_numbers, groups)
+    nodes, blocks = version_4.nodes(path, node_numbers), version_4.elements(path, element_numbers, groups)
     node_numbers.finish()
     element_numbers.finish()
     return nodes, blocks
@@ -114,9 +114,9 @@ def _version_2(path: Path, kind: Format, by_name: Mapping[str, Section]) -> tupl
         return _binary_version_2(path, kind, by_name)
     parametric = not first and "ParametricNodes" in by_name
     node_numbers = TextNumbers(path, _needed(path, by_name, "NOD" if first else "ParametricNodes" if parametric else "Nodes"))
-    nodes = gmsh_2.parametric_nodes(path, node_numbers) if parametric else gmsh_2.text_nodes(node_numbers)
+    nodes = version_2.parametric_nodes(path, node_numbers) if parametric else version_2.text_nodes(node_numbers)
     element_numbers = TextNumbers(path, _needed(path, by_name, "ELM" if first else "Elements"))
-    blocks = gmsh_2.text_elements(path, element_numbers, first)
+    blocks = version_2.text_elements(path, element_numbers, first)
     node_numbers.finish()
     return nodes, blocks
 
@@ -131,7 +131,7 @@ def _binary_version_2(path: Path, kind: Format, by_name: Mapping[str, Section]) 
             raise wrong_file(path, f"${name} does not begin with a count", REMEDY)
         found.append((int(count[:18]), BinaryNumbers(path, section._replace(body=body), kind.size, kind.order)))
     (n_nodes, node_numbers), (n_elements, element_numbers) = found
-    nodes, blocks = gmsh_2.binary_nodes(node_numbers, n_nodes), gmsh_2.binary_elements(path, element_numbers, n_elements)
+    nodes, blocks = version_2.binary_nodes(node_numbers, n_nodes), version_2.binary_elements(path, element_numbers, n_elements)
     node_numbers.finish()
     element_numbers.finish()
     return nodes, blocks

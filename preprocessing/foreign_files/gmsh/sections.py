@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import re
-import warnings
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from preprocessing.foreign_files.meshes.numbers_of_text import numbers_of_text, whole_numbers
 from preprocessing.foreign_files.meshes.wrong_file import wrong_file
 from toolkit.foundation.errors import InputError
 
 REMEDY = "Save it again with gmsh, as MSH 4.1 or 2.2."
 HEAD = re.compile(rb"\$([A-Za-z0-9_]{1,40})[ \t\r]*(?:\n|$)")
-NUMBER = re.compile(rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-LARGEST_WHOLE = 2**53
-"""Whole numbers below it are exact as doubles."""
 
 
 class Section(NamedTuple):
@@ -83,7 +80,7 @@ class TextNumbers:
 
     def __init__(self, path: Path, section: Section) -> None:
         self.path, self.section, self.at = path, section, 0
-        self.values = _values(path, section)
+        self.values = numbers_of_text(path, section.body, section.line, REMEDY)
 
     def real(self, n: int) -> np.ndarray:
         """The next n numbers."""
@@ -102,9 +99,7 @@ class TextNumbers:
 
     def as_whole(self, found: np.ndarray) -> np.ndarray:
         """Numbers that have to be whole."""
-        if not np.all((found == np.floor(found)) & (np.abs(found) < LARGEST_WHOLE)):
-            raise wrong_file(self.path, f"${self.section.name} has other numbers than whole ones for tags or counts", REMEDY)
-        return found.astype(np.int64)
+        return whole_numbers(self.path, found, REMEDY, self.section.line)
 
     def finish(self) -> None:
         """Refuse numbers that are left."""
@@ -147,25 +142,3 @@ class BinaryNumbers:
 def short(path: Path, section: Section) -> InputError:
     """The error of a section that claims more than it holds."""
     return wrong_file(path, f"${section.name} claims more numbers than it holds", REMEDY, section.line)
-
-
-def _values(path: Path, section: Section) -> np.ndarray:
-    """All numbers of a text."""
-    if not section.body.strip():
-        return np.zeros(0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")  # numpy warns of what it cannot read, and stops there
-        try:
-            return np.fromstring(section.body, sep=" ")
-        except (DeprecationWarning, ValueError):
-            pass
-    line = section.line + _first_wrong(section.body)
-    raise wrong_file(path, f"${section.name} holds something that is no number", REMEDY, line)
-
-
-def _first_wrong(body: bytes) -> int:
-    """Lines before the first one that does not consist of numbers."""
-    for k, line in enumerate(body.split(b"\n")):
-        if not all(NUMBER.fullmatch(word) for word in line.split()):
-            return k
-    return 0
