@@ -11,6 +11,7 @@ READERS: dict[str, tuple[str, str]] = {
     ".msh": ("preprocessing.foreign_files.gmsh.gmsh_mesh", "gmsh_mesh"),
     ".vtk": ("preprocessing.foreign_files.vtk.legacy", "legacy_vtk"),
     ".vtu": ("preprocessing.foreign_files.vtk.xml", "xml_vtk"),
+    ".unv": ("preprocessing.foreign_files.meshes.universal_file", "universal_mesh"),
 }
 """Ending -> module of a reader of its own, and its function of a path and of what is to be left out, which returns `MeshContents`."""
 

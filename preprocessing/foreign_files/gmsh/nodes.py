@@ -12,7 +12,7 @@ from preprocessing.foreign_files.contents import Elements, MeshContents
 from preprocessing.foreign_files.gmsh.groups import Group, named_groups
 from preprocessing.foreign_files.gmsh.kinds import KINDS, GmshKind, reordered
 from preprocessing.foreign_files.gmsh.sections import REMEDY
-from preprocessing.foreign_files.meshes.wrong_file import wrong_file
+from preprocessing.foreign_files.meshes.wrong_file import Labels, wrong_file
 
 
 class Nodes(NamedTuple):
@@ -49,23 +49,12 @@ def known_kind(path: Path, number: int) -> GmshKind:
 
 def contents(path: Path, nodes: Nodes, blocks: Sequence[Block], names: dict[Group, str], remarks: Sequence[str]) -> MeshContents:
     """The record of a mesh: nodes counted from 0, and groups by their names."""
-    order = np.argsort(nodes.tags, kind="stable")
-    tags = nodes.tags[order]
-    if np.any(tags[1:] == tags[:-1]):
-        raise wrong_file(path, "$Nodes gives a tag to two nodes", REMEDY)
+    labels = Labels(path, nodes.tags, "node", REMEDY)
     cells: Elements = []
     members: dict[Group, Elements] = {}
     for block in blocks:
-        cells.append((block.kind.kind, reordered(block.kind.kind, _places(path, tags, order, block.nodes))))
+        cells.append((block.kind.kind, reordered(block.kind.kind, labels.places(block.nodes))))
         for tag, own in block.groups:
             members.setdefault((block.kind.dimension, tag), []).append((block.kind.kind, cells[-1][1][own]))
     groups, told = named_groups(members, names)
     return MeshContents(nodes.points, cells, groups, nodes.tags, remarks=[*remarks, *told])
-
-
-def _places(path: Path, tags: np.ndarray, order: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Places of nodes by their tags, of which `tags` is the rising list and `order` the place of each."""
-    at = np.searchsorted(tags, wanted)
-    if wanted.size and (not len(tags) or np.any(tags[np.minimum(at, len(tags) - 1)] != wanted)):
-        raise wrong_file(path, "an element has a node that $Nodes does not hold", REMEDY)
-    return order[at]

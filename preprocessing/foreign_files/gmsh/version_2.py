@@ -11,6 +11,7 @@ import numpy as np
 from preprocessing.foreign_files.gmsh.kinds import GmshKind
 from preprocessing.foreign_files.gmsh.nodes import Block, Nodes, known_kind
 from preprocessing.foreign_files.gmsh.sections import REMEDY, BinaryNumbers, TextNumbers
+from preprocessing.foreign_files.meshes.numbers_of_text import alike_rows
 from preprocessing.foreign_files.meshes.wrong_file import wrong_file
 
 SPREAD = 0x9E3779B97F4A7C15
@@ -77,23 +78,12 @@ def _first_rows(path: Path, numbers: TextNumbers) -> Iterator[Rows]:
 def _runs(
     path: Path, numbers: TextNumbers, columns: tuple[int, ...], width_of: Callable[[np.ndarray], int]
 ) -> Iterator[np.ndarray]:
-    """Rows of alike width that follow one another: the width is that of the first, while the given columns are as there."""
-    values, at = numbers.values, numbers.at
-    while at < len(values):
-        head = values[at : at + max(columns) + 1]
-        width = width_of(head) if len(head) > max(columns) else 0
-        if not max(columns) < width <= len(values) - at:
+    """Rows of one width, as long as the given columns stay the same."""
+    for block in alike_rows(numbers.values, numbers.at, columns, width_of):
+        if block is None:
             raise wrong_file(path, f"a row of ${numbers.section.name} has not as many numbers as it should", REMEDY)
-        n, most = 1, 4
-        while most:
-            ahead = values[at + n * width : at + (n + most) * width]
-            rows = ahead[: len(ahead) // width * width].reshape(-1, width)
-            alike = np.all(rows[:, columns] == head[list(columns)], axis=1)
-            here = len(alike) if alike.all() else int(alike.argmin())
-            n, most = n + here, 2 * most if here == most else 0
-        yield values[at : at + n * width].reshape(n, width)
-        at += n * width
-    numbers.at = at
+        yield block
+    numbers.at = len(numbers.values)
 
 
 def binary_elements(path: Path, numbers: BinaryNumbers, n: int) -> list[Block]:

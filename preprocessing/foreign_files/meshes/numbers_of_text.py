@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -53,3 +54,29 @@ def _first_wrong(text: bytes) -> int:
         if not all(NUMBER.fullmatch(word) for word in line.split()):
             return k
     return 0
+
+
+def alike_rows(
+    values: np.ndarray, at: int, columns: tuple[int, ...], width_of: Callable[[np.ndarray], int]
+) -> Iterator[np.ndarray | None]:
+    """Numbers from one place on as tables of rows, of which each says how many numbers it has.
+
+    A table ends where one of the given columns changes; `width_of` tells the width of a row from its first numbers up to the last of
+    these columns. None, and then nothing more, where a row is not whole.
+    """
+    first = max(columns) + 1
+    while at < len(values):
+        head = values[at : at + first]
+        width = width_of(head) if len(head) == first else 0
+        if not first <= width <= len(values) - at:
+            yield None
+            return
+        n, most = 1, 4
+        while most:
+            ahead = values[at + n * width : at + (n + most) * width]
+            rows = ahead[: len(ahead) // width * width].reshape(-1, width)
+            alike = np.all(rows[:, columns] == head[list(columns)], axis=1)
+            here = len(alike) if alike.all() else int(alike.argmin())
+            n, most = n + here, 2 * most if here == most else 0
+        yield values[at : at + n * width].reshape(n, width)
+        at += n * width
