@@ -13,6 +13,7 @@ READERS: dict[str, tuple[str, str]] = {
     ".vtu": ("preprocessing.foreign_files.vtk.xml", "xml_vtk"),
     ".unv": ("preprocessing.foreign_files.meshes.universal_file", "universal_mesh"),
     ".cdb": ("preprocessing.foreign_files.meshes.ansys_archive", "ansys_mesh"),
+    ".med": ("preprocessing.foreign_files.meshes.med_file", "med_mesh"),
 }
 """Ending -> module of a reader of its own, and its function of a path and of what is to be left out, which returns `MeshContents`."""
 
