@@ -7,6 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from preprocessing.foreign_files.meshes.refused_formats import refuse_format
+
 READERS: dict[str, tuple[str, str]] = {
     ".msh": ("preprocessing.foreign_files.gmsh.gmsh_mesh", "gmsh_mesh"),
     ".vtk": ("preprocessing.foreign_files.vtk.legacy", "legacy_vtk"),
@@ -24,6 +26,8 @@ def mesh_contents(path: str, leave_out: str = "[]") -> dict[str, Any]:
     if ending in READERS:
         module, function = READERS[ending]
         return getattr(import_module(module), function)(Path(path), frozenset(map(str.upper, json.loads(leave_out)))).sent()
-    from preprocessing.foreign_files.any_mesh import any_mesh
+    refuse_format(Path(path))
+    from preprocessing.foreign_files.any_mesh import any_mesh, known_ending
 
+    known_ending(Path(path))
     return any_mesh(path).sent()
