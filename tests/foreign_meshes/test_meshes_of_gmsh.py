@@ -58,8 +58,7 @@ REFUSED = (
         "diff",
         "key",
         "rad",
-        "celum_f",
-        "celum_s",
+        "celum",
         "neu",
         "mail",
         "m",
@@ -123,7 +122,7 @@ def test_quadratic_elements_of_medit_and_su2_are_refused(files, name):
     folder, right = files
     path = folder / f"{name}.{LINEAR_ONLY[name][0]}"
     if right.kind in ("quad8", "tetra10") or (name, right.kind) == ("mesh", "wedge"):  # of which gmsh writes the surface only
-        with pytest.raises(InputError, match="cannot be read|holds only|triangles or quadrilaterals only"):
+        with pytest.raises(InputError, match=r"cannot be read|triangles or quadrilaterals only"):
             read_mesh(path)
     else:
         assert is_right(read_mesh(path), right)
