@@ -10,38 +10,12 @@ import pytest
 from preprocessing import build
 from preprocessing.foreign_files.contents import MeshContents
 from preprocessing.foreign_files.meshes.ansys_archive import ansys_mesh
+from tests.foreign_meshes.ansys_files import component, element_block, node_block
 from tests.foreign_meshes.sizes import size
 from tests.models.solid_bodies import box
 from toolkit.foundation.errors import InputError
 
 HEAD = "/COM,ANSYS RELEASE 2019 R2\n/PREP7\n/TITLE,bar\n*SET,_RETURN ,  0.0\n"
-
-
-def node_block(nodes: np.ndarray, first: int = 1) -> str:
-    """NBLOCK with zeros at the end left out, as Ansys does."""
-    rows = []
-    for k, place in enumerate(nodes):
-        last = max(np.flatnonzero(place), default=-1) + 1
-        rows.append(f"{first + k:9d}{0:9d}{0:9d}" + "".join(f"{x:21.13E}" for x in place[:last]))
-    return (
-        f"NBLOCK,6,SOLID,{first + len(nodes) - 1:10d},{len(nodes):10d}\n(3i9,6e21.13e3)\n"
-        + "\n".join(rows)
-        + "\nN,R5.3,LOC,       -1,\n"
-    )
-
-
-def element_block(*elements: tuple[int, list[int]]) -> str:
-    """EBLOCK of elements of a local type with their nodes."""
-    rows = []
-    for label, (local, nodes) in enumerate(elements, 101):
-        head = [1, local, 1, 1, 0, 0, 0, 0, len(nodes), 0, label]
-        rows += ["".join(f"{number:9d}" for number in [*head, *nodes[:8]]), "".join(f"{number:9d}" for number in nodes[8:])]
-    return f"EBLOCK,19,SOLID,{len(elements)},{len(elements)}\n(19i9)\n" + "\n".join(row for row in rows if row) + "\n       -1\n"
-
-
-def component(name: str, kind: str, *labels: int) -> str:
-    rows = ["".join(f"{label:10d}" for label in labels[k : k + 8]) for k in range(0, len(labels), 8)]
-    return f"CMBLOCK,{name:8},{kind},{len(labels):8d}  ! users component\n(8i10)\n" + "\n".join(rows) + "\n"
 
 
 def read(folder: Path, text: str, leave_out: frozenset[str] = frozenset()) -> MeshContents:
@@ -144,7 +118,7 @@ WRONG = {
     "fewer elements": (TYPE + NODES + ELEMENTS.replace("SOLID,1,1", "SOLID,2,2"), "EBLOCK has not as many elements as it says"),
     "a node that is not there": (TYPE + NODES + element_block((1, [1, 2, 3, 4, 5, 6, 7, 9])), "a node that the file does not hold"),
     "no type": (HEAD + NODES + ELEMENTS, "an element is of a type that no ET defines"),
-    "single nodes": (TYPE + NODES + "N,9,1,2,3\n" + ELEMENTS, "line 18: the command N gives single nodes"),
+    "single nodes": (TYPE + NODES + "N,9,1,2,3\n" + ELEMENTS, "line 17: the command N gives single nodes"),
     "merged nodes": (TYPE + NODES + ELEMENTS + "NUMMRG,NODE\n", "the command NUMMRG changes nodes or elements"),
     "ties": (TYPE + NODES + ELEMENTS + "CP,1,UX,1,2\nCP,2,UX,3,4\n", r'has 2 times CP.*leave_out = \["CP"\]'),
     "solver's elements": (TYPE + NODES + ELEMENTS.replace("19,SOLID", "10,"), "EBLOCK without SOLID"),

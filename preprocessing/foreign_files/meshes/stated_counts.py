@@ -47,8 +47,19 @@ def _tetgen(path: Path) -> Counts:
 
 
 def _ugrid(path: Path) -> Counts:
-    found = _first_line(path, tuple(range(7))) if len(path.suffixes) < 2 else None
-    return (found[0], sum(found[1:])) if found and len(found) == 7 else (None, None)
+    """Seven numbers at the beginning of a text: nodes, and elements of six kinds."""
+    words = content_of(path)[:200].split()[:7] if len(path.suffixes) < 2 else []
+    if len(words) < 7 or not all(word.isdigit() for word in words):
+        return None, None
+    return int(words[0]), sum(map(int, words[1:]))
+
+
+def _dolfin(path: Path) -> Counts:
+    """Entries of the lists, as meshio makes room for as many as the lists say and leaves it as it was where one is missing."""
+    content = content_of(path)
+    entries = (rb"<vertex\s", rb"<(?:interval|triangle|tetrahedron|quadrilateral|hexahedron)\s")
+    nodes, elements = (len(re.findall(each, content)) for each in entries)
+    return nodes, elements
 
 
 STATED: dict[str, Callable[[Path], Counts]] = {
@@ -56,7 +67,7 @@ STATED: dict[str, Callable[[Path], Counts]] = {
     ".mesh": _sums(rb"^[ \t]*Vertices\s+(\d{1,18})", MEDIT),
     ".vol": _sums(rb"^[ \t]*points[ \t\r]*\n\s*(\d{1,18})", NETGEN),
     ".dat": _sums(rb"\b(?:NODES|N)[ \t]*=[ \t]*(\d{1,18})", rb"\b(?:ELEMENTS|E)[ \t]*=[ \t]*(\d{1,18})"),
-    ".xml": _sums(rb"<vertices[^>]*size=[\"'](\d{1,18})", rb"<cells[^>]*size=[\"'](\d{1,18})"),
+    ".xml": _dolfin,
     ".xdmf": _sums(rb"(?!)", rb"<Topology[^>]*NumberOfElements=[\"'](\d{1,18})[\"']"),
     ".avs": _avs,
     ".ele": _tetgen,
