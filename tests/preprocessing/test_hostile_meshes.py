@@ -225,7 +225,7 @@ VTK = "# vtk DataFile Version 5.1\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {
 MESHES: dict[str, tuple[str, str, str]] = {
     "a count of 1e12 nodes": (".msh", gmsh("1000000000000\n1 0 0 0", "0"), "line 5: .Nodes claims more numbers than it holds"),
     "a node of gmsh that is not there": (".msh", gmsh("3\n1 0 0 0\n2 1 0 0\n3 0 1 0", "1\n1 2 2 0 1 1 2 9"),
-    "has a node that .Nodes does not hold"),
+    "has a node that the file does not hold"),
     "a group that is generated without end": (".inp", PLATE + "*NSET, NSET=a, GENERATE\n1, 2000000000, 1\n",
     "more than 10\\d\\d MiB"),
     "a group that is generated in steps of nothing": (".inp", PLATE + "*NSET, NSET=a, GENERATE\n1, 4, 0\n",
@@ -236,14 +236,14 @@ MESHES: dict[str, tuple[str, str, str]] = {
     "a negative node": (".vtk",
     "# vtk DataFile Version 4.2\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
                         "CELLS 1 4\n3 0 1 -1\nCELL_TYPES 1\n5\n", "names node -1, and the nodes count from 0 to 2"),
-    "1e13 points": (".vtk", VTK.format(points=10**13), "cannot be read by meshio"),
+    "1e13 points": (".vtk", VTK.format(points=10**13), "more or fewer numbers than the line before says"),
     "no points": (".inp", "*NODE\n*ELEMENT, TYPE=CPS4\n", "cannot be read by meshio|of shape|holds no"),
     "all nodes at one place": (".inp", PLATE.replace(" 1, 0, 0", " 0, 0, 0").replace(" 1, 1, 0", " 0, 0, 0").replace(" 0, 1, 0",
     " 0, 0, 0"), "all at one place"),
     "coordinates of 1e300": (".inp", PLATE.replace("2, 1, 0", "2, 1e300, 0"), r"reaches to 1e\+300"),
     "an archive that ends": (".vtu",
     "<VTKFile type='UnstructuredGrid' version='0.1' compressor='vtkZLibDataCompressor'><UnstructuredGrid/></VTKFile>",
-                             "cannot be read by meshio"),
+                             "holds no UnstructuredGrid with a Piece"),
     "XML that is none": (".xdmf", "<Xdmf><Domain>", "cannot be read by meshio"),
     "a reader that never ends": (".ele", "", "comes to no end within|cannot be read by meshio"),
 }  # fmt: skip
