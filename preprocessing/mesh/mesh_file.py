@@ -44,7 +44,9 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     raw = uncollapsed(path, _read(path, leave_out))
     kinds = _kinds(path, [kind for kind, _ in raw.cells])
     present = [kind for kind in dict.fromkeys(kind for kind, _ in raw.cells) if kind in kinds]
-    blocks = {kind: _once(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present}
+    blocks = {
+        kind: _refuse_twice(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present
+    }
     used = distinct(np.concatenate([block.ravel() for block in blocks.values()]), len(raw.points))
     number = np.full(len(raw.points), -1)
     number[used] = np.arange(len(used))
@@ -79,17 +81,16 @@ def _node_groups(raw: MeshContents, number: np.ndarray) -> dict[str, np.ndarray]
     return found
 
 
-def _once(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
-    """Every element once; gmsh 2.2 writes those that are in several groups several times, and nobody else should."""
-    first = first_of_copies(elements)
-    twice = np.flatnonzero(~first)
-    if len(twice) and path.suffix != ".msh":
+def _refuse_twice(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
+    """The elements, none of which is there twice."""
+    twice = np.flatnonzero(~first_of_copies(elements))
+    if len(twice):
         place = ", ".join(f"{x:g}" for x in raw.points[elements[twice[0]]].mean(axis=0))
         raise InputError(
             f"the mesh {str(path)!r} holds {len(twice)} elements twice, the first round ({place}), so that it is not clear whether their "
             "mass counts twice. Delete the copies; what should be twice as heavy needs twice the density or width."
         )
-    return elements[first] if len(twice) else elements
+    return elements
 
 
 def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
