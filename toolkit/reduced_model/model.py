@@ -168,6 +168,8 @@ class ReducedModel:
     face_errors
         Of a solid in pieces, under forces and moments at its interface points, against its mesh without cuts; positive where it is too
         soft. "least" and "largest" are those under all of them at once.
+    plain
+        Whether its file is plain HDF5 of another program, in which no checksum tells a flipped bit.
     bytes_read
         Part that was read -> its bytes in the file, 0 if the file has no such part.
     """
@@ -214,6 +216,7 @@ class ReducedModel:
     )  # force or moment -> by how much faces between pieces change what it moves, in parts of that
     inputs_from: Path | None = field(default=None, compare=False)  # folder that the names of `inputs` start from
     path: Path | None = field(default=None, compare=False)
+    plain: bool = field(default=False, compare=False)
     bytes_read: dict[str, int] = field(default_factory=dict, compare=False)
 
     @property

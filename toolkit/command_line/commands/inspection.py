@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
 
 
+PLAIN = "plain HDF5 of another program: no checksum tells whether a bit of it was flipped"
 NOT_SOLVED = "the scene is judged as it is written, and was not solved: ffrf statics and ffrf simulate judge what comes of it."
 """What nobody should take this verdict for."""
 
@@ -55,6 +56,7 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
     length, judged, faces = unit(model.units, "length"), mesh_record(model), face_record(model)
     return {
         "schema": f"{SCHEMA}, version {SCHEMA_VERSION}",
+        **({"form": PLAIN} if model.plain else {}),
         "units": model.units,
         "dimension": model.dimension,
         "reference_condition": model.reference_condition,
