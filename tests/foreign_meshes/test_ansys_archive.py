@@ -108,6 +108,20 @@ def test_shells_beside_the_body_are_refused_by_name_or_left_out_on_purpose(tmp_p
         read(tmp_path, text, frozenset({"SHELL181", "BEAM188"}))
 
 
+def test_types_stand_in_a_block_too_and_nodes_without_a_solid_model(tmp_path):
+    types = "ETBLOCK,        1,        1\n(2i9,19a9)\n        1      185        0        2\n       -1\n"
+    rows = "\n".join(f"{k:8d}" + "".join(f"{x:16.9E}" for x in place) for k, place in enumerate(CUBE, 1))
+    nodes = f"NBLOCK,3,,8,8\n(1i8,3e16.9)\n{rows}\n      -1\n"
+    found = read(tmp_path, HEAD + types + nodes + element_block((1, [1, 2, 3, 4, 5, 6, 7, 8])))
+    assert size(found.points, dict(found.cells)) == pytest.approx(1.0)
+
+
+def test_plane_elements_are_read_and_those_with_two_equal_corners_are_triangles(tmp_path):
+    text = f"{HEAD}ET,1,182\nKEYOPT,1,3,3\n{node_block(CUBE[:4])}{element_block((1, [1, 2, 3, 3]), (1, [1, 3, 4, 4]))}"
+    found = read(tmp_path, text)
+    assert [(kind, nodes.tolist()) for kind, nodes in found.cells] == [("triangle", [[0, 1, 2], [0, 2, 3]])]
+
+
 TYPE = f"{HEAD}ET,1,185\n"
 NODES, ELEMENTS = node_block(CUBE), element_block((1, [1, 2, 3, 4, 5, 6, 7, 8]))
 WRONG = {

@@ -79,6 +79,7 @@ WRONG = {
         NODES + dataset(2412, integers(1, 44, 2, 1, 7, 999999999), ELEMENTS[1]),
         "not as many numbers as it says",
     ),
+    "a number of two elements": (NODES + dataset(2412, *ELEMENTS, *ELEMENTS), "one number to two elements"),
     "a quadrilateral of three": (NODES + dataset(2412, integers(1, 44, 2, 1, 7, 3), integers(11, 12, 13)), "has not its 4 nodes"),
     "a cylindrical system": (system(1, *IDENTITY) + NODES, "coordinate system that is not the global Cartesian one"),
     "a moved system": (system(0, *IDENTITY[:3], "5.0D+00 0.0D+00 0.0D+00") + NODES, "not the global Cartesian one"),

@@ -23,6 +23,8 @@ CHANGES = {
     "CDREAD", "/INPUT", "*USE", "*DO", "NREAD", "EREAD", "TRANSFER", "FILL", "VMESH", "AMESH", "LMESH", "EINTF", "ESURF", "MOVE", "NROTAT",
 }  # fmt: skip
 """Commands that would change nodes and elements, which an archive states instead."""
+AXISYMMETRIC = (["1"], ["6"])
+"""Values of KEYOPT(3) with which a plane element is a ring."""
 TIES = {"CP", "CPNGEN", "CPINTF", "CE", "CEINTF", "CERIG", "RBE3"}
 """Commands that tie nodes to each other."""
 
@@ -38,7 +40,7 @@ class Archive:
     nodes: list[np.ndarray] = field(default_factory=list)  # tables of label, x, y, z
     elements: list[np.ndarray] = field(default_factory=list)  # tables of label, local type, nodes
     components: dict[str, tuple[bool, np.ndarray]] = field(default_factory=dict)  # name -> of elements or not, labels
-    axisymmetric: set[int] = field(default_factory=set)  # local types with KEYOPT(3) = 1 or more, which plane ones have
+    axisymmetric: set[int] = field(default_factory=set)  # local types with KEYOPT(3) = 1 or 6, which plane ones have
     ties: dict[str, int] = field(default_factory=dict)
     others: int = 0  # commands that say nothing of the mesh
 
@@ -125,7 +127,7 @@ def _type(archive: Archive, words: list[str]) -> None:
     if local is None or not digits or len(digits) > 6:
         raise archive.wrong("ET has no number and type")
     archive.types[local] = int(digits)
-    if len(words) > 5 and words[5] not in ("", "0"):
+    if words[5:6] in AXISYMMETRIC:
         archive.axisymmetric.add(local)
 
 
@@ -136,15 +138,15 @@ def _types(archive: Archive, words: list[str]) -> None:
     table = _fields(archive, [row[: 5 * width] for row in rows], 5, width)
     for local, number, _, _, third in table.tolist():
         archive.types[local] = number
-        if third:
+        if [str(third)] in AXISYMMETRIC:
             archive.axisymmetric.add(local)
 
 
 def _option(archive: Archive, words: list[str]) -> None:
     """KEYOPT, number of the local type, number of the option, value; only the third option of plane elements counts."""
-    if len(words) > 3 and words[2] == "3" and words[3] not in ("", "0"):
-        local = archive.count(words, 1)
-        archive.axisymmetric.add(local if local is not None else -1)
+    local = archive.count(words, 1)
+    if local is not None and words[2:3] == ["3"] and words[3:4] in AXISYMMETRIC:
+        archive.axisymmetric.add(local)
 
 
 def _node_block(archive: Archive, words: list[str]) -> None:

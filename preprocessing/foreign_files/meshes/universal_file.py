@@ -70,6 +70,7 @@ def universal_mesh(path: Path, leave_out: frozenset[str]) -> MeshContents:
     labels, points, systems = _nodes(path, [each for each in datasets if each.number in NODE_SETS])
     _refuse_systems(path, [each for each in datasets if each.number == 2420], systems)
     every = [found for each in datasets if each.number in ELEMENT_SETS for found in _elements(path, each)]
+    Labels(path, np.concatenate([np.zeros(0, np.int64), *(each.labels for each in every)]), "element", REMEDY)
     elements, left_out = _wanted(path, every, leave_out)
     nodes = Labels(path, labels, "node", REMEDY)
     cells = [_cell(each, nodes) for each in elements]
