@@ -14,7 +14,7 @@ import pytest
 
 from tests.fuzz.good_files import SCENE, beam
 from tests.reduced_model.test_reduced_model import equal
-from toolkit.door.describe import PLAIN, describe_model
+from toolkit.door.describe import PLAIN, describe
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files import plain_hdf5
 from toolkit.reduced_model.file import described_by, hash_of, is_reduced_model, load, save, stored_bytes
@@ -99,7 +99,7 @@ def test_a_model_of_another_program_is_the_same_model(own, tmp_path, writing):
     model, expected = load(path), load(own)
     assert equal(model, expected)
     assert (model.plain, expected.plain) == (True, False)
-    assert describe_model(model) == describe_model(expected) | {"form": PLAIN}
+    assert describe(model) == describe_model(expected) | {"form": PLAIN}
 
 
 @pytest.mark.usefixtures("in_this_process")
