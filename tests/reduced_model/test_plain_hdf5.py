@@ -99,7 +99,7 @@ def test_a_model_of_another_program_is_the_same_model(own, tmp_path, writing):
     model, expected = load(path), load(own)
     assert equal(model, expected)
     assert (model.plain, expected.plain) == (True, False)
-    assert describe(model) == describe_model(expected) | {"form": PLAIN}
+    assert describe(model) == describe(expected) | {"form": PLAIN}
 
 
 @pytest.mark.usefixtures("in_this_process")
