@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preprocessing.foreign_files.abaqus.blocks import Block, blocks_of, label_of
+from preprocessing.foreign_files.abaqus.blocks import Block, blocks_of, label_of, name_of
 from preprocessing.foreign_files.abaqus.generated import HOW as GENERATED
 from preprocessing.foreign_files.abaqus.generated import generate
 from preprocessing.foreign_files.abaqus.numbers import element_rows, node_rows
@@ -165,8 +165,8 @@ class _Reading:
         """*SURFACE, of which faces of elements and nodes are read."""
         if not block.parameters.get("NAME") or {"COMBINE", "CROP"} & set(block.parameters):
             return
-        name = block.parameters["NAME"].strip()
-        faces = self.part.surfaces.setdefault(label_of(name), (name, []))[1]
+        name = block.parameters["NAME"]
+        faces = self.part.surfaces.setdefault(label_of(name), (name_of(name), []))[1]
         if block.parameters.get("TYPE", "ELEMENT").strip().upper() in ("ELEMENT", "NODE"):
             faces += [Face(row[0], row[1].upper() if row[1:] else "", place) for place, row in block.rows() if row]
 
@@ -184,7 +184,7 @@ class _Reading:
         name = block.parameters["NAME"]
         if label_of(name) in self.deck.parts:
             raise block.refuse("there are two parts of this name. Rename one of them.")
-        self.part = self.deck.parts.setdefault(label_of(name), Part(name.strip()))
+        self.part = self.deck.parts.setdefault(label_of(name), Part(name_of(name)))
 
     def begin_assembly(self, block: Block) -> None:
         """*ASSEMBLY."""
@@ -202,7 +202,7 @@ class _Reading:
         label = label_of(block.parameters["NAME"])
         if any(each.label == label for each in self.deck.instances):
             raise block.refuse("there are two instances of this name. Rename one of them.")
-        self.part = copy_of(of, block.parameters["NAME"].strip())
+        self.part = copy_of(of, name_of(block.parameters["NAME"]))
         self.deck.instances.append(Instance(label, self.part, placement(block)))
 
     def end_of(self, block: Block) -> None:
