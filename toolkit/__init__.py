@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from toolkit import bridges
     from toolkit.description.run_options import RunOptions
     from toolkit.door import extend, plane, space
+    from toolkit.door.describe import describe
     from toolkit.door.many_designs import sweep, uncertainty
     from toolkit.door.model import Model
     from toolkit.door.model import compile_model as compile
@@ -51,6 +52,7 @@ _PLACES = {
     "bridges": "toolkit.bridges:",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
     "compile": "toolkit.door.model:compile_model",
+    "describe": "toolkit.door.describe:describe",
     "extend": "toolkit.door.extend:",
     "load": "toolkit.door.run:load",
     "optimize": "toolkit.door.optimize:optimize",
@@ -79,6 +81,7 @@ __all__ = [
     "bridges",
     "certify",
     "compile",
+    "describe",
     "extend",
     "load",
     "optimize",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from operator import add
 from typing import Any, NamedTuple
@@ -13,9 +13,14 @@ from preprocessing.elements.element import Contribution, Coordinates, Element
 from preprocessing.elements.section import Monomial, monomial, monomial_derivative
 from preprocessing.elements.space import Pair, Space
 
-MATERIAL = {"mass": "density", "stiffness": "youngs_modulus", "stress": "youngs_modulus"}
-"""By which quantity of the material a kind of contribution is multiplied."""
-DAMPING = {"mass": "damping_mass", "stiffness": "damping_stiffness"}
+MATERIAL: dict[str, dict[str, int]] = {
+    "mass": {"density": 1},
+    "constant mass": {},
+    "stiffness": {"youngs_modulus": 1},
+    "stress": {"youngs_modulus": 1},
+}
+"""By which quantity of the material, to which power, a kind of contribution is multiplied."""
+DAMPING = {"mass": "damping_mass", "constant mass": "damping_mass", "stiffness": "damping_stiffness"}
 """By which quantity it enters the damping D = a M + c K."""
 
 
@@ -76,6 +81,16 @@ class Parts:
     components: int  # of the stress at a point
     n_stress: int  # rows of the stress, points times components
 
+    @property
+    def constant_mass(self) -> Parts:
+        """The summands of the M_ab that no parameter changes: concentrated masses."""
+        return replace(self, parts=tuple(part for part in self.parts if not isinstance(part.name, str) and not part.factors))
+
+    @property
+    def none(self) -> Parts:
+        """No summand at all: matrices of zeros."""
+        return replace(self, parts=())
+
     def at(self, values: Mapping[str, Any]) -> Matrices:
         """Matrices at one design."""
         return self._sum([(part, monomial(values, part.factors)) for part in self.parts])
@@ -112,7 +127,8 @@ def assemble(element: Element) -> Parts:
 
         M_ab = sum rho p(section) (...),   K = sum E p(section) (...),   D = a M + c K,   stress = sum E p(section) (...)
 
-    with a polynomial p for every contribution of the element; see `preprocessing.elements.element.Contribution`.
+    with a polynomial p for every contribution of the element, and without rho where a mass is constant; see
+    `preprocessing.elements.element.Contribution`.
     """
     found: list[Part] = []
     n_stress = 0
@@ -123,8 +139,8 @@ def assemble(element: Element) -> Parts:
 
 
 def _parts_of(each: Contribution, space: Space) -> Iterator[Part]:
-    material = {MATERIAL[each.kind]: 1}
-    if each.kind == "mass":
+    material = MATERIAL[each.kind]
+    if each.kind in ("mass", "constant mass"):
         for pair in space.pairs:
             yield from _summands(each, pair, each.matrix[pair], **material)
         whole = reduce(add, (each.matrix[axis, axis] for axis in range(space.dimension)))

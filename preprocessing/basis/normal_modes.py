@@ -53,7 +53,8 @@ class NormalModes:
             There are not so many.
         """
         if not 0 <= count <= self.count:
-            raise InputError(f"{count} modes cannot be taken: the mesh has {self.count}. Choose from 0 to {self.count}.")
+            possible = f"Choose from 0 to {self.count}." if self.count else "Choose 0: what is held leaves no motion."
+            raise InputError(f"{count} modes cannot be taken: the mesh has {self.count}. {possible}")
         return replace(
             self,
             eigenvalues=self.eigenvalues[:count],

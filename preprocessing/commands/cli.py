@@ -10,11 +10,14 @@ import typer
 from typer.core import TyperCommand
 
 from preprocessing.input.output_file import refuse_output
+from preprocessing.picture.body_picture import refuse_picture, save_picture
 from preprocessing.recipes.build_model import read_recipe
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.foundation.files.outside_files import told_outside
 from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
+from toolkit.reduced_model.description.body_summary import NOT_KEPT, body_summary
+from toolkit.reduced_model.description.told_body import body_line
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.questions.face_questions import face_questions, face_record, told_faces
@@ -50,6 +53,10 @@ def preprocess(
         Path | None,
         typer.Option(metavar="SOLID.msh", help="Write a skin as a mesh of solid elements and its SOLID.toml, and stop."),
     ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.png", help="Draw the body, with its interface points, clamp and groups; needs matplotlib."),
+    ] = None,
     layers: Annotated[int, typer.Option(min=1, help="Elements across the width of the extruded skin.")] = 8,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -59,9 +66,12 @@ def preprocess(
     remarks = Remarks(quiet)
     with errors_in_words(as_json):
         if extrude is not None:
+            if picture is not None:
+                raise InputError("--picture draws a reduced model, and --extrude builds none. Leave one of them out.")
             done = _extruded(skin, extrude, layers, remarks)
         else:
-            done = _built(skin, output or skin.with_suffix(".h5"), _values(parameters or []), Wish(force, overwrite), remarks)
+            wish = Wish(force, overwrite, picture)
+            done = _built(skin, output or skin.with_suffix(".h5"), _values(parameters or []), wish, remarks)
         if as_json:
             print_json({**done.record, "remarks": remarks.said, "warnings": done.warnings})
         else:
@@ -94,10 +104,11 @@ class Remarks:
 
 @dataclass(frozen=True)
 class Wish:
-    """What may be built and replaced though it is there: an up-to-date model, and another body's."""
+    """What may be built and replaced though it is there: an up-to-date model, and another body's; and the picture to draw."""
 
     force: bool
     overwrite: bool
+    picture: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -113,6 +124,8 @@ def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remar
     """Build a reduced model, unless it is there; what its material makes one ask belongs to it in both cases."""
     recipe = read_recipe(path)
     refuse_output(output, path, recipe.inputs, wanted := recipe.hash(values), wish.overwrite)
+    if wish.picture:
+        refuse_picture(wish.picture, wish.overwrite)
     found = None if wish.force else _up_to_date(output, recipe.parts, wanted, remarks)
     model = found
     if model is None:
@@ -136,9 +149,16 @@ def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remar
         told += f"\nEstimated: {stress}."
     if faces := told_faces(model):
         told += f"\nAgainst the uncut mesh: {faces}."
+    summary = body_summary(model)
+    if wish.picture:
+        save_picture(model, path.stem, wish.picture)
+        told += f"\n{wish.picture} drawn."
+    told += f"\n{body_line(path.stem, summary)}{'' if model.composition else f' {NOT_KEPT}'}"
     record = {"file": str(output), "built": found is None, "elastic_coordinates": model.n_f, "interface_points": interfaces}
     record["stress_error"] = mesh_record(model)
     record["face_error"] = face_record(model)
+    record["body"] = summary
+    record["picture"] = str(wish.picture) if wish.picture else None
     return Done(told, record, warnings)
 
 

@@ -24,7 +24,8 @@ class BodyChange:
     mesh: SolidMesh  # nodes real, or with an imaginary part of STEP times their motion
     ties: Mapping[str, Tie]  # of these nodes
     normals: Mapping[str, np.ndarray]  # of pressure surfaces at these nodes, see `BoundaryFaces.normals`
-    stressed: StressedSolid  # with a complex step in the parameter
+    stressed: StressedSolid | None  # with a complex step in the parameter; None without elements
+    mass: Any = None  # what the shapes see of a change that is not among `matrices`, because polynomials tell it: dM (n, n)
 
     @property
     def motion(self) -> np.ndarray:
@@ -49,13 +50,15 @@ class BodyChange:
         matrices : the nominal ones
         averaged : interface points whose rows are wanted, in their order
         """
+        nodes = self.matrices.coordinates.of_nodes
         if not self.moves:
-            return BasisChange((free.map.T @ self.matrices.stiffness @ free.map).tocsr())
+            change_of_stiffness = (free.map.T @ nodes(self.matrices.stiffness) @ free.map).tocsr()
+            return BasisChange(change_of_stiffness, *self._mass_on(free))
         d_map = rate_of(stepped.map)
 
         def change(matrix: Any, rate: Any) -> Any:
-            turned = d_map.T @ (matrix @ free.map)
-            return (free.map.T @ (rate @ free.map) + turned + turned.T).tocsr()
+            turned = d_map.T @ (nodes(matrix) @ free.map)
+            return (free.map.T @ (nodes(rate) @ free.map) + turned + turned.T).tocsr()
 
         rows = [rate_of(self.ties[name].rows @ stepped.map).toarray() for name in averaged]
         return BasisChange(
@@ -64,6 +67,12 @@ class BodyChange:
             np.vstack([np.zeros((0, free.map.shape[1])), *rows]),
             rate_of(stepped.coordinates_of(rigid_motions(self.mesh.nodes), self.ties)),
         )
+
+    def _mass_on(self, free: Freedom) -> tuple[Any, ...]:
+        """The other changes of a body whose nodes keep their places: of the mass, of no rows, and none of the rigid motions."""
+        if self.mass is None:
+            return ()
+        return (free.map.T @ self.mass @ free.map).tocsr(), None, np.zeros((free.map.shape[1], self.mesh.motions))
 
 
 def rate_of(stepped: Any) -> Any:

@@ -77,8 +77,7 @@ class Discretisation:
 
     def nodal(self, matrix: Any) -> Any:
         """The block of a square matrix that belongs to the nodal coordinates."""
-        n = self.element.coordinates.nodal
-        return matrix[:n, :n]
+        return self.element.coordinates.of_nodes(matrix)
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,11 @@ from toolkit.foundation.errors import InputError
 class Contribution(NamedTuple):
     """One term of the matrices for unit parameters, and the polynomial of the section that multiplies it.
 
-    A mass is multiplied by the density too, stiffness and stress by Young's modulus; damping follows from mass and stiffness.
+    A mass is multiplied by the density too, unless it is constant, stiffness and stress by Young's modulus; damping follows from mass and
+    stiffness.
     """
 
-    kind: Literal["mass", "stiffness", "stress"]
+    kind: Literal["mass", "constant mass", "stiffness", "stress"]
     patch: Patch  # whose parameters they are
     terms: Terms  # of quantities of the patch
     matrix: Any  # (a, b) -> M_ab (n, n), for all pairs of the space; K (n, n); rows (n_stress, n): blocks, or sparse
@@ -65,6 +66,10 @@ class Coordinates:
         for axis, translation in enumerate(found):
             translation[axis : self.nodal : self.per_node] = 1
         return found
+
+    def of_nodes(self, matrix: Any) -> Any:
+        """The block of a square matrix that belongs to the nodal coordinates; the matrix itself where none is hidden."""
+        return matrix[: self.nodal, : self.nodal] if self.hidden else matrix
 
     def undeformed(self, z: Any) -> Any:
         """Z (nodal, 1 + n_f), its first column the undeformed shape, with the rows of the hidden coordinates; sparse as Z is."""

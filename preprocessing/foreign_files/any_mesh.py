@@ -7,19 +7,29 @@ from typing import Any
 
 import meshio
 import numpy as np
+from meshio._mesh import topological_dimension
 
 from preprocessing.foreign_files.contents import Elements, MeshContents
 from preprocessing.foreign_files.element_kinds import KNOWN
 
+LACKING = {"wedge15": 3, "pyramid13": 3, "hexahedron24": 3}
+"""Dimension of the kinds that meshio 5.3.5 has no dimension of."""
+
 
 def any_mesh(path: str, file_format: str | None = None) -> MeshContents:
     """All that is used of a mesh; of elements that never are, only the kind."""
+    complete_kinds()
     raw = meshio.read(path, file_format=file_format)
     return MeshContents(
         points=np.asarray(raw.points, float),
         cells=[(block.type, _nodes(block.type, block.data)) for block in raw.cells],
         groups=[(_text(name), elements) for name, elements in _groups(raw)],
     )
+
+
+def complete_kinds() -> None:
+    """Tell meshio the dimension of kinds that its readers make, but its meshes refuse with a KeyError."""
+    topological_dimension.update(LACKING)
 
 
 def _nodes(kind: str, data: Any) -> np.ndarray:

@@ -16,6 +16,7 @@ from toolkit.foundation.errors import InputError
 
 TETRA_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 HEXAHEDRON_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
+WEDGE_EDGES = ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5))
 """Corners of every edge, in the order of the nodes in their middles."""
 TETRA = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
 HEXAHEDRON = ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (2, 3, 7, 6), (0, 3, 2, 1), (4, 5, 6, 7))
@@ -150,7 +151,7 @@ def _refuse_unlike(keys: list[np.ndarray]) -> None:
 
 def mirrored_elements(places: np.ndarray) -> np.ndarray:
     """Which elements, (n_e, n_local, 3), have their corners in the order of a mirror image."""
-    third = {4: 3, 6: 3, 10: 3}.get(places.shape[1], 4)  # the corner above the first one
+    third = {4: 3, 6: 3, 10: 3, 15: 3}.get(places.shape[1], 4)  # the corner above the first one
     second = 2 if third == 3 else 3
     return np.linalg.det(places[:, [1, second, third]] - places[:, [0]]) < 0
 
@@ -160,6 +161,7 @@ def element_faces(kind: str) -> list[tuple[str, list[int]]]:
     corners, edges, first = {
         "tetra": (TETRA, (), 4), "tetra10": (TETRA, TETRA_EDGES, 4), "hexahedron": (HEXAHEDRON, (), 8),
         "hexahedron20": (HEXAHEDRON, HEXAHEDRON_EDGES, 8), "hexahedron27": (HEXAHEDRON, HEXAHEDRON_EDGES, 8), "wedge": (WEDGE, (), 6),
+        "wedge15": (WEDGE, WEDGE_EDGES, 6),
     }[kind]  # fmt: skip
     middle = {frozenset(edge): first + k for k, edge in enumerate(edges)}
     found = []

@@ -12,6 +12,9 @@ from preprocessing.foreign_files.apart import read_apart
 from preprocessing.foreign_files.contents import Elements, MeshContents, PointMass
 from preprocessing.foreign_files.element_kinds import KNOWN, LOWER, PLANE, SOLID, SPATIAL
 from preprocessing.foreign_files.included_files import drawn_on
+from preprocessing.mesh.numbering.collapsed import uncollapsed
+from preprocessing.mesh.numbering.copies import distinct, first_of_copies
+from preprocessing.mesh.numbering.middle_nodes import refuse_exchanged, refuse_unlike
 from preprocessing.mesh.outline import CORNERS
 from preprocessing.mesh.solid_mesh import SolidMesh, refuse_parts
 from toolkit.foundation.errors import InputError
@@ -19,6 +22,9 @@ from toolkit.foundation.units import LARGEST
 
 FLAT = 1e-9
 """Part of the extent by which a plane mesh may leave its plane."""
+
+OF_RIGID, CARRIERS = 200, 500
+"""Nodes of a rigid body that carry a mass, and most nodes whose mean does."""
 
 
 def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> SolidMesh:
@@ -35,11 +41,11 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     InputError
         The file cannot be read, holds kinds of elements that are not supported or elements twice, leaves its plane, or falls into parts.
     """
-    raw = _read(path, leave_out)
+    raw = uncollapsed(path, _read(path, leave_out))
     kinds = _kinds(path, [kind for kind, _ in raw.cells])
     present = [kind for kind in dict.fromkeys(kind for kind, _ in raw.cells) if kind in kinds]
     blocks = {kind: _once(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present}
-    used = np.unique(np.concatenate([block.ravel() for block in blocks.values()]))
+    used = distinct(np.concatenate([block.ravel() for block in blocks.values()]), len(raw.points))
     number = np.full(len(raw.points), -1)
     number[used] = np.arange(len(used))
     points = raw.points[used]
@@ -53,10 +59,12 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
         len(raw.points),
         {name: found for name, elements in raw.groups if (found := _own(elements, blocks, number))},
         raw.labels[used] if len(raw.labels) else None,
-        _masses(path, raw.masses, number, scale),
+        _masses(path, raw.masses, number, scale, 2 if kinds is PLANE else 3),
         raw.left_out,
         raw.remarks,
     )
+    refuse_exchanged(path, mesh.nodes, mesh.blocks)
+    refuse_unlike(path, mesh.nodes, mesh.blocks)
     refuse_parts(mesh)
     return mesh
 
@@ -66,22 +74,22 @@ def _node_groups(raw: MeshContents, number: np.ndarray) -> dict[str, np.ndarray]
     found: dict[str, np.ndarray] = {}
     for name, elements in raw.groups:
         if name not in found:
-            nodes = number[_nodes(elements)]
-            found[name] = np.unique(nodes[nodes >= 0])
+            nodes = number[_nodes(elements, len(number))]
+            found[name] = nodes[nodes >= 0]
     return found
 
 
 def _once(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
     """Every element once; gmsh 2.2 writes those that are in several groups several times, and nobody else should."""
-    _, first = np.unique(np.sort(elements, axis=1), axis=0, return_index=True)
-    twice = np.setdiff1d(np.arange(len(elements)), first)
+    first = first_of_copies(elements)
+    twice = np.flatnonzero(~first)
     if len(twice) and path.suffix != ".msh":
         place = ", ".join(f"{x:g}" for x in raw.points[elements[twice[0]]].mean(axis=0))
         raise InputError(
             f"the mesh {str(path)!r} holds {len(twice)} elements twice, the first round ({place}), so that it is not clear whether their "
             "mass counts twice. Delete the copies; what should be twice as heavy needs twice the density or width."
         )
-    return elements[np.sort(first)]
+    return elements[first] if len(twice) else elements
 
 
 def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
@@ -100,23 +108,42 @@ def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
     return found._replace(cells=cells, groups=groups)
 
 
-def _masses(path: Path, masses: Sequence[PointMass], number: np.ndarray, scale: float) -> list[PointMass]:
+def _masses(path: Path, masses: Sequence[PointMass], number: np.ndarray, scale: float, dimension: int) -> list[PointMass]:
     """Concentrated masses in the new numbers of nodes, with lengths times the scale.
 
     Raises
     ------
     InputError
-        A mass is on a node that no element has and that follows no such nodes.
+        A mass is negative or has no place, or is on a node that no element has and that follows no such nodes.
     """
     found = []
     for each in masses:
-        if np.any(number[each.carriers] < 0):
+        if each.mass < 0 or not np.all(np.isfinite([each.mass, *each.place, *each.inertia])):
+            raise InputError(
+                f"the mesh {str(path)!r} has a mass ({each.source}) that is negative, or whose size, place or inertia is no finite number. "
+                "Correct it, or leave it out: leave_out in [mesh]."
+            )
+        if not len(each.carriers) or np.any(number[each.carriers] < 0):
             raise InputError(
                 f"the mesh {str(path)!r} has a mass ({each.source}) on a node that no element of the body has, and that no rigid body ties "
                 "to such nodes. Put it on a node of the body, or leave it out: leave_out in [mesh]."
             )
-        found.append(each._replace(place=tuple(scale * x for x in each.place), carriers=number[each.carriers]))
+        place, inertia = (scale * x for x in each.place[:dimension]), (scale**2 * x for x in each.inertia)
+        found.append(each._replace(place=tuple(place), carriers=_carriers(path, each, number), inertia=tuple(inertia)))
     return found
+
+
+def _carriers(path: Path, mass: PointMass, number: np.ndarray) -> np.ndarray:
+    """The nodes that carry a mass, or as many of a rigid body's as tell its motion: every pair of them costs memory."""
+    nodes: np.ndarray = np.unique(number[mass.carriers])
+    if mass.rigid and len(nodes) > OF_RIGID:
+        return nodes[np.linspace(0, len(nodes) - 1, OF_RIGID).astype(int)]
+    if len(nodes) > CARRIERS:
+        raise InputError(
+            f"the mesh {str(path)!r} has a mass ({mass.source}) that follows the mean of {len(nodes)} nodes; {CARRIERS} are the most. "
+            "Let it follow fewer of them, or leave it out: leave_out in [mesh]."
+        )
+    return nodes
 
 
 def _refuse_numbers(path: Path, kind: str, block: np.ndarray, n: int) -> None:
@@ -181,9 +208,9 @@ def _own(elements: Elements, kinds: Collection[str], number: np.ndarray) -> dict
     return {kind: number[np.concatenate([each for other, each in elements if other == kind])] for kind in present}
 
 
-def _nodes(elements: Elements) -> np.ndarray:
-    """Numbers of the nodes of elements."""
-    return np.unique(np.concatenate([np.zeros(0, int), *(each.ravel() for _, each in elements)])).astype(int)
+def _nodes(elements: Elements, n: int) -> np.ndarray:
+    """Those of n nodes that elements have, in rising order."""
+    return distinct(np.concatenate([np.zeros(0, int), *(each.ravel() for _, each in elements)]).astype(int, copy=False), n)
 
 
 def _faces(elements: Elements, number: np.ndarray) -> frozenset[tuple[int, ...]]:

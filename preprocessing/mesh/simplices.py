@@ -13,9 +13,19 @@ from preprocessing.mesh.outline import CORNERS, edges_of
 CENTRE = {
     "triangle": (1 / 3, 0), "triangle6": (-1 / 9, 4 / 9), "quad": (1 / 4, 0), "quad8": (-1 / 4, 1 / 2), "tetra": (1 / 4, 0),
     "tetra10": (-1 / 8, 1 / 4), "hexahedron": (1 / 8, 0), "hexahedron20": (-1 / 4, 1 / 4), "wedge": (1 / 6, 0),
+    "wedge15": (-2 / 9, [2 / 9] * 6 + [1 / 3] * 3),
 }  # fmt: skip
 """Shape functions of corners and of middles of edges in the centre of an element; quad9 and hexahedron27 have a node there, their last."""
-ALL_CORNERS = {**CORNERS, "tetra": 4, "tetra10": 4, "hexahedron": 8, "hexahedron20": 8, "hexahedron27": 8, "wedge": 6}
+ALL_CORNERS = {
+    **CORNERS,
+    "tetra": 4,
+    "tetra10": 4,
+    "hexahedron": 8,
+    "hexahedron20": 8,
+    "hexahedron27": 8,
+    "wedge": 6,
+    "wedge15": 6,
+}
 
 
 class Sides(NamedTuple):
@@ -74,7 +84,9 @@ def _centres(kind: str, places: np.ndarray) -> np.ndarray:
         return places[:, -1]
     corner, middle = CENTRE[kind]
     n = ALL_CORNERS[kind]
-    return corner * places[:, :n].sum(axis=1) + middle * places[:, n:].sum(axis=1)
+    weights = np.full(places.shape[1], corner)
+    weights[n:] = middle
+    return np.einsum("k,ekd->ed", weights, places)
 
 
 def _mirrored(places: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
@@ -54,6 +54,11 @@ class SolidMesh:
         """Largest extent of the body along an axis."""
         return float(np.ptp(self.nodes.real, axis=0).max())
 
+    def moved(self, motion: np.ndarray) -> SolidMesh:
+        """The mesh where its nodes move by (n_nodes, d), real or complex; concentrated masses keep their offset from the mean of theirs."""
+        masses = [each._replace(place=tuple(each.place + motion[each.carriers].mean(axis=0))) for each in self.masses]
+        return replace(self, nodes=self.nodes + motion, masses=masses)
+
     def around(self, node: int) -> np.ndarray:
         """Numbers of the other nodes of all elements that have a node."""
         with_it = [block[(block == node).any(axis=1)].ravel() for block in self.blocks.values()]
@@ -103,7 +108,9 @@ def refuse_parts(mesh: SolidMesh) -> None:
 
 def lumps(n_nodes: int, members: Sequence[np.ndarray]) -> np.ndarray:
     """Number of the lump that each node is in, (n_nodes,); elements or faces (n, n_local) hang together that share nodes."""
-    row, column = np.concatenate([np.column_stack([np.repeat(b[:, 0], b.shape[1]), b.ravel()]) for b in members]).T
-    graph = sparse.coo_array((np.ones(len(row)), (row, column)), shape=(n_nodes, n_nodes))
-    found: np.ndarray = connected_components(graph, directed=False)[1]
+    column = np.concatenate([np.zeros(0, np.int32), *(each.ravel() for each in members)]).astype(np.int32)
+    sizes = np.concatenate([np.zeros(n_nodes + 1, np.int32), *(np.full(len(each), each.shape[1], np.int32) for each in members)])
+    n = len(sizes) - 1  # nodes, and behind them elements, in whose rows stand their nodes
+    graph = sparse.csr_array((np.ones(len(column)), column, np.cumsum(sizes, dtype=np.int32)), shape=(n, n))
+    found: np.ndarray = connected_components(graph, directed=False)[1][:n_nodes]
     return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.reduction import reduced_basis
 from preprocessing.discretisation.discretisation import STEP, Change, DesignSpace, derivative_of
 from preprocessing.discretisation.following_places import with_places
+from preprocessing.reduction.composition import line_composition
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.element_sums import element_sums
 from preprocessing.reduction.held_points import with_held_points
@@ -42,6 +43,7 @@ class Reduced:
     element_derivatives: dict[str, Derivatives] | None = None
     element_affine: dict[str, Polynomial] | None = None
     spin: Spin | None = None
+    composition: dict[str, str | int | float] = field(default_factory=dict)
 
     def fields(self, units: str) -> dict[str, Any]:
         """Arguments of `ReducedModel`."""
@@ -54,7 +56,9 @@ class Reduced:
             "nominal": {name: float(np.real(value)) for name, value in self.space.values.items()},
             "nominal_units": {name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
             **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},
-            **{name: getattr(self, name) for name in ("elements", "element_derivatives", "element_affine", "spin")},
+            **{
+                name: getattr(self, name) for name in ("elements", "element_derivatives", "element_affine", "spin", "composition")
+            },
         }
 
 
@@ -100,7 +104,8 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
         sums = element_sums(space, nominal, held)
         elements = (sums.elements, sums.derivatives, sums.affine)
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
-    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, stored)
+    composition = line_composition(space, nominal, still, interfaces)
+    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, stored, composition)
 
 
 def element_parts(basis: str) -> tuple[str, ...]:

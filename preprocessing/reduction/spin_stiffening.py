@@ -12,7 +12,7 @@ of the frame, by weight and by forces at points of the body.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -75,8 +75,7 @@ class Spun:
         return self.matrices.coordinates.undeformed(self.z)
 
     def _on_free(self, matrix: Any) -> Any:
-        nodal = self.map.shape[0]
-        return (self.map.T @ matrix[:nodal, :nodal] @ self.map).tocsr()
+        return (self.map.T @ self.matrices.coordinates.of_nodes(matrix) @ self.map).tocsr()
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +89,10 @@ class SpinStiffening:
     def value(self) -> np.ndarray:
         """S (k, n_f, n_f): k = 1 in the plane, in space 6 in the order of `spatial_model.PAIRS`."""
         return self.nominal.stiffened(self._moved)
+
+    def by(self, matrices: Matrices) -> np.ndarray:
+        """S (k, n_f, n_f) of the centrifugal forces on some of its masses alone, of a body that is held."""
+        return self.nominal.stiffened(self._system.solve(replace(self.nominal, matrices=matrices).loads))
 
     def stored(self, inv: AnyInvariants, selected: bool) -> Spin:
         """For the reduced model; `selected`: of shapes that select coordinates, without the round-off of others."""

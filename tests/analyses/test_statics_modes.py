@@ -8,14 +8,19 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.elements.section import Section
+from tests.models.beam_models import save_beam
 from tests.models.directions import combined
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.door.model import compile_model
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver
@@ -127,6 +132,33 @@ def test_modes_of_a_free_body_are_found_about_the_given_positions():
     frequencies = solve_modes(undeformed(compile_scene(sprung))).frequencies
     # along the spring omega^2 = k / m; across it and in rotation nothing restores at relaxed length
     assert frequencies == pytest.approx([0.0, 0.0, 2.0 / (2 * np.pi)], abs=1e-9)
+
+
+@pytest.mark.parametrize("weight", [{}, {"weight": Gravity(acceleration=(2.0, -9.81))}], ids=["no load", "weight"])
+@pytest.mark.parametrize(
+    "basis", [BasisChoice("full"), BasisChoice("eigenmodes", count=4, boundary="free")], ids=["clamped frame", "mean axes"]
+)
+def test_a_body_that_nothing_holds_has_the_frequencies_of_a_free_beam(tmp_path, basis, weight):
+    """Rigid motions take no time, falling or not and whatever the frame is tied to; then come the roots of cos x cosh x = 1."""
+    nodes = np.column_stack([np.linspace(0, 1, 13), np.zeros(13)])
+    save_beam(tmp_path / "beam.h5", nodes, Section(2e11, 7800.0, 0.01, 0.05), {"root": 0.0}, basis=basis)
+    bodies = {"beam": Flexible(model="beam.h5", angle=0.3)}
+    free = Scene(units="m-kg-s", bodies=bodies, loads=weight, directory=tmp_path)
+    found = compile_model(free).modes(count=5)
+    exact = np.array([4.7300408, 7.8532046]) ** 2 / (2 * np.pi) * 0.01 * np.sqrt(2e11 / 7800.0 / 12)
+    assert found.frequencies[:3] == pytest.approx([0.0, 0.0, 0.0], abs=1e-6)
+    assert found.frequencies[3:] == pytest.approx(exact, rel=2e-3)
+    assert "free-modes" in [each.code for each in found.verdict.warnings]
+    assert compile_model(free).modes(count=5, undeformed=True).frequencies == pytest.approx(found.frequencies, abs=1e-6)
+
+
+def test_a_body_on_a_frame_that_is_grounded_is_held(tmp_path):
+    nodes = np.column_stack([np.linspace(0, 1, 9), np.zeros(9)])
+    save_beam(tmp_path / "beam.h5", nodes, Section(2e11, 7800.0, 0.01, 0.05), {"root": 0.0})
+    held = Scene(units="m-kg-s", bodies={"beam": Flexible(model="beam.h5", frame="grounded")}, directory=tmp_path)
+    found = compile_model(held).modes(count=1)
+    assert found.frequencies == pytest.approx(1.8751041**2 / (2 * np.pi) * 0.01 * np.sqrt(2e11 / 7800.0 / 12), rel=1e-3)
+    assert "free-modes" not in [each.code for each in found.verdict.warnings]
 
 
 def test_joints_that_cannot_be_closed_are_named_not_called_a_limit_point():

@@ -19,9 +19,10 @@ import numpy as np
 
 from tests.fuzz.hostile_hdf5 import spoilt_attributes, spoilt_bytes, spoilt_objects
 from tests.fuzz.sealed_hdf5 import sealed_files
-from toolkit.command_line.commands.inspection import describe_model, describe_results
+from toolkit.command_line.commands.inspection import describe_results
+from toolkit.door.describe import describe
 from toolkit.foundation.errors import ToolkitError
-from toolkit.reduced_model.file import is_reduced_model, load
+from toolkit.reduced_model.file import is_reduced_model
 from toolkit.results.csv_tables import export_csv
 from toolkit.results.restore import restore_scene
 from toolkit.results.results_file import load_results, refuse_foreign
@@ -43,7 +44,7 @@ RESULTS_ATTRIBUTES = ["/@schema", "/@schema_version"]
 def use_model(path: Path) -> None:
     """All that is done with a model that was accepted."""
     is_reduced_model(path)
-    describe_model(load(path))
+    describe(path)
     system = prepare(read_scene(path.with_name("scene.toml")), ["bodies.beam.thickness"])
     for kind in ("transient", "static"):
         evaluate_responses(solve(system, kind))

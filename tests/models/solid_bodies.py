@@ -10,7 +10,8 @@ import numpy as np
 
 from preprocessing import build
 from preprocessing.elements.solids.elements import CUBE, CUBE_MIDDLES
-from preprocessing.mesh.faces import TETRA_EDGES
+from preprocessing.foreign_files.any_mesh import complete_kinds
+from preprocessing.mesh.faces import TETRA_EDGES, WEDGE_EDGES
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel
 
@@ -47,7 +48,7 @@ def _cut(kind: str, s: np.ndarray) -> list[list[int]]:
     return [around if kind == "quad8" else [*around, s[1, 1]]]
 
 
-SPATIAL_KINDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27", "wedge")
+SPATIAL_KINDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27", "wedge", "wedge15")
 
 
 def box(kind: str, cells: tuple[int, int, int], lengths: tuple[float, float, float], bent: float = 0.0) -> SolidMesh:
@@ -74,7 +75,10 @@ def _cut_cube(kind: str, s: np.ndarray) -> list[list[int]]:
         every = np.vstack([places, (2 * CUBE_MIDDLES).astype(int)])[: int(kind.removeprefix("hexahedron") or 8)]
         return [[s[tuple(place)] for place in every]]
     if kind == "wedge":
-        return [[s[tuple(places[k])] for k in half] for half in ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))]
+        return [[s[tuple(place)] for place in half] for half in places[[(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)]]]
+    if kind == "wedge15":
+        halves = places[[(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)]]
+        return [[s[tuple(place)] for place in [*half, *((half[a] + half[b]) // 2 for a, b in WEDGE_EDGES)]] for half in halves]
     found = []
     for axes in permutations(range(3)):  # Kuhn: from one corner to the opposite one along three edges
         path = np.cumsum([np.zeros(3, int), *(n * np.eye(3, dtype=int)[axis] for axis in axes)], axis=0)
@@ -87,6 +91,7 @@ def _cut_cube(kind: str, s: np.ndarray) -> list[list[int]]:
 def write_mesh(mesh: SolidMesh, path: Path) -> None:
     """The mesh as a file of the format that the name's ending says."""
     points = np.column_stack([mesh.nodes, np.zeros((len(mesh.nodes), 3 - mesh.dimension))])
+    complete_kinds()
     gmsh = {"file_format": "gmsh"} if path.suffix == ".msh" else {}  # not that of ANSYS Fluent
     meshio.write(path, meshio.Mesh(points, list(mesh.blocks.items())), **gmsh)
 

@@ -424,6 +424,7 @@ def test_built_file_holds_only_known_groups(run, folder):
         "writers",
         "inputs",
         "source",
+        "composition",
     }
     assert groups == names
 

@@ -26,7 +26,7 @@ LEFT, RIGHT = MESH.groups["left"].tolist(), MESH.groups["right"].tolist()
 BASIS = 'kind = "craig-bampton"\ncount = 3'
 
 
-@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "hexahedron27", "wedge"])
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "hexahedron27", "wedge", "wedge15"])
 def test_every_mesh_format_gives_the_same_body(kind, tmp_path):
     mesh = box(kind, (2, 1, 1), LENGTHS)
     path = write_body(tmp_path, mesh, 'kind = "static"')

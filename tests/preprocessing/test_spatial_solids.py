@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import skfem
@@ -12,7 +14,7 @@ from preprocessing.basis.solids import sparse_modes
 from preprocessing.basis.solids.nested_dissection import dissected
 from preprocessing.basis.solids.ties import freedom, tie
 from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import element_blocks, points_of
+from preprocessing.elements.solids.elements import element_blocks, wedge_points
 from preprocessing.elements.solids.stress import COMPONENTS, stress_rows
 from preprocessing.mesh.faces import faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
@@ -108,19 +110,27 @@ def test_surface_is_closed_and_encloses_the_volume_also_of_mirrored_elements(kin
 
 @pytest.mark.parametrize("kind", SPATIAL_KINDS)
 def test_points_of_integration_integrate_products_on_curved_elements_exactly(kind):
-    """The mass matrix against that by scikit-fem's points of twice the order; wedges against hexahedra."""
+    """The mass matrix against that by points of a higher order."""
     mesh = box(kind, (1, 1, 1), LENGTHS, bent=0.05)
     (block,) = element_blocks(mesh)
     mine = solid_matrices([block], len(mesh.nodes), 3).scalar_mass.toarray()
-    if kind == "wedge":
-        x, w = points_of("wedge")
-        expected = [1 / 2, 1 / 6, 1 / 4, 1 / 48]  # 1, x, z, x y z on the unit wedge
-        np.testing.assert_allclose([w.sum(), w @ x[0], w @ x[2], w @ (x[0] * x[1] * x[2])], expected, rtol=1e-13)
-        return
-    functions = skfem.CellBasis(block.geometry, block.shapes, intorder=9 if "tetra" in kind else 14)
+    functions = better_functions(block)
     number = block.numbering(functions, len(mesh.nodes))
     better = number.T @ skfem.BilinearForm(lambda u, v, _: u * v).assemble(functions) @ number
     np.testing.assert_allclose(mine, better.toarray(), atol=1e-13 * np.abs(mine).max())  # round-off, and digits of the points
+
+
+def better_functions(block):
+    """Shape functions at points of a higher order; those of wedges are products of a triangle's and a line's."""
+    if "wedge" in block.kind:
+        return skfem.CellBasis(block.geometry, block.shapes, quadrature=wedge_points(13, 14))
+    return skfem.CellBasis(block.geometry, block.shapes, intorder=9 if "tetra" in block.kind else 14)
+
+
+def test_points_of_wedges_integrate_monomials_of_the_unit_wedge_exactly():
+    x, w = wedge_points(5, 5)
+    expected = [1 / 2, 1 / 6, 1 / 4, 1 / 48]  # 1, x, z, x y z on the unit wedge
+    np.testing.assert_allclose([w.sum(), w @ x[0], w @ x[2], w @ (x[0] * x[1] * x[2])], expected, rtol=1e-13)  # round-off
 
 
 @pytest.mark.parametrize("kind", SPATIAL_KINDS)
@@ -149,10 +159,7 @@ def test_kinetic_energy_is_that_of_the_velocity_field_by_brute_force(kind, kind_
 
 
 def _integral_of_squares(block, nodal):
-    if block.kind == "wedge":
-        functions = block.functions()
-    else:
-        functions = skfem.CellBasis(block.geometry, block.shapes, intorder=9 if "tetra" in block.kind else 12)
+    functions = better_functions(block)
     number = block.numbering(functions, len(nodal))
     fields = [np.asarray(functions.interpolate(number @ component)) for component in nodal.T]
     return float(sum((field**2 * functions.dx).sum() for field in fields))
@@ -162,7 +169,7 @@ def _integral_of_squares(block, nodal):
 def test_tied_point_follows_rigid_motions_wherever_it_is(nodes):
     mesh = box("tetra10", (3, 1, 1), LENGTHS, bent=0.02)
     members = mesh.groups["right"] if nodes == "group" else np.array([20])
-    spread = spread_of(faces_of(mesh.nodes, mesh.blocks), members)
+    spread = spread_of(mesh, faces_of(mesh.nodes, mesh.blocks), members)
     found = tie(mesh, members, spread, [1.3, -0.4, 0.2] if nodes == "group" else None, rigid=False)
     x, y, z = found.point
     turned = [[0, z, -y], [-z, 0, x], [y, -x, 0]]  # of the point, by unit rotations about x, y and z through the origin
@@ -170,17 +177,33 @@ def test_tied_point_follows_rigid_motions_wherever_it_is(nodes):
     np.testing.assert_allclose(found.rows @ rigid_motions(mesh.nodes), expected, atol=1e-12)  # round-off over arms of a tenth
 
 
-@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "wedge"])
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "wedge", "wedge15"])
 def test_mean_over_a_face_weighs_by_area_on_uneven_meshes(kind):
     """Centre and second moments of a face are those of its area, wherever the nodes crowd."""
     mesh = box(kind, (1, 3, 2), (1.0, 1.0, 1.0))
     crowded = mesh.nodes.copy()
     crowded[:, 1] = np.interp(crowded[:, 1], np.linspace(-0.5, 0.5, 4), np.array([-0.5, -0.46, -0.34, 0.5]))
     members = mesh.groups["right"]
-    spread = spread_of(faces_of(crowded, mesh.blocks), members).toarray()
+    spread = spread_of(mesh, faces_of(crowded, mesh.blocks), members).toarray()
     np.testing.assert_allclose(spread.sum(axis=1) @ crowded[members], [1.0, 0.0, 0.0], atol=1e-14)  # round-off
     second = crowded[members].T @ spread @ crowded[members]
     np.testing.assert_allclose(second[1:, 1:], np.eye(2) / 12, atol=1e-14)
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "wedge"])
+def test_mean_over_whole_elements_weighs_by_volume(kind):
+    """Centre and second moments are those of the box that the elements fill; with a step along a motion they have its rate."""
+    mesh = box(kind, (3, 2, 1), (3.0, 1.0, 1.0), bent=0.0)
+    members = np.flatnonzero(mesh.nodes[:, 0] >= 2 - 1e-9)
+    faces = faces_of(mesh.nodes, mesh.blocks)
+    spread = spread_of(mesh, faces, members).toarray()
+    places = mesh.nodes[members] - [2.5, 0.0, 0.0]
+    np.testing.assert_allclose(spread.sum(axis=1) @ places, 0, atol=1e-14)  # round-off
+    np.testing.assert_allclose(places.T @ spread @ places, np.eye(3) / 12, atol=1e-14)
+    motion = mesh.nodes[:, [0]] ** 2 * [0.0, 0.1, 0.0] * mesh.nodes[:, [1]]  # wider towards the end
+    step = spread_of(replace(mesh, nodes=mesh.nodes + 1e-30j * motion), faces, members).toarray().imag / 1e-30
+    ahead, back = (spread_of(replace(mesh, nodes=mesh.nodes + h * motion), faces, members).toarray() for h in (1e-5, -1e-5))
+    np.testing.assert_allclose(step, (ahead - back) / 2e-5, atol=1e-9)  # differences: round-off over the step
 
 
 @pytest.mark.parametrize("kind_of_tie", ["averaged", "rigid"])

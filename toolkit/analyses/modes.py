@@ -28,6 +28,7 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
 
         Z^T K Z y = omega^2 Z^T M Z y,   J Z = 0,   K = d (residual) / dq with the joint forces' geometric stiffness
 
+    K holds the change of the inertia forces of the accelerations, which vanish in an equilibrium: of what falls they cancel the weight.
     K is unsymmetric under following forces; then the general eigenvalue problem is solved.
 
     Raises
@@ -41,7 +42,7 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     n_q, n_b = system.n_q, system.n_b
     pad = np.zeros(system.n - n_q)
     q, rest = np.concatenate([solution.q[-1], pad]), np.zeros(system.n)
-    acc = np.concatenate([np.zeros(n_q), solution.multipliers[-1]])
+    acc = np.concatenate([solution.a[-1], solution.multipliers[-1]])  # what falls feels no weight
     terms = system.evaluate(system.inputs(solution.times[-1], np.array([0, 0, 1.0])), q, rest, acc)
     dense = {name: system.dense(getattr(terms, name)) for name in ("I_acc", "I_q", "A_q", "A_v")}
     mass, stiffness = dense["I_acc"][:n_b, :n_b], (dense["I_q"] + dense["A_q"])[:n_b, :n_q]

@@ -14,13 +14,22 @@ from toolkit.door.analysed import analysed, check_method
 from toolkit.door.outcome import Outcome, outcomes
 from toolkit.door.run import Run
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.verdict import Verdict
+from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.loads.gravity import UniformGravity
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
 from toolkit.studies.places.place import Place
 from toolkit.system.model_files import refuse_changed
+
+FREE = Caution(
+    "free-modes",
+    "no joint holds a body and no load but weight acts: these are modes about the given positions, and frequencies of zero are rigid "
+    "motions.",
+    doubt=False,
+)
+"""What is said of the modes of bodies that float."""
 
 
 def compile_model(scene: Scene, variables: Sequence[str] = ()) -> Model:
@@ -200,7 +209,8 @@ class Model:
         count
             How many, from the lowest.
         undeformed
-            About the given positions instead, for example of a free body.
+            About the given positions instead, for example of a free body. They are taken anyway, and the verdict says so, where no joint
+            holds a body and no load but its weight acts.
         spinning
             About the steady state of a scene that its driver spins, with centrifugal and gyroscopic forces and dampers, whatever
             `solver.equilibrium` says; frequencies are those that the frame sees which spins with the scene.
@@ -225,11 +235,14 @@ class Model:
                 "modes are about the given positions or about a steady spin. Leave out one of undeformed and spinning."
             )
         compiled = self.at({} if numbers is None else numbers)._compiled
-        system = (compiled.of_one_frame() if undeformed else compiled.analysed_by("static")).primal
+        floating = not (undeformed or spinning) and _floats(self.scene)
+        as_given = undeformed or floating
+        system = (compiled.of_one_frame() if as_given else compiled.analysed_by("static")).primal
         options = system.scene.solver.model_copy(update={"equilibrium": "spinning"}) if spinning else None
-        state = at_rest(system) if undeformed else solve(system, "static", progress, options)
+        state = at_rest(system) if as_given else solve(system, "static", progress, options)
         found = solve_modes(state, count)
-        return found._replace(verdict=Verdict.of([*found.verdict.warnings, *state.verdict.warnings]))
+        told = [FREE] if floating else []
+        return found._replace(verdict=Verdict.of([*told, *found.verdict.warnings, *state.verdict.warnings]))
 
     def campbell(
         self,
@@ -379,3 +392,9 @@ def kind_of(analysis: str) -> Kind:
     )
     check_kind(found)
     return "static" if found == "static" else "transient"
+
+
+def _floats(scene: Scene) -> bool:
+    """Whether no joint holds a body and no load but its weight acts, so that there is no equilibrium but the given positions, falling."""
+    weight_alone = all(isinstance(load, UniformGravity) for load in scene.loads.values())
+    return weight_alone and not scene.joints and all(body.has_frame for body in scene.bodies.values())

@@ -36,7 +36,7 @@ ORIGIN = ("inputs", "source", "changes")
 """The same, which a model has that was built from files."""
 JUDGED = ("stress_errors", "stress_error_at", "face_errors")
 """The same, which a model has whose mesh was judged, or the faces between its pieces."""
-OPTIONAL = (*ORIGIN, *JUDGED, "left_out")
+OPTIONAL = (*ORIGIN, *JUDGED, "left_out", "composition")
 
 PARTS: dict[str, Any] = {
     "invariants": Invariants,

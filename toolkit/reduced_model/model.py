@@ -168,6 +168,9 @@ class ReducedModel:
     face_errors
         Of a solid in pieces, under forces and moments at its interface points, against its mesh without cuts; positive where it is too
         soft. "least" and "largest" are those under all of them at once.
+    composition
+        What the body was made of. `nodes` and `volume` are numbers; `elements`, `interface_points`, `clamp`, `groups`, `masses`,
+        `left_out`, `remarks` and `not_listed` are JSON texts, see `toolkit.reduced_model.description.composition`. Any may be missing.
     bytes_read
         Part that was read -> its bytes in the file, 0 if the file has no such part.
     """
@@ -212,6 +215,7 @@ class ReducedModel:
     face_errors: dict[str, float] = field(
         default_factory=dict
     )  # force or moment -> by how much faces between pieces change what it moves, in parts of that
+    composition: dict[str, str | int | float] = field(default_factory=dict)  # what the body was made of -> number or JSON text
     inputs_from: Path | None = field(default=None, compare=False)  # folder that the names of `inputs` start from
     path: Path | None = field(default=None, compare=False)
     bytes_read: dict[str, int] = field(default_factory=dict, compare=False)

@@ -104,6 +104,11 @@ def solid_shapes(
     n = stiffness.shape[0]
     if n == 0:
         raise InputError("the clamp holds all nodes, so that nothing of the body can deform. Clamp fewer, or take a rigid body.")
+    if free.stiff:
+        raise InputError(
+            f"the rigid tie of interface point {free.rigid[0]!r} holds all nodes, so that nothing of the body can deform. Tie fewer, or "
+            "take a rigid body."
+        )
     if choice.chord is not None and choice.kind in ("full", "eigenmodes"):
         raise InputError(
             f'a solid on a chord cannot have a basis of kind {choice.kind!r}. Take "craig-bampton", whose constraint modes know the chord.'

@@ -85,10 +85,11 @@ def held_system(stiffness: Any, rows: Any, places: np.ndarray | None = None) -> 
     carried = bare.solve(rows.T.toarray())
     compliance = rows @ carried
     compliance = (compliance + compliance.T) / 2
-    scale = 1 / np.sqrt(np.diag(compliance))
-    if not np.linalg.eigvalsh(scale[:, None] * compliance * scale)[0] > DEPENDENT:
+    own = np.diag(compliance)
+    scale = 1 / np.sqrt(np.where(own > 0, own, 1.0))
+    if not own.min() > 0 or not np.linalg.eigvalsh(scale[:, None] * compliance * scale)[0] > DEPENDENT:
         raise InputError(
-            "the averaged interface points cannot move independently of each other. Give every place one name, and more nodes to points "
-            "that are close together."
+            "the averaged interface points cannot move independently of each other and of what is held. Give every place one name, and "
+            "more nodes to points that are close together, to a clamp or to a rigid tie."
         )
     return HeldSystem(stiffness, rows, bare.factors, carried, cho_factor(compliance))

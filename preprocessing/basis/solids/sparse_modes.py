@@ -63,6 +63,8 @@ def lowest_modes(system: System, mass: Any, enough: Callable[[NormalModes], bool
         All modes of a small body, or a third of those of a large one, are not enough; or half of them are wanted to begin with.
     """
     n = mass.shape[0] - system.rows.shape[0]
+    if not n:
+        return _no_modes(system, mass)
     if mass.shape[0] <= SMALL:
         dense = ConstrainedPencil(system.stiffness.toarray(), mass.toarray(), system.rows.toarray())
         return normal_modes(dense)
@@ -74,6 +76,13 @@ def lowest_modes(system: System, mass: Any, enough: Callable[[NormalModes], bool
             raise InputError(f"more than {n // 3} modes of a body with {n} coordinates were asked for. Ask for fewer.")
         count *= 2
     return found
+
+
+def _no_modes(system: System, mass: Any) -> NormalModes:
+    """Of a body all of whose coordinates are held."""
+    none = np.zeros((mass.shape[0], 0))
+    pencil = ConstrainedPencil(system.stiffness, mass, system.rows)
+    return NormalModes(pencil, np.zeros(0), none, np.zeros((system.rows.shape[0], 0)), np.zeros(0), none)
 
 
 def _lanczos(system: System, mass: Any, count: int) -> NormalModes:

@@ -66,6 +66,11 @@ class Freedom:
         """Whether neither a clamp nor a rigid tie takes a coordinate, so that averaged points alone can hold the body."""
         return not self.rigid and self.map.shape[0] == self.map.shape[1]
 
+    @property
+    def stiff(self) -> bool:
+        """Whether all nodes move with one point, so that the body is rigid."""
+        return self.map.shape[1] == self.motions and len(self.rigid) == 1 and bool((np.diff(self.map.indptr) > 0).all())
+
     def coordinates_of(self, motions: np.ndarray, ties: Mapping[str, Tie]) -> np.ndarray:
         """Independent coordinates (n^, k) of nodal motions (n, k) that leave tied nodes rigid."""
         return np.vstack([motions[self.free], *(ties[name].rows @ motions for name in self.rigid)])
@@ -106,11 +111,25 @@ def _at_one_node(mesh: SolidMesh, node: int, at: list[float] | None, rigid: bool
         raise InputError(
             f"node {node} alone ties no rotation and no other place; name a group of nodes, or leave tie and at out."
         )
-    others = mesh.around(node)
-    if not len(others):
-        raise InputError(f"node {node} alone has no rotation without elements around it; name several nodes.")
-    alike = sparse.diags_array(np.full(len(others), 1 / len(others)))
-    return Tie(np.array([node]), place, _rows(mesh, (np.array([node]), sparse.eye_array(1)), (others, alike), place), False)
+    return Tie(np.array([node]), place, rows_of_place(mesh, np.array([node]), place), False)
+
+
+def rows_of_place(mesh: SolidMesh, nodes: np.ndarray, place: np.ndarray) -> Any:
+    """Rows, sparse (m, n), of displacement and rotation at a place that nodes carry, all alike; one node turns with those around it.
+
+    Raises
+    ------
+    InputError
+        A rotation cannot be had from these nodes.
+    """
+    turned = nodes if len(nodes) > 1 else mesh.around(int(nodes[0]))
+    if not len(turned):
+        raise InputError(f"node {nodes[0]} alone has no rotation without elements around it; name several nodes.")
+    return _rows(mesh, (nodes, _alike(nodes)), (turned, _alike(turned)), place)
+
+
+def _alike(nodes: np.ndarray) -> Any:
+    return sparse.diags_array(np.full(len(nodes), 1 / len(nodes)))
 
 
 def _rows(mesh: SolidMesh, carried: tuple, turned: tuple, point: np.ndarray) -> Any:

@@ -1,6 +1,7 @@
 """Isotropic elastic solids in the plane or in space, from elements or from finished matrices.
 
-    M_ab = rho b s in block (a, b),   K = E b (lambda/E K_lambda + mu/E K_mu),   stress = E (lambda/E B_lambda + mu/E B_mu)
+    M_ab = rho b s in block (a, b) + what concentrated masses add
+    K = E b (lambda/E K_lambda + mu/E K_mu),   stress = E (lambda/E B_lambda + mu/E B_mu)
 
 with the width b in the plane only, and the matrices of `elements.solids`.
 """
@@ -12,15 +13,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from preprocessing.elements.element import Contribution, Coordinates, Element
 from preprocessing.elements.section import Patch, monomial
 from preprocessing.elements.section_shape import ONE, Term, Terms
 from preprocessing.elements.solids.elasticity import SolidMatrices, in_block
-from preprocessing.elements.solids.finished import refuse_supports, scalar_mass
+from preprocessing.elements.solids.finished import refuse_supports, scalar_mass, without_constant
 from preprocessing.elements.solids.geometric_stiffness import StressedSolid
 from preprocessing.elements.solids.stress import Rows
-from preprocessing.elements.space import SPACES
+from preprocessing.elements.space import SPACES, Pair
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.foundation.errors import InputError
 
@@ -47,22 +49,27 @@ class Solid(Element):
     parameters: Mapping[str, str]  # quantity -> name of the parameter
     across: Terms  # what mass and stiffness grow with besides the material: the width in the plane
     stressed: StressedSolid | None = None  # None of finished matrices
+    constant_mass: Mapping[Pair, Any] | None = (
+        None  # (a, b) -> M_ab of concentrated masses, with a hidden coordinate, if there are any
+    )
 
     @property
     def coordinates(self) -> Coordinates:
         n_nodes, dimension = self.nodes.shape
-        return Coordinates(SPACES[dimension], n_nodes, dimension)
+        return Coordinates(SPACES[dimension], n_nodes, dimension, 0 if self.constant_mass is None else 1)
 
     @property
     def components(self) -> int:
         return 6 if self.nodes.shape[1] == 3 else 1
 
     def contributions(self) -> Iterator[Contribution]:
-        patch, space = Patch(ALL, self.parameters), self.coordinates.space
-        blocks = {(a, b): in_block(self.scalar_mass, a, b, space.dimension) for a, b in space.pairs}
+        patch, space, n = Patch(ALL, self.parameters), self.coordinates.space, self.coordinates.n
+        blocks = {(a, b): _widened(in_block(self.scalar_mass, a, b, space.dimension), n, n) for a, b in space.pairs}
         yield Contribution("mass", patch, self.across, blocks)
-        yield Contribution("stiffness", patch, self.across, self.stiffness)
-        yield Contribution("stress", patch, ONE, self.stress)
+        if self.constant_mass is not None:
+            yield Contribution("constant mass", patch, ONE, self.constant_mass)
+        yield Contribution("stiffness", patch, self.across, _widened(self.stiffness, n, n))
+        yield Contribution("stress", patch, ONE, _widened(self.stress, self.stress.shape[0], n))
 
     def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
         if self.stressed is None:
@@ -72,11 +79,27 @@ class Solid(Element):
             )
         patch = Patch(ALL, self.parameters)
         ((number, powers),) = self.across
-        return number * monomial(values, patch.monomial(youngs_modulus=1, **powers)) * self.stressed.stiffness(displacement)
+        nodal, n = self.coordinates.nodal, self.coordinates.n
+        stiffness = _widened(self.stressed.stiffness(displacement[:nodal]), n, n)
+        return number * monomial(values, patch.monomial(youngs_modulus=1, **powers)) * stiffness
+
+
+def _widened(matrix: Any, n_rows: int, n_columns: int) -> Any:
+    """A sparse matrix with zeros beyond its own rows and columns; itself if there are none."""
+    if matrix.shape == (n_rows, n_columns):
+        return matrix
+    rows = matrix.tocsr()
+    starts = np.append(rows.indptr, np.full(n_rows - rows.shape[0], rows.indptr[-1], rows.indptr.dtype))
+    return sparse.csr_array((rows.data, rows.indices, starts), shape=(n_rows, n_columns))
 
 
 def element_solid(
-    nodes: np.ndarray, matrices: SolidMatrices, rows: Rows, lame: tuple[Any, Any], stressed: StressedSolid | None = None
+    nodes: np.ndarray,
+    matrices: SolidMatrices,
+    rows: Rows,
+    lame: tuple[Any, Any],
+    stressed: StressedSolid | None = None,
+    constant_mass: Mapping[Pair, Any] | None = None,
 ) -> Solid:
     """Of elements, or what a parameter changes of them.
 
@@ -85,28 +108,41 @@ def element_solid(
     lame : lambda / E and mu / E
     """
     stiffness, stress = (lame[0] * first + lame[1] * shear for first, shear in ((matrices.first, matrices.shear), rows))
-    return Solid(nodes, matrices.scalar_mass, stiffness, stress, MATERIAL, _width(nodes.shape[1]), stressed)
+    return Solid(nodes, matrices.scalar_mass, stiffness, stress, MATERIAL, _width(nodes.shape[1]), stressed, constant_mass)
 
 
 def _width(dimension: int) -> Terms:
     return (Term(1.0, {"width": 1}),) if dimension == 2 else ONE
 
 
-def finished_solid(mesh: SolidMesh, mass: Any, stiffness: Any, stress: Any, made_with: Mapping[str, float]) -> Solid:
+def finished_solid(
+    mesh: SolidMesh,
+    mass: Any,
+    stiffness: Any,
+    stress: Any,
+    made_with: Mapping[str, float],
+    constant_mass: Mapping[Pair, Any] | None = None,
+) -> Solid:
     """Of finished matrices, which are proportional to the material that they were made with, or else to a scale.
+
+    Parameters
+    ----------
+    constant_mass : that is part of the mass, and does not follow the density
 
     Raises
     ------
     InputError
-        The matrices are not those of displacement-based elements, or of a body with supports.
+        The matrices are not those of displacement-based elements, or of a body with supports, or lack the constant mass.
     """
     refuse_supports(mesh, stiffness)
     scalar = scalar_mass(mass, mesh.dimension)
     if not made_with:
         return Solid(mesh.nodes, scalar, stiffness, stress, SCALES, ONE)
+    if constant_mass is not None:
+        scalar = without_constant(scalar, constant_mass[0, 0][: mesh.n : mesh.dimension, : mesh.n : mesh.dimension])
     modulus, density, width = made_with["youngs_modulus"], made_with["density"], made_with.get("width", 1.0)
     scaled = scalar / (density * width), stiffness / (modulus * width), stress / modulus
-    return Solid(mesh.nodes, *scaled, MATERIAL, _width(mesh.dimension))
+    return Solid(mesh.nodes, *scaled, MATERIAL, _width(mesh.dimension), None, constant_mass)
 
 
 def parameters_of(material: Mapping[str, float], damping: Mapping[str, float]) -> Iterator[tuple[str, float]]:

@@ -10,8 +10,9 @@ import numpy as np
 import skfem
 from scipy import sparse
 from skfem.quadrature import get_quadrature
-from skfem.refdom import RefLine, RefTri
+from skfem.refdom import RefLine, RefTri, RefWedge
 
+from preprocessing.elements.solids.wedge15 import ElementWedge15, MeshWedge15
 from preprocessing.mesh.faces import HEXAHEDRON_EDGES
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.foundation.errors import InputError
@@ -32,6 +33,7 @@ KINDS: dict[str, tuple[Any, Any, int]] = {
     "hexahedron20": (skfem.MeshHex2, skfem.ElementHexS2, 9),
     "hexahedron27": (skfem.MeshHex2, skfem.ElementHex2, 9),
     "wedge": (skfem.MeshWedge1, skfem.ElementWedge1, 5),
+    "wedge15": (MeshWedge15, ElementWedge15, 9),
 }
 """Geometry and shape functions of every kind, and the order of the points that integrate products of two of them exactly, on curved
 elements too. The map of 8 nodes is one of 9, and that of 20 one of 27, whose last nodes follow from the others."""
@@ -130,9 +132,15 @@ def _order(kind: str) -> np.ndarray:
 def points_of(kind: str) -> tuple[np.ndarray, np.ndarray]:
     """Points (d, n_points) of the reference element and their weights."""
     _, shapes, order = KINDS[kind]
-    if kind != "wedge":
-        return get_quadrature(shapes.refdom, order)
-    (triangle, area), (line, length) = get_quadrature(RefTri, order), get_quadrature(RefLine, order)  # that of scikit-fem is none
+    return wedge_points(order, order) if shapes.refdom is RefWedge else get_quadrature(shapes.refdom, order)
+
+
+def wedge_points(across: int, along: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points (3, n_points) of the reference wedge and their weights, exact to these orders in x and y, and in z.
+
+    Those of scikit-fem are no points of a wedge: it pairs the coordinates of the triangle's points with those of all others.
+    """
+    (triangle, area), (line, length) = get_quadrature(RefTri, across), get_quadrature(RefLine, along)
     points = np.vstack([np.repeat(triangle, line.size, axis=1), np.tile(line, triangle.shape[1])])
     return points, np.kron(area, length)
 

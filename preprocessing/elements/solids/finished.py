@@ -34,6 +34,23 @@ def scalar_mass(mass: Any, d: int) -> Any:
     return first
 
 
+def without_constant(scalar: Any, constant: Any) -> Any:
+    """A scalar mass matrix without concentrated masses, which it holds as the exported model does.
+
+    Raises
+    ------
+    InputError
+        There is not more mass than these at a node.
+    """
+    left = (scalar - constant).tocsr()
+    if np.any(left.diagonal() <= 0):
+        raise InputError(
+            "the mass matrix does not hold the concentrated masses of the mesh file: at a node it has less than these. Export mass and "
+            "mesh from one model, or leave the masses out: leave_out in [mesh]."
+        )
+    return left
+
+
 def refuse_supports(mesh: SolidMesh, stiffness: Any) -> None:
     """Refuse a stiffness matrix that resists rigid motions.
 

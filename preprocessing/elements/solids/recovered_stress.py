@@ -21,14 +21,16 @@ import skfem
 from scipy import sparse
 from skfem.quadrature import get_quadrature
 
-from preprocessing.elements.solids.elements import ElementBlock
+from preprocessing.elements.solids.elements import ElementBlock, wedge_points
 from preprocessing.mesh.simplices import ALL_CORNERS
 
 LINEAR = ("triangle", "quad", "tetra", "hexahedron", "wedge")
 """Kinds whose stress a linear polynomial is fitted to; of the others a quadratic one."""
 SAMPLED = {"triangle6": 2, "quad8": 5, "quad9": 5, "tetra10": 2, "hexahedron20": 5, "hexahedron27": 5}
-"""Order of the points that a kind is sampled at: one point of linear elements (of wedges two), three or four of triangles and tetrahedra
-with middles of edges, and three in each direction of squares and cubes: two could not tell a quadratic polynomial across one layer."""
+WEDGES = {"wedge": (1, 3), "wedge15": (2, 5)}
+"""Order of the points that a kind is sampled at, of wedges across and along: one point of linear elements (of wedges two), three or four
+of triangles and tetrahedra with middles of edges, and three in each direction of squares and cubes and along wedges: two could not tell a
+quadratic polynomial across one layer."""
 STRAIGHT = {
     "triangle": skfem.ElementTriP1, "quad": skfem.ElementQuad1, "tetra": skfem.ElementTetP1, "hexahedron": skfem.ElementHex1,
     "wedge": skfem.ElementWedge1,
@@ -140,8 +142,8 @@ def _incidence(pairs: np.ndarray, shape: tuple[int, int]) -> Any:
 
 def sample_points(block: ElementBlock) -> np.ndarray:
     """Points (d, n_points) of the reference element."""
-    if block.kind == "wedge":
-        return np.array([[1 / 3, 1 / 3], [1 / 3, 1 / 3], [0.5 - 0.75**0.5 / 3, 0.5 + 0.75**0.5 / 3]])
+    if block.kind in WEDGES:
+        return wedge_points(*WEDGES[block.kind])[0]
     return get_quadrature(block.shapes.refdom, SAMPLED.get(block.kind, 1))[0]
 
 

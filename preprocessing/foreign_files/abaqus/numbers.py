@@ -15,6 +15,8 @@ from toolkit.foundation.errors import InputError
 
 WHOLE = re.compile(r"[+-]?[0-9]+", re.ASCII)
 NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[EeDd]([+-]?[0-9]+))?", re.ASCII)
+UNIT = 1e-2
+"""Difference of the square of a normal's length from one: decks write few digits of it."""
 LARGEST_LABEL = 999_999_999
 """The largest number of a node or element that Abaqus allows."""
 
@@ -74,10 +76,12 @@ def node_rows(block: Block) -> tuple[np.ndarray, np.ndarray]:
 def _node_table(block: Block) -> np.ndarray | None:
     """Labels and coordinates at once, where every line has a label and three plain numbers; None elsewhere."""
     found = _table(block.data(), np.float64)
-    if found is None or found.shape[1] != 4 or not np.all(np.isfinite(found)):
+    if found is None or found.shape[1] not in (3, 4) or not np.all(np.isfinite(found)):
         return None
     labels = found[:, 0]
-    return found if np.all((labels >= 1) & (labels <= LARGEST_LABEL) & (labels == np.floor(labels))) else None
+    if not np.all((labels >= 1) & (labels <= LARGEST_LABEL) & (labels == np.floor(labels))):
+        return None
+    return found if found.shape[1] == 4 else np.column_stack([found, np.zeros(len(found))])
 
 
 def _table(lines: Iterator[str], kind: type[np.number[Any]]) -> np.ndarray | None:
@@ -91,14 +95,18 @@ def _table(lines: Iterator[str], kind: type[np.number[Any]]) -> np.ndarray | Non
 
 
 def _node_row(place: str, fields: list[str]) -> list[float]:
-    if len(fields) > 7:  # a label, three coordinates, and a normal that beams and shells use
-        raise InputError(
-            f"{place}: a node has a number and at most three coordinates and a normal, and here are {len(fields)} fields."
-        )
+    """Label and coordinates of a line, which may go on with a normal that beams and shells use."""
     if not fields:
         raise InputError(f"{place}: a node needs a number. Fix the line.")
-    coordinates = [number(text, place) for text in fields[1:]] + 3 * [0.0]
-    return [label(fields[0], place), *coordinates[:3]]
+    values = [number(text, place) for text in fields[1:]]
+    normal = values[3:]
+    unit = len(normal) == 3 and abs(sum(x * x for x in normal) - 1) < UNIT
+    if normal and not ((unit or not any(normal)) and any("." in text for text in fields)):
+        raise InputError(
+            f"{place}: a node has a number, three coordinates and at most a unit normal, and here are {len(fields)} fields. If commas are "
+            "meant as decimal points, write points."
+        )
+    return [label(fields[0], place), *[*values, 0.0, 0.0, 0.0][:3]]
 
 
 def element_rows(block: Block, n_nodes: int) -> np.ndarray:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from preprocessing.foreign_files.included_files import drawn_on
+from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
 from preprocessing.recipes.solids.body_file import BodyFile
+from preprocessing.reduction.composition import mesh_composition
 from preprocessing.reduction.reduced import element_parts
 from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.description.told_body import told_left_out
+
+if TYPE_CHECKING:
+    from preprocessing.recipes.solids.discrete_body import DiscreteBody
 
 PLACES = {
     "youngs_modulus": ("material", "youngs_modulus"),
@@ -64,6 +70,7 @@ class BodyRecipe(Recipe[BodyFile]):
             from preprocessing.recipes.solids.discrete_body import discretised
             from preprocessing.recipes.solids.named_mesh import named_mesh
             from preprocessing.recipes.solids.pieces.piece_bodies import piece_bodies
+            from preprocessing.recipes.solids.point_masses import remarks_on_masses
         except ImportError as error:
             raise InputError(
                 f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install "
@@ -71,8 +78,9 @@ class BodyRecipe(Recipe[BodyFile]):
             ) from error
         named = named_mesh(self.path, self.file)
         told = slit_told(named.mesh) if named.mesh.blocks else ""
-        if told and remark is not None:
-            remark(f"{self.path.name}: {told}")
+        if remark is not None:
+            for each in (*filter(None, [told]), *told_of_file(named.mesh), *remarks_on_masses(named)):
+                remark(f"{self.path.name}: {each}")
         return discretised(named) if self.file.pieces is None else piece_bodies(named)
 
     def _fields(self, designs: Any) -> dict[str, Any]:
@@ -81,8 +89,30 @@ class BodyRecipe(Recipe[BodyFile]):
 
         file = self.file
         if file.pieces is not None:
-            return joined_model(designs)
-        return reduced_body(designs, file.basis.choice(), file.clamp.words if file.clamp else "", file.units)
+            return {**joined_model(designs), **_composition(designs.whole, file)}
+        fields = reduced_body(designs, file.basis.choice(), file.clamp.words if file.clamp else "", file.units)
+        return {**fields, **_composition(designs, file)}
 
     def _writers(self) -> dict[str, str]:
         return {name: version(name) for name in ("scikit-fem", "meshio", "numpy", "scipy")}
+
+
+def told_of_file(mesh: SolidMesh) -> Iterator[str]:
+    """What the user should know of the reading of a mesh file, and what of it is not part of the body."""
+    yield from mesh.remarks
+    if mesh.left_out:
+        yield f"not part of the body: {told_left_out([each._asdict() for each in mesh.left_out])}."
+
+
+def _composition(body: DiscreteBody, file: BodyFile) -> dict[str, Any]:
+    """What the body was made of; the volume of a plane one is known if its width is."""
+    from preprocessing.elements.solids.elements import element_blocks
+    from preprocessing.elements.solids.volume import volume_of
+
+    plane = body.mesh.dimension == 2
+    width = file.section.width if plane and file.section else None if plane else 1.0
+    volume = None
+    if body.mesh.blocks and width is not None:
+        volume = width * volume_of(body.elastic.blocks if body.elastic else element_blocks(body.mesh))
+    tied = {name: each.nodes for name, each in body.ties.items()}
+    return {"composition": mesh_composition(body.mesh, volume, body.clamped, tied)}

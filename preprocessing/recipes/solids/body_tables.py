@@ -16,8 +16,8 @@ Box = Annotated[list[FiniteFloat], Field(min_length=4, max_length=6)]
 class MeshTable(Table):
     """A mesh: gmsh (.msh), Abaqus (.inp), Nastran (.bdf), VTK (.vtk, .vtu), or any other that meshio reads.
 
-    Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6) are the body. Without any the body is plane, of triangles (3 or
-    6 nodes) and quadrilaterals (4, 8 or 9). Elements of lower dimension serve to name groups.
+    Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6 or 15) are the body. Without any the body is plane, of triangles
+    (3 or 6 nodes) and quadrilaterals (4, 8 or 9). Elements of lower dimension serve to name groups.
     """
 
     file: FileName  # relative to body.toml
@@ -66,11 +66,13 @@ class TiedRegion(Region):
     """Nodes that carry a point with a position and a rotation, where joints and loads may grip.
 
     `rigid`: the nodes move as one rigid body with the point (RBE2). `averaged`: the point moves with the mean of the nodes, which stay
-    free to deform (RBE3). A single node is averaged; its rotation is that of the nodes of the elements around it.
+    free to deform (RBE3). A single node is averaged; its rotation is that of the nodes of the elements around it. Means are those over the
+    volume of whole elements, if the nodes are those of such; else over the area (in the plane the length) of the boundary's faces between
+    the nodes, if all nodes are on such faces; else over the nodes. So is the place of the point, unless `at` gives it.
     """
 
     tie: Literal["averaged", "rigid"] = "averaged"
-    at: Coordinates | None = None  # the point's undeformed place; by default the middle of the nodes
+    at: Coordinates | None = None  # the point's undeformed place; by default the mean of the nodes as above
 
 
 class PiecesTable(Table):

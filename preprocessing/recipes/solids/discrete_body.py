@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from preprocessing.elements.solids.elements import ElementBlock, element_blocks
 from preprocessing.elements.solids.geometric_stiffness import StressedSolid
 from preprocessing.elements.solids.stress import Rows, stress_rows
 from preprocessing.elements.solids.stress_error import Elastic
+from preprocessing.elements.space import Pair
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.faces import BoundaryFaces
 from preprocessing.mesh.matrix_file import read_matrix, read_square
@@ -28,6 +30,7 @@ from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.solids.body_file import BodyFile
 from preprocessing.recipes.solids.named_mesh import NamedMesh, named_mesh
 from preprocessing.recipes.solids.node_sets import Boundary
+from preprocessing.recipes.solids.point_masses import at_nodes, constant_masses
 from toolkit.foundation.errors import InputError
 
 
@@ -78,6 +81,7 @@ def discretised(named: NamedMesh) -> DiscreteBody:
     else:
         solid = _from_files(named, made_with)
     parts = assemble(solid)
+    changes = chain(changes, _beside_masses(parts, named, values, ties, solid.stressed))
     return DiscreteBody(mesh, parts, values, others, changes, named.clamped, ties, named.boundary, named.surfaces, elastic, solid)
 
 
@@ -105,12 +109,15 @@ def _from_elements(
     matrices, rows = solid_matrices(blocks, len(mesh.nodes), mesh.dimension), _stress(named, blocks)
     lame = lame_factors(ratio, state)
     slopes = tuple(rate_of(factor) for factor in lame_factors(ratio + 1j * STEP, state))
+    with at_key(named.path, "mesh.file"):
+        masses = constant_masses(mesh) if mesh.masses else None
+    no_masses = None if masses is None else {pair: 0 * matrix for pair, matrix in masses.items()}
     weightless = SolidMatrices(sparse.csr_array(matrices.scalar_mass.shape), matrices.first, matrices.shear)
-    of_ratio = assemble(element_solid(mesh.nodes, weightless, rows, slopes))
+    of_ratio = assemble(element_solid(mesh.nodes, weightless, rows, slopes, None, no_masses))
     stepped = StressedSolid(blocks, lame_factors(ratio + 1j * STEP, state))
     changes = _changes(of_ratio, named, blocks, lame, values, ties, stepped)
     elastic = Elastic(blocks, mesh.nodes, lame, ratio if state == "plane-strain" else 0.0)
-    return element_solid(mesh.nodes, matrices, rows, lame, StressedSolid(blocks, lame)), changes, elastic
+    return element_solid(mesh.nodes, matrices, rows, lame, StressedSolid(blocks, lame), masses), changes, elastic
 
 
 def _changes(
@@ -138,10 +145,29 @@ def _moved(
     """What a motion of the nodes changes."""
     mesh = named.mesh
     own = solid_matrices(blocks, len(mesh.nodes), mesh.dimension, motion)
-    rates = assemble(element_solid(mesh.nodes, own, _stress(named, blocks, motion), lame)).at(values)
-    moved = replace(mesh, nodes=mesh.nodes + 1j * STEP * motion)
+    moved = mesh.moved(1j * STEP * motion)
+    masses = {pair: rate_of(matrix) for pair, matrix in constant_masses(moved).items()} if mesh.masses else None
+    rates = assemble(element_solid(mesh.nodes, own, _stress(named, blocks, motion), lame, None, masses)).at(values)
     normals = {key: BoundaryFaces(moved.nodes, each.faces).normals() for key, each in named.surfaces.items()}
     return BodyChange(rates, moved, named.ties(moved.nodes), normals, StressedSolid(blocks, lame, STEP * motion))
+
+
+def _beside_masses(
+    parts: Parts, named: NamedMesh, values: Mapping[str, float], ties: Mapping[str, Tie], stressed: StressedSolid | None
+) -> Iterator[tuple[str, BodyChange]]:
+    """How the shapes of a body with concentrated masses follow its density and width p.
+
+    Polynomials tell what these change of the matrices. With K and the rest of M in proportion to p, its shapes see -M_c / p: that the
+    masses M_c become lighter beside the rest.
+    """
+    constant = parts.constant_mass
+    if not constant.parts:
+        return
+    normals = {name: faces.normals() for name, faces in named.surfaces.items()}
+    mass = parts.coordinates.of_nodes(constant.at(values).mass)
+    for name in ("density", "width"):
+        if name in values:
+            yield name, BodyChange(parts.none.at(values), named.mesh, ties, normals, stressed, -mass / values[name])
 
 
 def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> Solid:
@@ -161,7 +187,19 @@ def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> Solid:
         by_lambda, by_mu = lame_factors(_ratio(file), _state(file, mesh))
         stress = file.material.youngs_modulus * (by_lambda * first + by_mu * shear)
     with at_key(path, "matrices"):
-        return finished_solid(mesh, found[0], found[1], stress, made_with)
+        return finished_solid(mesh, found[0], found[1], stress, made_with, _among_finished(mesh))
+
+
+def _among_finished(mesh: SolidMesh) -> dict[Pair, Any] | None:
+    """The concentrated masses of the mesh, which another program's mass matrix holds already; None if there are none."""
+    if not mesh.masses:
+        return None
+    if not at_nodes(mesh):
+        raise InputError(
+            "the mesh has concentrated masses with an offset, a rotary inertia or several nodes, and of these the mass matrix cannot tell "
+            "what it holds. Leave them out of the mesh: leave_out in [mesh]; then all of the matrix follows the density."
+        )
+    return constant_masses(mesh)
 
 
 def _refuse_other_points(rows: int, boundary: Boundary | None, mesh: SolidMesh) -> None:

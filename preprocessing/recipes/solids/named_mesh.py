@@ -51,7 +51,7 @@ class NamedMesh:
         for name, region in self.file.interface_points.items():
             with at_key(self.path, f"interface_points.{name}"):
                 members = self.tied[name]
-                found[name] = tie(mesh, members, spread_of(boundary, members), region.at, region.tie == "rigid")
+                found[name] = tie(mesh, members, spread_of(mesh, boundary, members), region.at, region.tie == "rigid")
         return found
 
 
@@ -92,7 +92,7 @@ def _mesh(path: Path, file: BodyFile) -> tuple[SolidMesh, SolidMesh, dict[str, n
             if name in ("poisson_ratio", "youngs_modulus", "density", "damping_mass", "damping_stiffness"):
                 raise InputError("this is the name of a parameter of the material. Take another one.")
             motions[name] = read_motion(path.parent / variable.field, mesh, file.mesh.scale)
-            mesh = replace(mesh, nodes=mesh.nodes + variable.value * motions[name])
+            mesh = mesh.moved(variable.value * motions[name])
     return unmoved, mesh, motions
 
 

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from preprocessing.elements.solids.elasticity import solid_matrices
+from preprocessing.elements.solids.elements import element_blocks
 from preprocessing.mesh.faces import BoundaryFaces
 from preprocessing.mesh.outline import BoundaryLines
 from preprocessing.mesh.solid_mesh import SolidMesh
@@ -72,17 +74,35 @@ def _in_box(mesh: SolidMesh, box: list[float]) -> np.ndarray:
     return np.flatnonzero(np.all((mesh.nodes >= low - slack) & (mesh.nodes <= high + slack), axis=1))
 
 
-def spread_of(boundary: Boundary | None, nodes: np.ndarray) -> Any:
+def spread_of(mesh: SolidMesh, boundary: Boundary | None, nodes: np.ndarray) -> Any:
     """W (k, k) of means sum_kl W_kl f_k g_l over the nodes; the sum of all is 1.
 
-    Where every node is on an edge or face of the boundary between these nodes, the mean is that over the boundary, int f g dA / A, so that
-    it does not depend on the mesh; else all nodes count alike.
+    Where the nodes are those of whole elements, the mean is that over these elements, int f g dV / V; where every node is on an edge or
+    face of the boundary between these nodes, that over the boundary, int f g dA / A: so it does not depend on the mesh. Else all nodes
+    count alike.
     """
-    if boundary is not None:
-        products = boundary.between(nodes).products()[nodes][:, nodes]
-        if np.all(products.diagonal().real > 0):
-            return products / products.sum()
+    for products in (_over_elements(mesh, nodes), None if boundary is None else boundary.between(nodes).products()):
+        if products is not None:
+            here = products[nodes][:, nodes]
+            if np.all(here.diagonal().real > 0):
+                return here / here.sum()
     return sparse.diags_array(np.full(len(nodes), 1 / len(nodes)), format="csr")
+
+
+def _over_elements(mesh: SolidMesh, nodes: np.ndarray) -> Any:
+    """int N_k N_l dV over the elements all of whose nodes are among these, (n_nodes, n_nodes); None where there are none.
+
+    The nodes of the mesh may carry a complex step, along which the integral has its derivative.
+    """
+    inside = {kind: block[np.isin(block, nodes).all(axis=1)] for kind, block in mesh.blocks.items()}
+    inside = {kind: block for kind, block in inside.items() if len(block)}
+    if not inside:
+        return None
+    blocks = element_blocks(SolidMesh(mesh.nodes.real, inside))
+    found = solid_matrices(blocks, len(mesh.nodes), mesh.dimension).scalar_mass
+    if not np.iscomplexobj(mesh.nodes):
+        return found
+    return found + 1j * solid_matrices(blocks, len(mesh.nodes), mesh.dimension, mesh.nodes.imag).scalar_mass
 
 
 def faces_in(mesh: SolidMesh, surface: BoundaryFaces, region: Region) -> BoundaryFaces:

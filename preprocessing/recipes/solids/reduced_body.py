@@ -40,7 +40,8 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     """
     free = freedom(body.mesh, body.clamped, body.ties)
     matrices = body.parts.at(body.values)
-    mass, stiffness = ((free.map.T @ matrix @ free.map).tocsr() for matrix in (matrices.mass, matrices.stiffness))
+    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
+    mass, stiffness = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
     motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
     shapes = solid_shapes(choice, mass, stiffness, motions, free.places(body.mesh.nodes, body.ties), free, body.ties)
     z = np.column_stack([body.mesh.nodes.ravel(), free.map @ shapes.columns])

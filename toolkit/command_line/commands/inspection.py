@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.reduced_model.description.told_body import body_lines
 
 if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict
-    from toolkit.reduced_model.model import InterfacePoint, ReducedModel
     from toolkit.results.results import Results
     from toolkit.scene.scene import Scene
 
@@ -29,9 +29,10 @@ def describe(path: Path) -> dict[str, Any]:
     InputError, ModelFileError, ResultsFileError
         The file is missing or is none of them.
     """
+    from toolkit.door.describe import describe as describe_model
     from toolkit.foundation.files.hdf5 import schema_of
     from toolkit.kept_run.layout import SCHEMA
-    from toolkit.reduced_model.file import is_reduced_model, load
+    from toolkit.reduced_model.file import is_reduced_model
 
     if path.is_file() and schema_of(path) == SCHEMA:
         from toolkit.results.results_file import load_results
@@ -42,42 +43,7 @@ def describe(path: Path) -> dict[str, Any]:
         raise InputError(
             f"{str(path)!r} {what} neither a scene (.toml) nor a reduced model or results (.h5). Give the path of one of them."
         )
-    return describe_model(load(path))
-
-
-def describe_model(model: ReducedModel) -> dict[str, Any]:
-    """Everything that a reader of the file wants to know before using it."""
-    from toolkit.foundation.units import unit
-    from toolkit.reduced_model.file import SCHEMA, SCHEMA_VERSION
-    from toolkit.reduced_model.questions.face_questions import face_record
-    from toolkit.reduced_model.questions.mesh_questions import mesh_record
-
-    length, judged, faces = unit(model.units, "length"), mesh_record(model), face_record(model)
-    return {
-        "schema": f"{SCHEMA}, version {SCHEMA_VERSION}",
-        "units": model.units,
-        "dimension": model.dimension,
-        "reference_condition": model.reference_condition,
-        "basis": model.basis,
-        "parameters": {name: {"value": value, "unit": model.nominal_units[name]} for name, value in model.nominal.items()},
-        "sizes": sizes(model),
-        "interfaces": {name: describe_interface(point, length) for name, point in (model.interfaces or {}).items()},
-        "exact_for_every_value": dependences(model, model.affine),
-        "derivatives": dependences(model, model.derivatives),
-        **({"stress_error": judged} if judged else {}),
-        **({"face_error": faces} if faces else {}),
-        "writers": dict(model.writers),
-        "input_hash": model.input_hash,
-    }
-
-
-def dependences(model: ReducedModel, items: Mapping[str, Any] | None) -> dict[str, str]:
-    """Parameter -> the arrays that depend on it, by polynomials or by derivatives."""
-    found = {
-        parameter: ", ".join(item for item, dependence in (items or {}).items() if dependence.depends_on(k))
-        for k, parameter in enumerate(model.parameters)
-    }
-    return {parameter: names for parameter, names in found.items() if names}
+    return describe_model(path)
 
 
 def describe_results(results: Results) -> dict[str, Any]:
@@ -108,30 +74,6 @@ def describe_results(results: Results) -> dict[str, Any]:
         "models": dict(results.scene.models),
         "writers": results.writers,
     }
-
-
-def sizes(model: ReducedModel) -> dict[str, int]:
-    """Numbers of coordinates, points and elements."""
-    found = {"elastic coordinates": model.n_f, "stress points": len(model.invariants.stress_operator)}
-    if model.shape is not None:
-        found["points with a target"] = len(model.shape.target)
-    if model.mesh is not None:
-        found |= {"nodes": len(model.mesh.nodes), "elements": len(model.mesh.connectivity)}
-    if model.pieces is not None and model.elements is not None:
-        found["pieces"] = len(model.elements.connectivity)
-    if model.surface is not None:
-        parts = {"triangles": len(model.surface.triangles), "lines": len(model.surface.lines)}
-        found |= {f"{what} of the surface": count for what, count in parts.items() if count}
-    if model.surface_loads:
-        found["surfaces for pressure"] = len(model.surface_loads)
-    return found
-
-
-def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
-    """Where an interface point is and how far it may be moved."""
-    low, high = (float(end) for end in point.arc_length_range)
-    movable = f"from {low:.6g} to {high:.6g}" if low < high else "no: at a node, no derivative by the arc length"
-    return {"arc_length": float(point.arc_length), "unit": length, "movable": movable}
 
 
 def describe_scene(scene: Scene) -> dict[str, Any]:
@@ -187,7 +129,11 @@ def print_file(record: dict[str, Any]) -> None:
 def print_description(record: dict[str, Any], indent: str = "") -> None:
     """Print nested records, those without anything below them on one line."""
     for key, value in record.items():
-        if not isinstance(value, dict):
+        if key == "body" and not indent:
+            typer.echo("body:")
+            for line in body_lines(value):
+                typer.echo(f"  {line}")
+        elif not isinstance(value, dict):
             typer.echo(f"{indent}{key}: {_text(value)}")
         elif indent and not any(isinstance(below, dict) for below in value.values()):
             typer.echo(f"{indent}{key}: " + ", ".join(f"{name} {_text(below)}" for name, below in value.items()))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from toolkit.foundation.units import LARGEST, SMALLEST, UNIT_SYSTEMS
 from toolkit.reduced_model.checks.refusal import refuse
+from toolkit.reduced_model.description.composition import read_composition
 from toolkit.reduced_model.model import ReducedModel
 
 
@@ -27,6 +28,10 @@ def check_attributes(model: ReducedModel, path: Path) -> None:
         for name, value in getattr(model, group).items():
             if not isinstance(value, (int, float)):
                 refuse(path, f"{group}/{name}", f"is {value!r} instead of a number")
+    try:
+        read_composition(model.composition, model.dimension)
+    except ValueError as error:
+        refuse(path, "composition", f"cannot be right: {error}")
     for name, value in model.nominal.items():
         if not isinstance(value, (int, float)) or not (value == 0 or SMALLEST <= abs(value) <= LARGEST):
             refuse(path, f"nominal/{name}", f"is {value!r} instead of a number that is zero or from {SMALLEST:g} to {LARGEST:g}")

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from preprocessing.foreign_files.contents import PointMass
 from preprocessing.mesh.faces import BoundaryFaces, faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.solids.body_tables import TiedRegion
@@ -32,6 +33,7 @@ class Piece(NamedTuple):
     blocks: Mapping[str, np.ndarray]  # kind -> (n_e, nodes of one element), in the numbers of the mesh
     nodes: np.ndarray  # numbers in the mesh, rising
     ends: tuple[int, int]
+    masses: list[PointMass]  # that are carried by its nodes, in the numbers of these
 
 
 class CutMesh(NamedTuple):
@@ -59,8 +61,23 @@ def cut_mesh(named: NamedMesh) -> CutMesh:
     ends = _ends(named, blocks, nodes)
     reached = {group: [k for k, end in enumerate(ends) if np.isin(end.nodes, nodes[group]).all()] for group in table.groups}
     order, groups = _walk(ends, reached)
-    pieces = [Piece(group, blocks[group], nodes[group], (k, k + 1)) for k, group in enumerate(groups)]
+    masses = _masses(mesh, nodes, groups)
+    pieces = [Piece(group, blocks[group], nodes[group], (k, k + 1), masses[group]) for k, group in enumerate(groups)]
     return CutMesh(named, [ends[k] for k in order], pieces)
+
+
+def _masses(mesh: SolidMesh, nodes: Mapping[str, np.ndarray], groups: list[str]) -> dict[str, list[PointMass]]:
+    """Group -> the concentrated masses of the first piece that has all nodes of each."""
+    found: dict[str, list[PointMass]] = {group: [] for group in groups}
+    for each in mesh.masses:
+        own = [group for group in groups if np.isin(each.carriers, nodes[group]).all()]
+        if not own:
+            raise InputError(
+                f"the concentrated mass of {each.source} is carried by nodes of several pieces. Carry it by nodes of one of them, or of a "
+                "face between two."
+            )
+        found[own[0]].append(each._replace(carriers=np.searchsorted(nodes[own[0]], each.carriers)))
+    return found
 
 
 def _nodes_of(blocks: Mapping[str, np.ndarray]) -> np.ndarray:

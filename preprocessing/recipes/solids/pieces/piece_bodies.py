@@ -47,7 +47,7 @@ def _named(cut: CutMesh, piece: Piece) -> NamedMesh:
     """The piece as a mesh of its own."""
     whole, ends = cut.named, dict(zip(ENDS, (cut.ends[k] for k in piece.ends), strict=True))
     blocks = {kind: np.searchsorted(piece.nodes, each) for kind, each in piece.blocks.items()}
-    mesh = SolidMesh(whole.mesh.nodes[piece.nodes], blocks)
+    mesh = SolidMesh(whole.mesh.nodes[piece.nodes], blocks, masses=piece.masses)
     regions = {name: end.region for name, end in ends.items()}
     return replace(
         whole,

@@ -36,7 +36,8 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
     """
     free = freedom(body.mesh, body.clamped, body.ties)
     matrices = body.parts.at(body.values)
-    mass, whole = ((free.map.T @ matrix @ free.map).tocsr() for matrix in (matrices.mass, matrices.stiffness))
+    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
+    mass, whole = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
     motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
     places = free.places(body.mesh.nodes, body.ties)
     shapes = solid_shapes(BasisChoice("static"), mass, whole, motions, places, free, body.ties)

@@ -1,0 +1,226 @@
+"""The picture of a body: its undeformed surface with numbered places, and a list that names them."""
+
+from __future__ import annotations
+
+import textwrap
+import warnings
+from importlib.util import find_spec
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from preprocessing.picture.body_shape import BodyShape, body_shape
+from preprocessing.picture.marks import LOOKS, Mark, labels_at, marks_of, not_marked
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.regular_file import read_start
+from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.reduced_model.description.body_summary import body_summary
+from toolkit.reduced_model.description.told_body import body_line, told_place
+from toolkit.reduced_model.model import ReducedModel
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+OWN = "ffrf-toolkit"
+"""Software that the program's own pictures name, by which it knows what it may replace."""
+DOTS, SIZE = 150, (11.0, 6.4)
+"""Dots per inch, and inches, of a picture."""
+LIST = 0.665
+"""Where the list begins, in parts of the width."""
+ROOM_FOR_LIST = 385.0
+"""Height of the list in points of type."""
+FEW_TRIANGLES = 6000
+"""Number of triangles up to which their edges are drawn."""
+VIEW, LIGHT = (24.0, -58.0), (55.0, -85.0)
+"""Elevation and azimuth, in degrees, of the eye and of the light."""
+BODY = np.array([0.86, 0.89, 0.93])
+"""Colour of a surface in full light: red, green, blue."""
+THIN = 0.12
+"""Least half-width of the frame along an axis, in parts of the largest, so that its numbers have room."""
+
+
+def refuse_picture(path: Path, overwrite: bool) -> None:
+    """Refuse, before anything long begins, a picture that could not be drawn or would replace a file that is none of the program's.
+
+    Raises
+    ------
+    InputError
+        matplotlib is not installed; or the name does not end in .png, or is that of a folder or of another file.
+    """
+    if find_spec("matplotlib") is None:
+        raise InputError(
+            "--picture needs matplotlib, which is not installed. Install it with: pip install 'ffrf-toolkit[render]'."
+        )
+    if path.suffix != ".png":
+        raise InputError(f"--picture {str(path)!r} does not end in .png. Name a picture, for example --picture body.png.")
+    if path.is_dir():
+        raise InputError(f"--picture {str(path)!r} is a folder. Name a file in it.")
+    if path.exists() and not overwrite and OWN.encode() not in read_start(path, 1000):
+        raise InputError(
+            f"--picture {str(path)!r} is there, and this program has not drawn it. Name another file, or replace it with --overwrite."
+        )
+
+
+def save_picture(model: ReducedModel, name: str, path: Path) -> None:
+    """Draw a body into a PNG file.
+
+    Parameters
+    ----------
+    name : what the body is called
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    content = BytesIO()
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)  # foreign names may have letters that the font lacks
+        picture_of(model, name).savefig(content, format="png", dpi=DOTS, metadata={"Software": OWN})
+    write_whole(path, content.getvalue())
+
+
+def picture_of(model: ReducedModel, name: str) -> Figure:
+    """The figure: body and marks on the left, their list on the right, the body's one line above."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    summary = body_summary(model)
+    figure, shape, marks = Figure(figsize=SIZE), body_shape(model), marks_of(summary)
+    FigureCanvasAgg(figure)
+    axes = _axes_of(figure, model.dimension)
+    (_in_plane if model.dimension == 2 else _in_space)(axes, shape)
+    _frame(axes, shape, marks, model.dimension, summary["units"]["position"])
+    for mark in reversed(marks):
+        _draw_mark(axes, mark)
+    _number(figure, axes, marks)
+    _list(figure, marks, summary, empty=not len(shape.triangles) and not shape.lines)
+    text = textwrap.shorten(body_line(name, summary), 420, placeholder=" …")
+    figure.text(0.02, 0.975, textwrap.fill(text, 140), fontsize=10, va="top", parse_math=False)
+    return figure
+
+
+def _axes_of(figure: Figure, dimension: int) -> Any:
+    if dimension == 2:
+        return figure.add_axes((0.07, 0.09, 0.57, 0.76))
+    axes: Any = figure.add_axes((0.02, 0.07, 0.62, 0.78), projection="3d")
+    axes.computed_zorder = False  # marks stay in front of the surface
+    return axes
+
+
+def _in_plane(axes: Any, shape: BodyShape) -> None:
+    from matplotlib.collections import LineCollection
+
+    axes.add_collection(LineCollection(shape.lines, colors="#444444", linewidths=1.2), autolim=False)
+    axes.plot(*shape.nodes.T, ".", color="#888888", markersize=3)
+    axes.set_aspect("equal")
+    axes.grid(color="#e6e6e6", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def _in_space(axes: Any, shape: BodyShape) -> None:
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+    axes.set_proj_type("ortho")
+    axes.view_init(*VIEW)
+    triangles, colors = _seen(shape.triangles)
+    if len(triangles):
+        edges = {"edgecolors": "#8a8f94", "linewidths": 0.3} if len(triangles) <= FEW_TRIANGLES else {"linewidths": 0}
+        axes.add_collection3d(Poly3DCollection(triangles, facecolors=colors, zorder=1, **edges), autolim=False)
+    if shape.lines:
+        axes.add_collection3d(Line3DCollection(shape.lines, colors="#555555", linewidths=0.8, zorder=1), autolim=False)
+
+
+def _seen(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Those triangles whose outer side is seen, and their colours, lighter where they face the light."""
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True).clip(np.finfo(float).tiny)
+    seen = normal @ _towards(*VIEW) > 0
+    light = 0.62 + 0.38 * (normal[seen] @ _towards(*LIGHT)).clip(0)
+    return triangles[seen], light[:, None] * BODY
+
+
+def _towards(elevation: float, azimuth: float) -> np.ndarray:
+    """Unit vector from the body to a place in the sky, by angles in degrees."""
+    up, round_ = np.radians([elevation, azimuth])
+    return np.array([np.cos(up) * np.cos(round_), np.cos(up) * np.sin(round_), np.sin(up)])
+
+
+def _frame(axes: Any, shape: BodyShape, marks: list[Mark], dimension: int, unit: str) -> None:
+    """Axes with their units, of one scale, round all that is drawn."""
+    points = np.vstack([shape.triangles.reshape(-1, dimension), *shape.lines, *([mark.position] for mark in marks)])
+    low, high = points.min(axis=0), points.max(axis=0)
+    largest = (high - low).max() or 1.0
+    half = np.maximum(0.54 * (high - low), THIN * largest)
+    for axis, middle, width in zip("xyz"[:dimension], (low + high) / 2, half, strict=True):
+        getattr(axes, f"set_{axis}lim")(middle - width, middle + width)
+        getattr(axes, f"set_{axis}label")(f"{axis} in {unit}")
+        getattr(axes, f"{axis}axis").set_major_locator(_ticks(width / half.max()))
+        getattr(axes, f"{axis}axis").set_tick_params(labelsize=8)
+    if dimension == 3:
+        axes.set_box_aspect(half, zoom=0.9)
+
+
+def _ticks(part: float) -> Any:
+    """Fewer numbers along shorter axes."""
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(nbins=max(2, round(6 * part)))
+
+
+def _draw_mark(axes: Any, mark: Mark) -> None:
+    look = LOOKS[mark.kind]
+    face = look.color if look.filled else "none"
+    axes.scatter(*([x] for x in mark.position), marker=look.marker, s=look.size, facecolors=face, edgecolors=look.color, linewidths=1.4,
+                 zorder=5)  # fmt: skip
+
+
+def _number(figure: Any, axes: Any, marks: list[Mark]) -> None:
+    """A number beside every mark."""
+    figure.draw_without_rendering()
+    places = axes.transData.transform([_on_paper(axes, mark.position) for mark in marks])
+    for label in labels_at([(float(x), float(y)) for x, y in places], LIST * figure.bbox.width):
+        x, y = figure.transFigure.inverted().transform(label.place)
+        figure.text(
+            x, y, label.text, fontsize=8, bbox={"boxstyle": "round,pad=0.2", "fc": "white", "ec": "#777777", "lw": 0.6}, zorder=9
+        )
+
+
+def _on_paper(axes: Any, position: Any) -> Any:
+    """Place in the two coordinates of the axes."""
+    if len(position) == 2:
+        return position
+    from mpl_toolkits.mplot3d.proj3d import proj_transform
+
+    return proj_transform(*position, axes.get_proj())[:2]
+
+
+def _list(figure: Any, marks: list[Mark], summary: Any, empty: bool) -> None:
+    """The marks with their numbers, names and places."""
+    from matplotlib.lines import Line2D
+
+    none = Line2D([], [], linestyle="none")
+    lines = [(_sign(Line2D, mark), f"{number}  {_words(mark, summary)}") for number, mark in enumerate(marks, 1)]
+    lines += [(none, text) for text in not_marked(summary)]
+    if empty:
+        lines.append((none, "the model keeps no surface of this body"))
+    size = min(8.5, ROOM_FOR_LIST / (3.1 * len(lines)))
+    legend = figure.legend(*zip(*lines, strict=True), loc="upper left", bbox_to_anchor=(LIST, 0.87), fontsize=size, frameon=False,
+                  labelspacing=0.7, handletextpad=0.6, borderaxespad=0)  # fmt: skip
+    for text in legend.get_texts():
+        text.set_parse_math(False)  # names are foreign
+
+
+def _sign(line: Any, mark: Mark) -> Any:
+    look = LOOKS[mark.kind]
+    face = look.color if look.filled else "none"
+    return line([], [], linestyle="none", marker=look.marker, markersize=7, markerfacecolor=face, markeredgecolor=look.color)
+
+
+def _words(mark: Mark, summary: Any) -> str:
+    """For example "interface point tip" and, below, "(4, 0.5, 0.25), 4 nodes"."""
+    name = f"{LOOKS[mark.kind].words} {textwrap.shorten(mark.name, 40, placeholder='…')}".strip()
+    nodes = "" if mark.nodes is None else f", {mark.nodes} node{'s' * (mark.nodes != 1)}"
+    return f"{name}\n     {told_place(mark.position, summary, 5)} {summary['units']['position']}{nodes}"

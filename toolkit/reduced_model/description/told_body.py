@@ -1,0 +1,114 @@
+"""What a body is, in words: one line for the terminal after it was built, and a few lines for whoever looks into its file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from math import sqrt
+from typing import Any
+
+NAMES = {
+    "beam": ("beam", "beams"),
+    "triangle": ("triangle", "triangles"),
+    "quad": ("quadrilateral", "quadrilaterals"),
+    "tetra": ("tetrahedron", "tetrahedra"),
+    "hexahedron": ("hexahedron", "hexahedra"),
+    "wedge": ("wedge", "wedges"),
+    "pyramid": ("pyramid", "pyramids"),
+}
+"""Beginning of a kind of elements -> what one and what several are called."""
+NOWHERE_ELSE = 1e-5
+"""Part of the body's radius of gyration below which a coordinate is told as zero."""
+POINTS_IN_LINE = 4
+"""Interface points that the one line names; the others are counted."""
+
+
+def body_line(name: str, summary: Mapping[str, Any]) -> str:
+    """One line: elements, mass, centre, volume, interface points, and what was left out."""
+    units = summary["units"]
+    made = [f"{summary['mass']:.6g} {units['mass']} at {told_place(summary['centre'], summary)} {units['centre']}"]
+    if summary["volume"] is not None:
+        made.append(f"{summary['volume']:.6g} {units['volume']}")
+    if told := told_elements(summary):
+        made.insert(0, told)
+    parts = [", ".join(made), *_points_in_line(summary)]
+    if summary["left_out"]:
+        parts.append(f"left out: {told_left_out(summary['left_out'])}")
+    return f"{name}: {'; '.join(parts)}."
+
+
+def body_lines(summary: Mapping[str, Any]) -> Iterator[str]:
+    """The same with everything that is known, one thing a line."""
+    units = summary["units"]
+    yield f"mass: {summary['mass']:.6g} {units['mass']}"
+    yield f"centre: {told_place(summary['centre'], summary)} {units['centre']}"
+    yield f"inertia about the centre: {_told_inertia(summary['inertia'])} {units['inertia']}"
+    yield "volume: " + ("not known" if summary["volume"] is None else f"{summary['volume']:.6g} {units['volume']}")
+    yield f"elements: {told_elements(summary) or 'not known'}"
+    if summary["clamp"]:
+        yield f"clamp: {_told_nodes(summary['clamp'], summary)}"
+    for kind, words in (("interface_points", "interface point"), ("groups", "group")):
+        yield from (f"{words} {name}: {_told_nodes(each, summary)}" for name, each in summary[kind].items())
+    for each in summary["masses"]:
+        place = f"{told_place(each['position'], summary)} {units['position']}"
+        yield f"mass of {each['mass']:.6g} {units['mass']} at {place}, by {each['source']}"
+    if summary["nodes"] is not None:
+        yield f"left out of the mesh file: {told_left_out(summary['left_out']) or 'nothing'}"
+    yield from (f"remark: {each}" for each in summary["remarks"])
+    yield from (f"and {count} more {name.replace('_', ' ')}, which are not kept" for name, count in summary["not_listed"].items())
+
+
+def told_elements(summary: Mapping[str, Any]) -> str:
+    """Number of elements by kind, and of nodes; empty where neither is known."""
+    kinds = " and ".join(_kind(kind, number) for kind, number in (summary["elements"] or {}).items())
+    nodes = "" if summary["nodes"] is None else f"{summary['nodes']} nodes"
+    return f"{kinds} ({nodes} in all)" if kinds and nodes else kinds or nodes
+
+
+def told_left_out(left_out: Sequence[Mapping[str, Any]]) -> str:
+    """What stands in a mesh file and is not part of the body: how many of what, and why."""
+    return ", ".join(f"{each['number']} {each['what']} ({each['why']})" for each in left_out)
+
+
+def _kind(kind: str, number: int) -> str:
+    """For example "4 hexahedra", or "11 hexahedra with 20 nodes each"."""
+    found = re.fullmatch(r"([a-z]+)(\d*)", kind)
+    if found is None or found[1] not in NAMES:
+        return f"{number} {kind}"
+    each = f" with {found[2]} nodes{' each' * (number != 1)}" if found[2] else ""
+    return f"{number} {NAMES[found[1]][number != 1]}{each}"
+
+
+def _points_in_line(summary: Mapping[str, Any]) -> Iterator[str]:
+    points = list(summary["interface_points"].items())
+    for name, point in points[:POINTS_IN_LINE]:
+        nodes = "" if point["nodes"] is None else f", {_count(point['nodes'])}"
+        yield f"{name} at {told_place(point['position'], summary)}{nodes}"
+    if len(points) > POINTS_IN_LINE:
+        yield f"and {len(points) - POINTS_IN_LINE} more interface points"
+
+
+def _told_nodes(each: Mapping[str, Any], summary: Mapping[str, Any]) -> str:
+    """Where some nodes are and how many they are."""
+    unit = summary["units"]["position"]
+    where = "nowhere" if each["position"] is None else f"{told_place(each['position'], summary)} {unit}"
+    return where if each["nodes"] is None else f"{where}, {_count(each['nodes'])}"
+
+
+def _told_inertia(inertia: Any) -> str:
+    if not isinstance(inertia, list):
+        return f"{inertia:.6g}"
+    pairs = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+    return ", ".join(f"{name} {inertia[i][j]:.6g}" for name, (i, j) in pairs.items() if i == j or inertia[i][j])
+
+
+def _count(nodes: int) -> str:
+    return "1 node" if nodes == 1 else f"{nodes} nodes"
+
+
+def told_place(position: Sequence[float], summary: Mapping[str, Any], digits: int = 6) -> str:
+    """Coordinates for people, "(4, 0.5, 0.25)"; what is nothing beside the size of the body is 0."""
+    inertia = summary["inertia"]
+    moment = sum(inertia[k][k] for k in range(3)) / 2 if isinstance(inertia, list) else inertia
+    least = NOWHERE_ELSE * sqrt(max(moment, 0.0) / summary["mass"])
+    return f"({', '.join(f'{x if abs(x) > least else 0.0:.{digits}g}' for x in position)})"
