@@ -145,6 +145,7 @@ class _Reading:
         if name in self.deck.leave_out:
             readable = found is not None and found.n_nodes
             self.deck.drop(name, len(element_rows(block, found.n_nodes)) if found and readable else sum(1 for _ in block.lines()))
+            self.part.add_to_set("ELSET", np.zeros(0, np.int64), block)
             return
         if found is None:
             raise block.refuse(
@@ -167,8 +168,11 @@ class _Reading:
             return
         name = block.parameters["NAME"]
         faces = self.part.surfaces.setdefault(label_of(name), (name_of(name), []))[1]
-        if block.parameters.get("TYPE", "ELEMENT").strip().upper() in ("ELEMENT", "NODE"):
-            faces += [Face(row[0], row[1].upper() if row[1:] else "", place) for place, row in block.rows() if row]
+        of = block.parameters.get("TYPE", "ELEMENT").strip().upper()
+        if of == "ELEMENT":
+            faces += [Face(row[0], "ELSET", row[1].upper() if row[1:] else "", place) for place, row in block.rows() if row]
+        elif of == "NODE":  # an area may follow the nodes
+            faces += [Face(row[0], "NSET", "", place) for place, row in block.rows() if row]
 
     def section(self, block: Block) -> None:
         """A section of elements."""

@@ -69,7 +69,8 @@ class Face(NamedTuple):
     """A line of a surface: a face of an element or of those of a set, or a node or node set."""
 
     target: str
-    face: str  # "S1" and so on; empty where the line names none
+    of: str  # NSET or ELSET: what a name in it means
+    side: str  # "S1" and so on; empty of nodes, and where the line names none
     place: str
 
 
