@@ -175,6 +175,12 @@ def label_of(text: str) -> str:
     return text[1:-1] if len(text) > 1 and text[0] == text[-1] == '"' else re.sub(r"\s", "", text).upper()
 
 
+def name_of(text: str) -> str:
+    """A name as it is told: as the deck spells it, without the quotation marks around it."""
+    text = text.strip()
+    return text[1:-1] if len(text) > 1 and text[0] == text[-1] == '"' else text
+
+
 def blocks_of(path: Path) -> list[Block]:
     """All blocks of a deck in their order; the lines of an included file stand in the place of the line that includes it.
 
@@ -206,7 +212,7 @@ def _read(path: Path, main: Path, found: list[Block]) -> None:
 
 def _append(found: list[Block], piece: Piece) -> None:
     """Give lines to the last block; those ahead of all keywords make a block of their own, which has none."""
-    if piece.start == piece.end:
+    if piece.start >= piece.end:  # also where a byte order mark is all that stands ahead of the first keyword
         return
     if not found and not piece.blank:
         found.append(Block("", {}, piece.text, piece.start))

@@ -10,12 +10,12 @@ from preprocessing.foreign_files.abaqus.assembled import Assembled, Numbered, Pl
 from preprocessing.foreign_files.abaqus.blocks import Block, label_of
 from preprocessing.foreign_files.abaqus.deck import Deck
 from preprocessing.foreign_files.abaqus.generated import numbers_of
-from preprocessing.foreign_files.abaqus.groups import Group
-from preprocessing.foreign_files.abaqus.numbers import WHOLE, number
+from preprocessing.foreign_files.abaqus.groups import Groups
+from preprocessing.foreign_files.abaqus.numbers import number
 from preprocessing.foreign_files.contents import Elements, PointMass
 
 
-def point_masses(deck: Deck, whole: Assembled, cells: Elements, groups: list[Group]) -> list[PointMass]:
+def point_masses(deck: Deck, whole: Assembled, cells: Elements, groups: Groups) -> list[PointMass]:
     """Masses and inertias of all elements MASS and ROTARYI.
 
     Raises
@@ -83,26 +83,22 @@ def _turned(numbered: Numbered, values: list[float]) -> tuple[float, ...]:
     return tuple(float(tensor[a, b]) for a, b in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
 
 
-def _carriers(deck: Deck, whole: Assembled, groups: list[Group]) -> Iterator[tuple[int, tuple[np.ndarray, bool]]]:
+def _carriers(deck: Deck, whole: Assembled, groups: Groups) -> Iterator[tuple[int, tuple[np.ndarray, bool]]]:
     """Reference nodes of rigid bodies and couplings -> the nodes that they move with, and whether these are rigid."""
-    named = {label_of(name): elements for name, elements in reversed(groups)}  # the first of a name counts
     for k, tie in enumerate(deck.ties):
         for each in whole.instances:
             if tie.part in (each.part, each.part.made_of):
-                reference = _nodes(each, named, tie.block.parameters.get("REF NODE", ""))
+                reference = groups.nodes(each, "NSET", tie.block.parameters.get("REF NODE", ""))
                 following = deck.ties[k + 1].block.keyword if deck.ties[k + 1 :] else ""
-                wanted = [tie.block.parameters.get(name, "") for name in ("NSET", "TIE NSET", "PIN NSET", "SURFACE", "ELSET")]
-                if tie.block.keyword == "KINEMATIC COUPLING":
-                    wanted += [row[0] for _, row in tie.block.rows() if row]
-                nodes = np.concatenate([np.zeros(0, np.int64), *(_nodes(each, named, text) for text in wanted if text)])
+                nodes = np.concatenate([np.zeros(0, np.int64), *(groups.nodes(each, *what) for what in _tied(tie.block))])
                 if len(reference) == 1 and len(nodes):
                     yield int(reference[0]), (np.setdiff1d(nodes, reference), following != "DISTRIBUTING")
 
 
-def _nodes(each: Numbered, named: dict[str, Elements], text: str) -> np.ndarray:
-    """Places of the nodes that a label means: a number, or the name of a set or surface."""
-    if WHOLE.fullmatch(text.strip()):
-        found = each.places_of(np.array([int(text)]))
-        return found[found >= 0]
-    elements = named.get(label_of(text)) or named.get(label_of(f"{each.part.name}.{text}")) or []
-    return np.unique(np.concatenate([np.zeros(0, np.int64), *(nodes.ravel() for _, nodes in elements)]))
+def _tied(block: Block) -> Iterator[tuple[str, str]]:
+    """Kind and name of what a block ties to its reference node."""
+    for name, kind in (("NSET", "NSET"), ("TIE NSET", "NSET"), ("PIN NSET", "NSET"), ("SURFACE", "SURFACE"), ("ELSET", "ELSET")):
+        if text := block.parameters.get(name):
+            yield kind, text
+    if block.keyword == "KINEMATIC COUPLING":
+        yield from (("NSET", row[0]) for _, row in block.rows() if row)

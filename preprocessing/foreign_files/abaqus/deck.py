@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preprocessing.foreign_files.abaqus.blocks import Block, blocks_of, label_of
+from preprocessing.foreign_files.abaqus.blocks import Block, blocks_of, label_of, name_of
 from preprocessing.foreign_files.abaqus.generated import HOW as GENERATED
 from preprocessing.foreign_files.abaqus.generated import generate
 from preprocessing.foreign_files.abaqus.numbers import element_rows, node_rows
@@ -145,6 +145,7 @@ class _Reading:
         if name in self.deck.leave_out:
             readable = found is not None and found.n_nodes
             self.deck.drop(name, len(element_rows(block, found.n_nodes)) if found and readable else sum(1 for _ in block.lines()))
+            self.part.add_to_set("ELSET", np.zeros(0, np.int64), block)
             return
         if found is None:
             raise block.refuse(
@@ -165,10 +166,13 @@ class _Reading:
         """*SURFACE, of which faces of elements and nodes are read."""
         if not block.parameters.get("NAME") or {"COMBINE", "CROP"} & set(block.parameters):
             return
-        name = block.parameters["NAME"].strip()
-        faces = self.part.surfaces.setdefault(label_of(name), (name, []))[1]
-        if block.parameters.get("TYPE", "ELEMENT").strip().upper() in ("ELEMENT", "NODE"):
-            faces += [Face(row[0], row[1].upper() if row[1:] else "", place) for place, row in block.rows() if row]
+        name = block.parameters["NAME"]
+        faces = self.part.surfaces.setdefault(label_of(name), (name_of(name), []))[1]
+        of = block.parameters.get("TYPE", "ELEMENT").strip().upper()
+        if of == "ELEMENT":
+            faces += [Face(row[0], "ELSET", row[1].upper() if row[1:] else "", place) for place, row in block.rows() if row]
+        elif of == "NODE":  # an area may follow the nodes
+            faces += [Face(row[0], "NSET", "", place) for place, row in block.rows() if row]
 
     def section(self, block: Block) -> None:
         """A section of elements."""
@@ -184,7 +188,7 @@ class _Reading:
         name = block.parameters["NAME"]
         if label_of(name) in self.deck.parts:
             raise block.refuse("there are two parts of this name. Rename one of them.")
-        self.part = self.deck.parts.setdefault(label_of(name), Part(name.strip()))
+        self.part = self.deck.parts.setdefault(label_of(name), Part(name_of(name)))
 
     def begin_assembly(self, block: Block) -> None:
         """*ASSEMBLY."""
@@ -202,7 +206,7 @@ class _Reading:
         label = label_of(block.parameters["NAME"])
         if any(each.label == label for each in self.deck.instances):
             raise block.refuse("there are two instances of this name. Rename one of them.")
-        self.part = copy_of(of, block.parameters["NAME"].strip())
+        self.part = copy_of(of, name_of(block.parameters["NAME"]))
         self.deck.instances.append(Instance(label, self.part, placement(block)))
 
     def end_of(self, block: Block) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 TETRA = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))
@@ -21,7 +23,22 @@ MIDDLES = {
     "quad8": ((0, 1), (1, 2), (2, 3), (3, 0)),
 }
 """Kind of element -> corners of the edges whose middle nodes follow the corners."""
+FLAT = {"triangle": 3, "quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
 NAMES = {2: "line", 3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
+
+
+SIDE = re.compile(r"([SE])([1-6])")
+BOTH_SIDES = ("SPOS", "SNEG")
+"""The two sides of a shell or membrane, which have the same nodes."""
+
+
+def side_of(kind: str, name: str) -> tuple[str, list[int]] | None:
+    """Kind of a side by its name in Abaqus, and the places of its nodes among those of the element; None of one that is not read."""
+    flat = not kind.startswith(("tetra", "wedge", "hexahedron"))
+    if name in BOTH_SIDES and kind in FLAT:
+        return kind, [*range(FLAT[kind])]
+    found = SIDE.fullmatch(name)
+    return face_of(kind, int(found[2]) - 1) if found and (flat or found[1] == "S") else None
 
 
 def face_of(kind: str, number: int) -> tuple[str, list[int]] | None:

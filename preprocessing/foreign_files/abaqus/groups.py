@@ -8,7 +8,7 @@ import numpy as np
 
 from preprocessing.foreign_files.abaqus.assembled import Assembled, Numbered, PlacedElements
 from preprocessing.foreign_files.abaqus.blocks import label_of
-from preprocessing.foreign_files.abaqus.faces import face_of
+from preprocessing.foreign_files.abaqus.faces import side_of
 from preprocessing.foreign_files.abaqus.generated import numbers_of
 from preprocessing.foreign_files.abaqus.lookup import Lookup, rises
 from preprocessing.foreign_files.abaqus.numbers import WHOLE
@@ -20,31 +20,106 @@ Group = tuple[str, Elements]
 """Name, and nodes or elements."""
 
 
-def groups_of(whole: Assembled) -> list[Group]:
-    """All node sets, surfaces and element sets, in this order: where several have one name, the nodes of the first count.
+KINDS = {"NSET": "node_sets", "SURFACE": "surfaces", "ELSET": "element_sets"}
+"""What names the groups -> where a part has them."""
 
-    A set of an instance has its own name where no other instance has it, and always that of the instance and a point before it where
-    there are several instances.
-    """
-    index = {id(each): _Index(whole, each) for each in whole.instances}
-    found = list[Group]()
-    for kind in ("node_sets", "surfaces", "element_sets"):
-        names = [label for each in whole.instances for label in getattr(each.part, kind)]
-        for each in whole.instances:
-            for label, own in getattr(each.part, kind).items():
-                elements = (
-                    _of_surface(whole, index, each, own[1]) if kind == "surfaces" else _of_set(whole, index, each, kind, own)
-                )
-                found += [(name, elements) for name in _names(whole, each, label, own, names)]
-    return found
+
+class Groups:
+    """The node sets, surfaces and element sets of all instances."""
+
+    def __init__(self, whole: Assembled) -> None:
+        self.whole = whole
+        self.index = {id(each): _Index(whole, each) for each in whole.instances}
+
+    def every(self) -> list[Group]:
+        """All node sets, surfaces and element sets, in this order: where several have one name, the nodes of the first count.
+
+        A set of an instance has its own name where nothing else has it, and that of the instance and a point before it where something
+        else has its own, or there are several instances. Surfaces that are not read as a whole are none of these, which is told.
+        """
+        found = list[Group]()
+        for kind, place in KINDS.items():
+            names = [label for each in self.whole.instances for label in getattr(each.part, place)]
+            for each in self.whole.instances:
+                for label, own in getattr(each.part, place).items():
+                    elements = self._told(each, own[1]) if kind == "SURFACE" else self._of_set(each, kind, own.members)
+                    if elements is not None:
+                        found += [(name, elements) for name in _names(self.whole, each, label, own, names)]
+        return found
+
+    def nodes(self, each: Numbered, kind: str, text: str) -> np.ndarray:
+        """Places of the nodes of a set or surface that a part names, or of a node by its number; none where there is no such name."""
+        owner, text = _owner(self.whole, each, text.strip())
+        own = getattr(owner.part, KINDS[kind]).get(label_of(text))
+        if kind == "NSET" and WHOLE.fullmatch(text):
+            places = owner.places_of(np.array([int(text)]))
+            return places[places >= 0]
+        elements = (
+            []
+            if own is None
+            else self._of_surface(owner, own[1])
+            if kind == "SURFACE"
+            else self._of_set(owner, kind, own.members)
+        )
+        return np.unique(np.concatenate([np.zeros(0, np.int64), *(nodes.ravel() for _, nodes in elements)]))
+
+    def _of_set(self, each: Numbered, kind: str, members: list[Members]) -> Elements:
+        """The nodes, or the elements by kind, of a set."""
+        found = Elements()
+        for owner, numbers in _numbers(self.whole, each, kind, members):
+            if kind == "NSET":
+                places = owner.places_of(numbers)
+                found.append(("vertex", places[places >= 0][:, None]))
+            else:
+                rows_of = self.index[id(owner)].rows_of
+                found += [(block.of.type.kind, _rows(block.nodes, rows)) for block, rows in rows_of(numbers)]
+        return found
+
+    def _told(self, each: Numbered, faces: list[Face]) -> Elements | None:
+        """Those of a surface; None of one that is not read, which is told."""
+        try:
+            return self._of_surface(each, faces)
+        except _NotReadError as error:
+            self.whole.remarks.append(
+                f"the surface of {error} of the deck is no group: it names sides of elements that are not read (S1 to S6, and SPOS and "
+                "SNEG of shells are)."
+            )
+            return None
+
+    def _of_surface(self, each: Numbered, faces: list[Face]) -> Elements:
+        """Sides of elements by kind, and nodes, of a surface."""
+        found = Elements()
+        for face in faces:
+            owner, text = _owner(self.whole, each, face.target)
+            for holder, numbers in _targets(self.whole, owner, face, text):
+                if face.of == "NSET":
+                    places = holder.places_of(numbers)
+                    found.append(("vertex", places[places >= 0][:, None]))
+                    continue
+                for block, rows in self.index[id(holder)].rows_of(numbers):
+                    side = side_of(block.of.type.kind, face.side)
+                    if side is None:
+                        raise _NotReadError(face.place)
+                    found.append((side[0], block.nodes[rows][:, side[1]]))
+        return found
+
+
+class _NotReadError(Exception):
+    """A surface names sides of elements that are not read."""
 
 
 def _names(whole: Assembled, each: Numbered, label: str, own: Set | tuple[str, list[Face]], every: list[str]) -> Iterator[str]:
-    spelled = own.name if isinstance(own, Set) else own[0]
-    if not each.label or every.count(label) == 1:
+    spelled, alone = own.name if isinstance(own, Set) else own[0], every.count(label) == 1
+    if not each.label or alone:
         yield spelled
-    if each.label and len(whole.instances) > 2:
+    if each.label and (len(whole.instances) > 2 or not alone):
         yield f"{each.part.name}.{spelled}"
+
+
+def _owner(whole: Assembled, each: Numbered, text: str) -> tuple[Numbered, str]:
+    """The instance that a name belongs to, which may stand before it and a point, and the name itself."""
+    owner = whole.instance(label_of(text.rpartition(".")[0])) if "." in text else None
+    return (each, text) if owner is None else (owner, text.rpartition(".")[2])
 
 
 class _Index:
@@ -67,18 +142,6 @@ class _Index:
                 yield each, rows[first:last] - start
 
 
-def _of_set(whole: Assembled, index: dict[int, _Index], each: Numbered, kind: str, own: Set) -> Elements:
-    """The nodes, or the elements by kind, of a set."""
-    what, found = "NSET" if kind == "node_sets" else "ELSET", Elements()
-    for owner, numbers in _numbers(whole, each, what, own.members):
-        if what == "NSET":
-            places = owner.places_of(numbers)
-            found.append(("vertex", places[places >= 0][:, None]))
-        else:
-            found += [(block.of.type.kind, _rows(block.nodes, rows)) for block, rows in index[id(owner)].rows_of(numbers)]
-    return found
-
-
 def _rows(nodes: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Some rows; where these are all, the array itself, which then is kept once."""
     return nodes if len(rows) == len(nodes) else nodes[rows]
@@ -96,30 +159,12 @@ def _numbers(whole: Assembled, each: Numbered, kind: str, members: list[Members]
         yield owner, numbers_of(owner.part, kind, mine)
 
 
-def _of_surface(whole: Assembled, index: dict[int, _Index], each: Numbered, faces: list[Face]) -> Elements:
-    """Faces of elements by kind, and nodes, of a surface."""
-    found = Elements()
-    for face in faces:
-        owner, text = each, face.target
-        if "." in text and (other := whole.instance(label_of(text.rpartition(".")[0]))):
-            owner, text = other, text.rpartition(".")[2]
-        for holder, numbers in _targets(whole, owner, face, text):
-            if not face.face:
-                places = holder.places_of(numbers)
-                found.append(("vertex", places[places >= 0][:, None]))
-                continue
-            for block, rows in index[id(holder)].rows_of(numbers):
-                side = face_of(block.of.type.kind, int(face.face[1:]) - 1) if face.face[1:].isdigit() else None
-                if side is not None and face.face[0] == "S":
-                    found.append((side[0], block.nodes[rows][:, side[1]]))
-    return found
-
-
 def _targets(whole: Assembled, owner: Numbered, face: Face, text: str) -> Iterator[tuple[Numbered, np.ndarray]]:
     """Instances with the numbers of elements, or of nodes, that a line of a surface means."""
     if WHOLE.fullmatch(text):
         yield owner, np.array([int(text)])
         return
-    kind, sets = ("ELSET", owner.part.element_sets) if face.face else ("NSET", owner.part.node_sets)
-    if label_of(text) in sets:
-        yield from _numbers(whole, owner, kind, sets[label_of(text)].members)
+    sets = owner.part.element_sets if face.of == "ELSET" else owner.part.node_sets
+    if label_of(text) not in sets:
+        raise InputError(f"{face.place} names a set that the deck does not have. Define it, or take the line out.")
+    yield from _numbers(whole, owner, face.of, sets[label_of(text)].members)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preprocessing.foreign_files.abaqus.blocks import Block, label_of
+from preprocessing.foreign_files.abaqus.blocks import Block, label_of, name_of
 from preprocessing.foreign_files.abaqus.lookup import rises
 from preprocessing.foreign_files.abaqus.numbers import WHOLE, label, whole
 from preprocessing.foreign_files.abaqus.vocabulary import ElementType
@@ -69,7 +69,8 @@ class Face(NamedTuple):
     """A line of a surface: a face of an element or of those of a set, or a node or node set."""
 
     target: str
-    face: str  # "S1" and so on; empty where the line names none
+    of: str  # NSET or ELSET: what a name in it means
+    side: str  # "S1" and so on; empty of nodes, and where the line names none
     place: str
 
 
@@ -104,7 +105,7 @@ class Part:
     def set_of(self, kind: str, name: str) -> Set:
         """The NSET or ELSET of a name, made where there is none."""
         sets = self.node_sets if kind == "NSET" else self.element_sets
-        return sets.setdefault(label_of(name), Set(label_of(name) if name.startswith('"') else name.strip()))
+        return sets.setdefault(label_of(name), Set(name_of(name)))
 
     def places(self) -> tuple[np.ndarray, np.ndarray]:
         """Numbers (n,) and places (n, 3) of all nodes in the order of the deck; of one that is given twice the last place counts."""

@@ -13,7 +13,7 @@ from preprocessing.foreign_files.abaqus.concentrated import point_masses
 from preprocessing.foreign_files.abaqus.deck import Deck, Property, read_blocks, refusal_of
 from preprocessing.foreign_files.abaqus.faces import lie_on_solids
 from preprocessing.foreign_files.abaqus.generated import numbers_of
-from preprocessing.foreign_files.abaqus.groups import groups_of
+from preprocessing.foreign_files.abaqus.groups import Groups
 from preprocessing.foreign_files.abaqus.parts import Part
 from preprocessing.foreign_files.contents import Elements as Cells
 from preprocessing.foreign_files.contents import LeftOut, MeshContents
@@ -40,9 +40,10 @@ def read_deck(path: Path, leave_out: frozenset[str]) -> MeshContents:
     cells, named = _roles(deck, whole)
     left_out = [LeftOut(name, number, "as leave_out says") for name, number in deck.dropped.items()]
     left_out += [LeftOut(name, number, ONLY_NAMES) for name, number in named.items()]
-    groups = groups_of(whole)
+    groups = Groups(whole)
+    every = groups.every()
     masses = point_masses(deck, whole, cells, groups)
-    return MeshContents(whole.points, cells, groups, whole.labels, masses, [*left_out, *_ties(deck)], [*_remarks(deck, whole)])
+    return MeshContents(whole.points, cells, every, whole.labels, masses, [*left_out, *_ties(deck)], [*_remarks(deck, whole)])
 
 
 def _roles(deck: Deck, whole: Assembled) -> tuple[Cells, dict[str, int]]:
