@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from preprocessing.foreign_files.meshes.refused_formats import refuse_format
+from preprocessing.foreign_files.meshes.wrong_file import refuse_leave_out
 
 READERS: dict[str, tuple[str, str]] = {
     ".inp": ("preprocessing.foreign_files.abaqus.reader", "read_deck"),
@@ -24,12 +25,13 @@ READERS: dict[str, tuple[str, str]] = {
 
 def mesh_contents(path: str, leave_out: str = "[]") -> dict[str, Any]:
     """The contents of a mesh file, as they are sent; `leave_out` is a list in JSON: names of element types, keywords and cards."""
-    ending = Path(path).suffix.lower()
-    if ending in READERS:
+    file, names = Path(path), frozenset(name.strip().lstrip("*").upper() for name in json.loads(leave_out))
+    if (ending := file.suffix.lower()) in READERS:
         module, function = READERS[ending]
-        return getattr(import_module(module), function)(Path(path), frozenset(map(str.upper, json.loads(leave_out)))).sent()
-    refuse_format(Path(path))
+        return getattr(import_module(module), function)(file, names).sent()
+    refuse_format(file)
+    refuse_leave_out(file, names, "elements of lower dimension name groups only")
     from preprocessing.foreign_files.any_mesh import any_mesh, known_ending
 
-    known_ending(Path(path))
+    known_ending(file)
     return any_mesh(path).sent()

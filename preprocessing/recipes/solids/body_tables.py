@@ -19,10 +19,11 @@ OF_CALCULIX = (".sti", ".mas")
 
 
 class MeshTable(Table):
-    """A mesh: gmsh (.msh), Abaqus (.inp), Nastran (.bdf), VTK (.vtk, .vtu), or any other that meshio reads.
+    """A mesh: gmsh (.msh), Abaqus and CalculiX (.inp), Nastran (.bdf, .nas, .fem), VTK (.vtk, .vtu), MED, UNV, Ansys (.cdb), and others.
 
-    Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6 or 15) are the body. Without any the body is plane, of triangles
-    (3 or 6 nodes) and quadrilaterals (4, 8 or 9). Elements of lower dimension serve to name groups.
+    The page "From your FE program" tells what of them is read. Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6 or 15)
+    are the body. Without any the body is plane, of triangles (3 or 6 nodes) and quadrilaterals (4, 8 or 9). Elements of lower dimension
+    serve to name groups.
     """
 
     file: FileName  # relative to body.toml
