@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from preprocessing.foreign_files.abaqus.deck import Deck, Instance
-from preprocessing.foreign_files.abaqus.lookup import Lookup, rises
+from preprocessing.foreign_files.abaqus.lookup import Lookup, last_of, rises
 from preprocessing.foreign_files.abaqus.parts import Elements, Part
 from toolkit.foundation.errors import InputError
 
@@ -99,7 +99,7 @@ def _instances(deck: Deck) -> list[Instance]:
 def _placed(numbered: Numbered, remarks: list[str]) -> list[PlacedElements]:
     """The elements of an instance; of those with one number the last one counts, as in the manual."""
     blocks, found, start = numbered.part.elements, [], 0
-    kept = _last(np.concatenate([np.zeros(0, np.int64), *(each.labels for each in blocks)]))
+    kept = last_of(np.concatenate([np.zeros(0, np.int64), *(each.labels for each in blocks)]))
     if np.any(~kept):
         remarks.append(
             f"{np.count_nonzero(~kept)} elements of the deck are given more than once: the last one of each number counts."
@@ -121,12 +121,3 @@ def _on_points(numbered: Numbered, each: Elements, labels: np.ndarray, nodes: np
         wrong = nodes[row][found[row] < 0][0]
         raise each.block.refuse(f"element {labels[row]} names node {wrong}, which the deck does not have. Export it again.")
     return found
-
-
-def _last(labels: np.ndarray) -> np.ndarray:
-    """Which numbers do not come again."""
-    kept = np.ones(len(labels), bool)
-    if not rises(labels):
-        kept[:] = False
-        kept[len(labels) - 1 - np.unique(labels[::-1], return_index=True)[1]] = True
-    return kept

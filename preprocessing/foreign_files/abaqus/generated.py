@@ -5,12 +5,12 @@ What each line means is that of the keywords manual of Abaqus; forms that curve,
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from preprocessing.foreign_files.abaqus.blocks import Block, label_of
-from preprocessing.foreign_files.abaqus.lookup import Lookup
+from preprocessing.foreign_files.abaqus.lookup import Lookup, last_of
 from preprocessing.foreign_files.abaqus.numbers import LARGEST_LABEL, whole
 from preprocessing.foreign_files.abaqus.parts import Elements, Members, Named, NodesOf, Part, Range
 from preprocessing.foreign_files.abaqus.placement import placement
@@ -194,6 +194,14 @@ def _members(part: Part, kind: str, name: str, place: str) -> np.ndarray:
     return np.unique(numbers) if found.sorted else numbers[np.sort(np.unique(numbers, return_index=True)[1])]
 
 
+def _nodes_of(part: Part, wanted: np.ndarray) -> Iterator[np.ndarray]:
+    """Numbers of the nodes of elements, by block; of an element that is given twice those of the last one."""
+    kept, start = last_of(np.concatenate([np.zeros(0, np.int64), *(each.labels for each in part.elements)])), 0
+    for each in part.elements:
+        yield each.nodes[np.isin(each.labels, wanted) & kept[start : start + len(each.labels)]]
+        start += len(each.labels)
+
+
 def numbers_of(part: Part, kind: str, members: list[Members]) -> np.ndarray:
     """Numbers of the members of a set that are those of the part itself."""
     labels = part.places()[0] if kind == "NSET" else np.concatenate([np.zeros(0, np.int64), *(e.labels for e in part.elements)])
@@ -206,8 +214,10 @@ def numbers_of(part: Part, kind: str, members: list[Members]) -> np.ndarray:
             found.append(what.of(labels))
         elif isinstance(what, NodesOf):
             own = part.element_sets.get(what.elements)
-            wanted = numbers_of(part, "ELSET", own.members) if own else np.zeros(0, np.int64)
-            found += [each.nodes[np.isin(each.labels, wanted)].ravel() for each in part.elements]
+            if what.known is None and own is None:
+                raise InputError(f"{what.place} names an element set that the deck does not have. Define it first.")
+            wanted = numbers_of(part, "ELSET", own.members if own and what.known is None else [*(what.known or ())])
+            found += [nodes.ravel() for nodes in _nodes_of(part, wanted)]
         elif isinstance(what, Named):
             sets = part.node_sets if what.kind == "NSET" else part.element_sets
             if what.label not in sets:

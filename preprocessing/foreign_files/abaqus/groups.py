@@ -30,6 +30,7 @@ class Groups:
     def __init__(self, whole: Assembled) -> None:
         self.whole = whole
         self.index = {id(each): _Index(whole, each) for each in whole.instances}
+        self._missing: dict[str, set[int]] = {"NSET": set(), "ELSET": set()}
 
     def every(self) -> list[Group]:
         """All node sets, surfaces and element sets, in this order: where several have one name, the nodes of the first count.
@@ -45,7 +46,29 @@ class Groups:
                     elements = self._told(each, own[1]) if kind == "SURFACE" else self._of_set(each, kind, own.members)
                     if elements is not None:
                         found += [(name, elements) for name in _names(self.whole, each, label, own, names)]
+        self._tell_missing()
         return found
+
+    def _tell_missing(self) -> None:
+        """Tell of members that the deck does not have; elements that are left out on purpose are none of the reader's business."""
+        for kind, words in (("NSET", "nodes"), ("ELSET", "elements")):
+            missing = self._missing[kind]
+            if missing and (kind == "NSET" or not self.whole.deck.dropped):
+                self.whole.remarks.append(
+                    f"sets and surfaces of the deck name {len(missing)} {words} that it does not have, the first of them {min(missing)}."
+                )
+
+    def _placed(self, owner: Numbered, numbers: np.ndarray) -> np.ndarray:
+        """Places of those of the nodes that there are."""
+        places = owner.places_of(numbers)
+        self._missing["NSET"].update(numbers[places < 0].tolist())
+        return places[places >= 0]
+
+    def _rows_of(self, owner: Numbered, numbers: np.ndarray) -> Iterator[tuple[PlacedElements, np.ndarray]]:
+        """Blocks with the rows of those of the elements that there are."""
+        index = self.index[id(owner)]
+        self._missing["ELSET"].update(index.missing(numbers).tolist())
+        yield from index.rows_of(numbers)
 
     def nodes(self, each: Numbered, kind: str, text: str) -> np.ndarray:
         """Places of the nodes of a set or surface that a part names, or of a node by its number; none where there is no such name."""
@@ -68,11 +91,9 @@ class Groups:
         found = Elements()
         for owner, numbers in _numbers(self.whole, each, kind, members):
             if kind == "NSET":
-                places = owner.places_of(numbers)
-                found.append(("vertex", places[places >= 0][:, None]))
+                found.append(("vertex", self._placed(owner, numbers)[:, None]))
             else:
-                rows_of = self.index[id(owner)].rows_of
-                found += [(block.of.type.kind, _rows(block.nodes, rows)) for block, rows in rows_of(numbers)]
+                found += [(block.of.type.kind, _rows(block.nodes, rows)) for block, rows in self._rows_of(owner, numbers)]
         return found
 
     def _told(self, each: Numbered, faces: list[Face]) -> Elements | None:
@@ -93,10 +114,9 @@ class Groups:
             owner, text = _owner(self.whole, each, face.target)
             for holder, numbers in _targets(self.whole, owner, face, text):
                 if face.of == "NSET":
-                    places = holder.places_of(numbers)
-                    found.append(("vertex", places[places >= 0][:, None]))
+                    found.append(("vertex", self._placed(holder, numbers)[:, None]))
                     continue
-                for block, rows in self.index[id(holder)].rows_of(numbers):
+                for block, rows in self._rows_of(holder, numbers):
                     side = side_of(block.of.type.kind, face.side)
                     if side is None:
                         raise _NotReadError(face.place)
@@ -129,6 +149,10 @@ class _Index:
         self.blocks = [each for each in whole.elements if each.instance is instance]
         self.elements = Lookup(np.concatenate([np.zeros(0, np.int64), *(each.labels for each in self.blocks)]))
         self.starts = np.cumsum([0, *(len(each.labels) for each in self.blocks)])
+
+    def missing(self, wanted: np.ndarray) -> np.ndarray:
+        """Those of the numbers that no element has."""
+        return wanted[self.elements.places(wanted) < 0] if len(self.elements.numbers) else wanted
 
     def rows_of(self, wanted: np.ndarray) -> Iterator[tuple[PlacedElements, np.ndarray]]:
         """Blocks with the rows of the elements of these numbers; those that there are not count for nothing."""

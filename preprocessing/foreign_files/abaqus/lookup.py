@@ -34,3 +34,12 @@ class Lookup:
 def rises(numbers: np.ndarray) -> bool:
     """Whether numbers grow from one to the next."""
     return bool(np.all(numbers[1:] > numbers[:-1]))
+
+
+def last_of(numbers: np.ndarray) -> np.ndarray:
+    """Which of the numbers do not come again."""
+    kept = np.ones(len(numbers), bool)
+    if not rises(numbers):
+        kept[:] = False
+        kept[len(numbers) - 1 - np.unique(numbers[::-1], return_index=True)[1]] = True
+    return kept

@@ -66,30 +66,35 @@ def node_rows(block: Block) -> tuple[np.ndarray, np.ndarray]:
     InputError
         A field is no number; says which line.
     """
-    table = _node_table(block)
-    if table is None:
-        rows = [_node_row(place, fields) for place, fields in block.rows()]
-        table = np.array(rows, float).reshape(-1, 4)
-    return table[:, 0].astype(np.int64), table[:, 1:].copy()  # without the numbers, which else stay in memory
+    if (found := _node_table(block)) is not None:
+        return found
+    rows = [_node_row(place, fields) for place, fields in block.rows()]
+    table = np.array(rows, float).reshape(-1, 4)
+    return table[:, 0].astype(np.int64), table[:, 1:]
 
 
-def _node_table(block: Block) -> np.ndarray | None:
-    """Labels and coordinates at once, where every line has a label and three plain numbers; None elsewhere."""
-    found = _table(block.data(), np.float64)
-    if found is None or found.shape[1] not in (3, 4) or not np.all(np.isfinite(found)):
+def _node_table(block: Block) -> tuple[np.ndarray, np.ndarray] | None:
+    """Labels and coordinates at once, where every line has a label and two or three plain numbers; None elsewhere."""
+    lines = block.data()
+    first = next((line for line in lines if line.strip()), "")
+    n = first.count(",")
+    if n not in (2, 3):
         return None
-    labels = found[:, 0]
-    if not np.all((labels >= 1) & (labels <= LARGEST_LABEL) & (labels == np.floor(labels))):
+    found = _table(chain([first], lines), np.dtype([("label", np.int64), ("place", np.float64, (n,))]))
+    if found is None:
         return None
-    return found if found.shape[1] == 4 else np.column_stack([found, np.zeros(len(found))])
+    labels, places = found["label"].copy(), np.zeros((len(found), 3))  # without the table, which else stays in memory
+    places[:, :n] = found["place"]
+    fine = np.all((labels >= 1) & (labels <= LARGEST_LABEL)) and np.all(np.isfinite(places))
+    return (labels, places) if fine else None
 
 
-def _table(lines: Iterator[str], kind: type[np.number[Any]]) -> np.ndarray | None:
+def _table(lines: Iterator[str], kind: Any) -> np.ndarray | None:
     """Lines with as many numbers each, at once; None where there are none, or one is no plain number."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # that there are no data, or that a whole number is none
-            return np.loadtxt(lines, kind, delimiter=",", comments=None, ndmin=2)
+            return np.loadtxt(lines, kind, delimiter=",", comments=None, ndmin=2 if np.dtype(kind).names is None else 1)
     except (ValueError, Warning):
         return None
 

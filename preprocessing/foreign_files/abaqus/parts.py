@@ -30,6 +30,8 @@ class NodesOf(NamedTuple):
     """The nodes of the elements of a set."""
 
     elements: str  # label of the set
+    known: tuple[Members, ...] | None  # its members by then; None if it is not defined by then
+    place: str
 
 
 class Named(NamedTuple):
@@ -137,7 +139,9 @@ def read_set(part: Part, block: Block) -> None:
     if "UNSORTED" in block.parameters:
         target.sorted = False
     if kind == "NSET" and "ELSET" in block.parameters:
-        target.members.append(Members(instance, NodesOf(label_of(block.parameters["ELSET"]))))
+        own = None if instance else part.element_sets.get(label_of(block.parameters["ELSET"]))
+        known = None if own is None else tuple(own.members)
+        target.members.append(Members(instance, NodesOf(label_of(block.parameters["ELSET"]), known, block.place)))
     if "GENERATE" in block.parameters:
         target.members += [Members(instance, each) for each in _ranges(block)]
     else:
