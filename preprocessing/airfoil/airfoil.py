@@ -74,7 +74,7 @@ class ScaleError(InputError):
 
 
 def read_airfoil(path: str | Path, units: str | None = None, chord: float | None = None) -> Airfoil:
-    """Read a Selig, XFOIL plain, Lednicer (with or without header), OpenVSP .af or single-element MSES file.
+    """Read a Selig, XFOIL plain, Lednicer (with or without header), OpenVSP .af, single-element MSES or OpenFAST file.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ LARGEST_GAP = 0.3  # chord
 SHARPEST_TURN = 30.0  # degrees, behind the nose
 SHARPEST_NOSE, HOLLOW_NOSE = 90.0, 10.0  # degrees to the left and right; noses of real files, some of few rows, reach 68 and 2
 TILT = 3.0  # degrees between the chord line and the x-axis; real sections have 0.06, one with a drooped nose 0.9
-FOLD = 120.0  # degrees; no rounded nose turns so far at one row
+FOLD = 120.0  # degrees; no rounded nose turns so far at one row, only a sharp one: up to 156 in real files of few rows
 _ROUNDING = 1e-5  # chord; the usual files hold five decimals
 
 
@@ -110,18 +110,34 @@ def _kinks(loop: Loop) -> tuple[str, ...]:
 
     The nose turns sharply between few rows, but only to the left: there a turn to the right is what gives a wrong row away.
     """
-    step = np.diff(loop.points, axis=0)
-    angle = np.degrees(np.arctan2(step[:, 1], step[:, 0]))
-    turn = (np.diff(angle) + 180) % 360 - 180
-    x = loop.points[1:-1, 0]
+    turn, x = _turns(loop.points), loop.points[1:-1, 0]
     sharp = np.where(x > NOSE, np.abs(turn) > SHARPEST_TURN, (turn > SHARPEST_NOSE) | (turn < -HOLLOW_NOSE))
-    found = [(np.abs(turn[i]), loop.lines[i + 1], x[i]) for i in np.flatnonzero(sharp & (x < TAIL))]
-    for degrees, line, at in found:
-        if degrees > FOLD:
+    warnings = []
+    for i in np.flatnonzero(sharp & (x < TAIL)):
+        degrees, line, nose = abs(turn[i]), loop.lines[i + 1], _is_sharp_nose(loop.points, turn, int(i))
+        if degrees > FOLD and not nose:
             raise InputError(
-                f"line {line}: the contour folds back by {degrees:.0f} degrees at x = {at:g}. Fix or remove that row."
+                f"line {line}: the contour folds back by {degrees:.0f} degrees at x = {x[i]:g}. Fix or remove that row."
             )
-    return tuple(f"line {line}: kink of {degrees:.0f} degrees at x = {at:g}" for degrees, line, at in found)
+        what = "sharp nose: the contour turns by" if degrees > FOLD else "kink of"
+        warnings.append(f"line {line}: {what} {degrees:.0f} degrees at x = {x[i]:g}")
+    return tuple(warnings)
+
+
+def _turns(points: np.ndarray) -> np.ndarray:
+    """Degrees (n - 2,) by which the contour turns at each row between its ends, positive to the left, where it is convex."""
+    step = np.diff(points, axis=0)
+    angle = np.degrees(np.arctan2(step[:, 1], step[:, 0]))
+    return (np.diff(angle) + 180) % 360 - 180
+
+
+def _is_sharp_nose(points: np.ndarray, turn: np.ndarray, i: int) -> bool:
+    """Whether the foremost row turns to the left between rows that do so too.
+
+    Where a single row is drawn out, the contour is hollow at both rows beside it, by 13 degrees and more at one of them.
+    """
+    beside = turn[max(i - 1, 0) : i + 2]
+    return i + 1 == np.argmin(points[:, 0]) and turn[i] > 0 and beside.min() > -HOLLOW_NOSE
 
 
 def _coarse_nose(loop: Loop) -> tuple[str, ...]:

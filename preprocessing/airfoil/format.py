@@ -29,7 +29,7 @@ class Loop:
 
 
 def recognise(table: Table) -> Loop:
-    """The loop of a table in one of the formats Selig, XFOIL plain, Lednicer (with or without header), OpenVSP, MSES.
+    """The loop of a table in one of the formats Selig, XFOIL plain, Lednicer (with or without header), OpenVSP, MSES, OpenFAST.
 
     The formats differ in their first lines and in where x falls back from the trailing to the leading edge:
     nowhere in a loop, once between the two blocks of Lednicer and OpenVSP files.
@@ -44,6 +44,8 @@ def recognise(table: Table) -> Loop:
     vsp_counts = _openvsp_counts(table.header)
     if vsp_counts:
         return _joined(replace(loop, format="OpenVSP", name=table.header[min(1, len(table.header) - 1)]), vsp_counts, "header")
+    if openfast_count := _openfast_count(table.header):
+        return _oriented_from_tail(_without_reference(loop, openfast_count))
     if _has_mses_domain(table):
         note = f"line {loop.lines[0]}: grid domain of an MSES file, not needed"
         return _oriented_from_tail(replace(loop, format="MSES").take(slice(1, None), note))
@@ -101,6 +103,28 @@ def _openvsp_counts(header: tuple[str, ...]) -> tuple[int, int] | None:
         raise InputError("OpenVSP file with symmetry flag 1 (one surface only). Export it with both surfaces.")
     counts = re.findall(r"^(\d{1,9})\s+Num Pnts", text, re.MULTILINE)
     return (int(counts[0]), int(counts[1])) if len(counts) == 2 else None
+
+
+def _openfast_count(header: tuple[str, ...]) -> str | None:
+    """The field ahead of `NumCoords` in a file of OpenFAST, by whose manual it counts the rows; None in other files."""
+    found = re.search(r"^(\S+)\s+NumCoords\b", "\n".join(header), re.MULTILINE | re.IGNORECASE)
+    return found and found[1]
+
+
+def _without_reference(loop: Loop, count: str) -> Loop:
+    """The contour of a file of OpenFAST, whose first row is the point of the section that sits on the blade's pitch axis."""
+    if not count.isdecimal() or len(count) > 9 or int(count) == 0:
+        raise InputError(
+            "NumCoords is not the number of rows that follow: this is a file of polars, and its coordinates are left out or stand in "
+            "another file. Give the file of coordinates, whose first line is their number and NumCoords."
+        )
+    if int(count) != len(loop.points):
+        raise InputError(
+            f"NumCoords announces {int(count)} rows, one of them the reference point, but {len(loop.points)} follow. Fix the number or "
+            "complete the rows."
+        )
+    note = f"line {loop.lines[0]}: reference point of an OpenFAST file, no part of the contour"
+    return replace(loop, format="OpenFAST", name="").take(slice(1, None), note)
 
 
 def _count_line(loop: Loop) -> tuple[int, int] | None:

@@ -138,9 +138,10 @@ def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remar
         *mesh_questions(model, path.stem),
         *face_questions(model, path.stem),
     )
-    warnings = [caution.text for caution in asked]
+    warnings = [*recipe.at(values).warnings, *(caution.text for caution in asked)]
     for text in warnings:
-        remarks.only_say(f"warning: {text}")
+        if text not in remarks.said:
+            remarks.only_say(f"warning: {text}")
     interfaces = list(model.interfaces or {})
     told = f"{output} written: {model.n_f} elastic coordinates, interface points {', '.join(interfaces) or 'none'}."
     if found is not None:

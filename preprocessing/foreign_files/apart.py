@@ -14,11 +14,10 @@ from preprocessing.foreign_files.wire import receive
 from toolkit.foundation.errors import InputError, without_content
 from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import size_of
+from toolkit.foundation.processes.limits import ONE_THREAD
 from toolkit.foundation.processes.own_process import command, environment, refuse_namesakes
 
 CHILD = "from preprocessing.foreign_files.child import main; main(*sys.argv[1:])"
-ONE_THREAD = {name: "1" for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")}
-"""Threads take address space, which is bounded, and readers need none."""
 
 
 class Ended(NamedTuple):

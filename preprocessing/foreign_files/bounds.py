@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
-from contextlib import suppress
 from dataclasses import dataclass
+
+from toolkit.foundation.processes.limits import limit_process, memory_of_machine
 
 LARGEST_FILE = 2 * 10**9
 """Bytes; a mesh of ten million nodes has half of it."""
@@ -32,23 +32,8 @@ class Bounds:
     def of(cls, size: int) -> Bounds:
         """Those of a file of this many bytes; never more memory than the machine has."""
         memory = BASE_MEMORY + MEMORY_PER_BYTE * size
-        return cls(min(memory, _machine()) if _machine() else memory, int(BASE_SECONDS + SECONDS_PER_BYTE * size))
+        return cls(min(memory, memory_of_machine() or memory), int(BASE_SECONDS + SECONDS_PER_BYTE * size))
 
     def impose(self) -> None:
-        """Put this process under them, where the system has such limits; none of its crashes leaves an image of its memory."""
-        try:
-            import resource
-        except ImportError:  # Windows
-            return
-        limits = {"RLIMIT_AS": (self.memory,) * 2, "RLIMIT_CPU": (self.seconds, self.seconds + 5), "RLIMIT_CORE": (0, 0)}
-        for name, limit in limits.items():
-            with suppress(AttributeError, OSError, ValueError):  # not on this system, or a stricter one holds already
-                resource.setrlimit(getattr(resource, name), limit)
-
-
-def _machine() -> int:
-    """Bytes of memory of the machine; 0 if it does not say."""
-    try:
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, OSError, ValueError):
-        return 0
+        """Put this process under them, where the system has such limits."""
+        limit_process(self.memory, self.seconds)

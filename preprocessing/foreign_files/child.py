@@ -14,8 +14,8 @@ from toolkit.foundation.errors import InputError
 
 READERS = {
     "mesh": ("preprocessing.foreign_files.mesh_reader", "mesh_contents"),
-    "matrix": ("preprocessing.foreign_files.matrix_entries", "matrix_entries"),
-    "table": ("preprocessing.foreign_files.number_table", "number_table"),
+    "matrix": ("preprocessing.foreign_files.matrices.matrix_entries", "matrix_entries"),
+    "table": ("preprocessing.foreign_files.matrices.number_table", "number_table"),
 }
 """Name of a reader -> its module, of which only this process loads the libraries, and its function."""
 

@@ -1,4 +1,4 @@
-"""Files that a mesh file draws on: what Abaqus includes, the data of XDMF, the other half of TetGen's pairs."""
+"""Files that a mesh file draws on: what Abaqus and Nastran include, the data of XDMF, the other half of TetGen's pairs."""
 
 from __future__ import annotations
 
@@ -10,14 +10,18 @@ from xml.etree import ElementTree
 
 from preprocessing.foreign_files.abaqus.blocks import deck_files
 from preprocessing.foreign_files.bounds import LARGEST_FILE
+from preprocessing.foreign_files.nastran.lines import named_files
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.regular_file import read_whole
 
 DEEPEST, MOST = 20, 1000
 """Files that include each other in a row, and files in all, that any mesh is made of."""
 PAIRS = {".node": ".ele", ".ele": ".node"}
-DECKS = (".inp",)
-"""Endings of decks of Abaqus and CalculiX."""
+INCLUDING: dict[str, Callable[[Path, Path, bytes], Iterator[Path]]] = {
+    ".inp": deck_files,
+    **dict.fromkeys((".bdf", ".nas", ".fem", ".blk"), named_files),
+}
+"""Ending of a deck or of bulk data -> the files that it, or one that it includes, takes lines from; those may have any ending."""
 
 
 def drawn_on(path: Path) -> list[Path]:
@@ -62,8 +66,8 @@ def _named(main: Path, path: Path) -> Iterator[Path]:
         ".ele": _pair,
     }
     kind = path.suffix.lower()
-    if main.suffix.lower() in DECKS:  # what such a file includes is a deck, whatever its ending
-        kind, of_kind = "", {"": lambda path, content: deck_files(main, path, content)}
+    if including := INCLUDING.get(main.suffix.lower()):
+        kind, of_kind = "", {"": lambda path, content: including(main, path, content)}
     if kind in of_kind and os.path.lexists(path):
         yield from (each for each in of_kind[kind](path, _content(path)) if "\0" not in str(each))  # that is no path
 

@@ -20,14 +20,32 @@ AGAIN = "Export it again."
 
 
 def read_square(path: Path, n: int, dimension: int = 2) -> Any:
-    """A symmetric matrix (n, n), sparse: Matrix Market, Abaqus' text, or SciPy's .npz.
+    """A symmetric matrix (n, n), sparse, for nodes that their file does not number; raises as `square_of`."""
+    return square_of(path, n // dimension, dimension)[0]
+
+
+def square_of(
+    path: Path, n_nodes: int, dimension: int, labels: np.ndarray | None = None, degrees: Path | None = None
+) -> tuple[Any, str]:
+    """A symmetric matrix of all displacements of nodes, sparse, and what the user should know of how it was read, if anything.
+
+    Parameters
+    ----------
+    labels : number of every node in the file of the mesh, or None
+    degrees : the .dof file of CalculiX, if the matrix has one
 
     Raises
     ------
     InputError
-        The file cannot be read, has another size, is not symmetric, holds no entry but zeros, or numbers that are not finite.
+        The file cannot be read, has another size, names other nodes, is not symmetric, holds no entry but zeros, or numbers that are not
+        finite.
     """
-    matrix = read_matrix(path, n, dimension)
+    n = dimension * n_nodes
+    found = _read(path, n, dimension, degrees)
+    remark = ""
+    if "labels" in found:
+        found, remark = _in_order_of_mesh(path, found, labels, n_nodes, dimension)
+    matrix = _checked(path, found, n)
     if matrix.shape != (n, n):
         raise InputError(
             f"the matrix {str(path)!r} has shape {matrix.shape}; its nodes have {n} coordinates. Give both of one model."
@@ -41,13 +59,83 @@ def read_square(path: Path, n: int, dimension: int = 2) -> Any:
             f"the matrix {str(path)!r} is not symmetric (by {difference:g}). If it holds one triangle only, say so in its first line "
             "(%%MatrixMarket matrix coordinate real symmetric)."
         )
-    return ((matrix + matrix.T) / 2).tocsr()
+    return ((matrix + matrix.T) / 2).tocsr(), remark
 
 
 def read_matrix(path: Path, n: int, dimension: int = 2) -> Any:
-    """A sparse matrix of n columns, the coordinates of nodes in space of a dimension; raises as `read_square`."""
-    how = "as a matrix in Matrix Market, Abaqus' or SciPy's .npz format"
-    found = read_apart("matrix", path, how, AGAIN, str(n), str(dimension))
+    """A sparse matrix of n columns, the coordinates of nodes in space of a dimension, and of any rows; raises as `square_of`."""
+    found = _read(path, n, dimension)
+    if "labels" in found:
+        raise InputError(
+            f"{str(path)!r} is one of Abaqus or CalculiX, whose rows are those of nodes. Give a matrix with other rows as Matrix Market or "
+            "SciPy's .npz."
+        )
+    return _checked(path, found, n)
+
+
+def _read(path: Path, n: int, dimension: int, degrees: Path | None = None) -> dict[str, Any]:
+    """What the reader of matrices finds; raises InputError if it refuses the file."""
+    how = "as a matrix in Matrix Market, in Abaqus' or CalculiX's text or in SciPy's .npz format"
+    beside = [degrees] if degrees is not None else []
+    return dict(read_apart("matrix", path, how, AGAIN, str(n), str(dimension), *map(str, beside), drawn=beside))
+
+
+def _in_order_of_mesh(
+    path: Path, found: dict[str, Any], labels: np.ndarray | None, n_nodes: int, d: int
+) -> tuple[dict[str, Any], str]:
+    """The same with rows and columns in the order of the nodes of the mesh, and what the user should know of it."""
+    named, remark = found["labels"], ""
+    if named is None:  # rows in the order of the nodes' numbers
+        node = np.arange(n_nodes) if labels is None else np.argsort(labels, kind="stable")
+    elif labels is not None:
+        node = _nodes_of(path, named, labels)
+    else:
+        _refuse_number(path, named, n_nodes)
+        node = np.arange(n_nodes)
+        if not np.array_equal(named, node + 1):
+            remark = (
+                f"the matrices number their nodes from {named[0]} to {named[-1]}, and those of the body have no numbers: the first node of "
+                "the body is taken for the lowest number, the second for the next, and so on"
+            )
+    moved = {key: d * node[found[key] // d] + found[key] % d for key in ("row", "column")}
+    return {**found, **moved, "shape": [d * n_nodes] * 2}, remark
+
+
+def _refuse_number(path: Path, named: np.ndarray, n_nodes: int) -> None:
+    if len(named) != n_nodes:
+        raise InputError(
+            f"the matrix {str(path)!r} names {len(named)} nodes, and the body has {n_nodes}. Give both of one model."
+        )
+
+
+def _nodes_of(path: Path, named: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Node of the mesh of each of the rising numbers in a matrix, which are those of all nodes of the mesh.
+
+    Raises
+    ------
+    InputError
+        It names a number that only one of the two has.
+    """
+    for one, other, what in (
+        (named, labels, "names node {}, which no element of the mesh has"),
+        (labels, named, "lacks node {} of the mesh"),
+    ):
+        alone = np.setdiff1d(one, other)
+        if len(alone):
+            more = f" ({len(alone)} such nodes)" if len(alone) > 1 else ""
+            raise InputError(
+                f"the matrix {str(path)!r} {what.format(alone[0])}{more}. Give matrices and mesh of one model, free of supports."
+            )
+    if len(np.unique(labels)) < len(labels):
+        raise InputError(
+            "the mesh gives two nodes the same number, so that the matrices do not tell which they mean. Number its nodes anew."
+        )
+    order: np.ndarray = np.argsort(labels, kind="stable")
+    return order
+
+
+def _checked(path: Path, found: dict[str, Any], n: int) -> Any:
+    """The matrix of what was found, sparse; raises InputError if its parts do not fit together."""
     (rows, columns), row, column, value = found["shape"], found["row"], found["column"], found["value"]
     numbers = value.dtype.kind in "iuf" and bool(np.all(np.isfinite(value)))
     if columns != n or not numbers:

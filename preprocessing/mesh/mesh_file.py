@@ -13,7 +13,7 @@ from preprocessing.foreign_files.contents import Elements, MeshContents, PointMa
 from preprocessing.foreign_files.element_kinds import KNOWN, LOWER, PLANE, SOLID, SPATIAL
 from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.mesh.numbering.collapsed import uncollapsed
-from preprocessing.mesh.numbering.copies import distinct, first_of_copies
+from preprocessing.mesh.numbering.copies import Renumbering, distinct, first_of_copies, joined
 from preprocessing.mesh.numbering.middle_nodes import refuse_exchanged, refuse_unlike
 from preprocessing.mesh.outline import CORNERS
 from preprocessing.mesh.solid_mesh import SolidMesh, refuse_parts
@@ -44,22 +44,21 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     raw = uncollapsed(path, _read(path, leave_out))
     kinds = _kinds(path, [kind for kind, _ in raw.cells])
     present = [kind for kind in dict.fromkeys(kind for kind, _ in raw.cells) if kind in kinds]
-    blocks = {kind: _once(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present}
-    used = distinct(np.concatenate([block.ravel() for block in blocks.values()]), len(raw.points))
-    number = np.full(len(raw.points), -1)
-    number[used] = np.arange(len(used))
+    blocks = {kind: _refuse_twice(path, raw, joined([block for other, block in raw.cells if other == kind])) for kind in present}
+    used = distinct([*blocks.values()], len(raw.points))
+    number = Renumbering.keeping(used, len(raw.points))
     points = raw.points[used]
     _refuse_places(path, points, scale)
     mesh = SolidMesh(
         scale * (_plane(path, points) if kinds is PLANE else _space(path, points)),
-        {kind: number[block] for kind, block in blocks.items()},
+        {kind: number.of(block) for kind, block in blocks.items()},
         _node_groups(raw, number),
         used,
         {name: faces for name, elements in raw.groups if (faces := _faces(elements, number))} if kinds is SPATIAL else {},
         len(raw.points),
         {name: found for name, elements in raw.groups if (found := _own(elements, blocks, number))},
         raw.labels[used] if len(raw.labels) else None,
-        _masses(path, raw.masses, number, scale, 2 if kinds is PLANE else 3),
+        _masses(path, raw.masses, number.table, scale, 2 if kinds is PLANE else 3),
         raw.left_out,
         raw.remarks,
     )
@@ -69,27 +68,26 @@ def read_mesh(path: Path, scale: float = 1.0, leave_out: Sequence[str] = ()) -> 
     return mesh
 
 
-def _node_groups(raw: MeshContents, number: np.ndarray) -> dict[str, np.ndarray]:
+def _node_groups(raw: MeshContents, number: Renumbering) -> dict[str, np.ndarray]:
     """Nodes of every group, in the new numbers; where two have one name, as a node set and an element set may, those of the first."""
     found: dict[str, np.ndarray] = {}
     for name, elements in raw.groups:
         if name not in found:
-            nodes = number[_nodes(elements, len(number))]
+            nodes = number.of(distinct([each for _, each in elements], len(number.table)))
             found[name] = nodes[nodes >= 0]
     return found
 
 
-def _once(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
-    """Every element once; gmsh 2.2 writes those that are in several groups several times, and nobody else should."""
-    first = first_of_copies(elements)
-    twice = np.flatnonzero(~first)
-    if len(twice) and path.suffix != ".msh":
+def _refuse_twice(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
+    """The elements, none of which is there twice."""
+    twice = np.flatnonzero(~first_of_copies(elements))
+    if len(twice):
         place = ", ".join(f"{x:g}" for x in raw.points[elements[twice[0]]].mean(axis=0))
         raise InputError(
             f"the mesh {str(path)!r} holds {len(twice)} elements twice, the first round ({place}), so that it is not clear whether their "
             "mass counts twice. Delete the copies; what should be twice as heavy needs twice the density or width."
         )
-    return elements[first] if len(twice) else elements
+    return elements
 
 
 def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
@@ -202,18 +200,13 @@ def _space(path: Path, points: np.ndarray) -> np.ndarray:
     return points
 
 
-def _own(elements: Elements, kinds: Collection[str], number: np.ndarray) -> dict[str, np.ndarray]:
+def _own(elements: Elements, kinds: Collection[str], number: Renumbering) -> dict[str, np.ndarray]:
     """Those of the elements that are of the kinds of the body, in the new numbers of nodes."""
     present = [kind for kind in kinds if any(kind == other for other, _ in elements)]
-    return {kind: number[np.concatenate([each for other, each in elements if other == kind])] for kind in present}
+    return {kind: number.of(joined([each for other, each in elements if other == kind])) for kind in present}
 
 
-def _nodes(elements: Elements, n: int) -> np.ndarray:
-    """Those of n nodes that elements have, in rising order."""
-    return distinct(np.concatenate([np.zeros(0, int), *(each.ravel() for _, each in elements)]).astype(int, copy=False), n)
-
-
-def _faces(elements: Elements, number: np.ndarray) -> frozenset[tuple[int, ...]]:
+def _faces(elements: Elements, number: Renumbering) -> frozenset[tuple[int, ...]]:
     """Corners, in rising order, of those of the elements that are faces of spatial ones."""
-    flat = [number[each[:, : CORNERS[kind]]] for kind, each in elements if kind in CORNERS]
+    flat = [number.of(each[:, : CORNERS[kind]]) for kind, each in elements if kind in CORNERS]
     return frozenset(tuple(row) for each in flat for row in np.sort(each, axis=1).tolist())

@@ -1,4 +1,4 @@
-"""Slits: sides of elements that lie on one another without a node in common, so that the body comes apart there."""
+"""Sides of elements that do not fit: slits, where the body comes apart, and triangles that meet quadrilaterals."""
 
 from __future__ import annotations
 
@@ -30,6 +30,26 @@ def slit_told(mesh: SolidMesh) -> str:
         f"the mesh has a slit: {split.sum()} sides of elements lie on one another, but share no nodes, so that the body comes apart there "
         f"and its parts enter one another unhindered; one is at ({where}). If it is whole there, merge coincident nodes in the program "
         "that made the mesh (gmsh: Coherence)."
+    )
+
+
+def misfit_told(mesh: SolidMesh) -> str:
+    """What there is to say about triangles that meet quadrilaterals, of tetrahedra beside hexahedra; nothing where there are none."""
+    if not any(kind.startswith("tetra") for kind in mesh.blocks) or all(kind.startswith("tetra") for kind in mesh.blocks):
+        return ""
+    sides, _ = cut(mesh.nodes, mesh.blocks)
+    single = sides.key[_rows_of(sides.key, 1)]
+    triangles, quads = single[single[:, 3] < 0, :3], single[single[:, 3] >= 0]
+    halves = np.concatenate([quads[:, [k for k in range(4) if k != left]] for left in range(4)])
+    number = np.unique(np.concatenate([triangles, halves]), axis=0, return_inverse=True)[1].ravel()
+    meeting = np.isin(number[: len(triangles)], number[len(triangles) :])
+    if not meeting.any():
+        return ""
+    where = ", ".join(f"{x:g}" for x in mesh.nodes[triangles[np.argmax(meeting)]].mean(axis=0))
+    return (
+        f"{meeting.sum()} triangles of tetrahedra or wedges meet quadrilaterals of other elements, the first at ({where}): they share "
+        "nodes but not the displacements between them, so that gaps open there under load. Mesh the body with "
+        "elements of one kind."
     )
 
 

@@ -12,6 +12,9 @@ from scipy.sparse.csgraph import connected_components
 from preprocessing.foreign_files.contents import LeftOut, PointMass
 from toolkit.foundation.errors import InputError
 
+AT_ONCE = 1_000_000
+"""Nodes of elements that are put together at once: a graph of all would take more memory than the mesh."""
+
 
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
@@ -108,9 +111,17 @@ def refuse_parts(mesh: SolidMesh) -> None:
 
 def lumps(n_nodes: int, members: Sequence[np.ndarray]) -> np.ndarray:
     """Number of the lump that each node is in, (n_nodes,); elements or faces (n, n_local) hang together that share nodes."""
-    column = np.concatenate([np.zeros(0, np.int32), *(each.ravel() for each in members)]).astype(np.int32)
-    sizes = np.concatenate([np.zeros(n_nodes + 1, np.int32), *(np.full(len(each), each.shape[1], np.int32) for each in members)])
-    n = len(sizes) - 1  # nodes, and behind them elements, in whose rows stand their nodes
-    graph = sparse.csr_array((np.ones(len(column)), column, np.cumsum(sizes, dtype=np.int32)), shape=(n, n))
-    found: np.ndarray = connected_components(graph, directed=False)[1][:n_nodes]
+    label = np.arange(n_nodes, dtype=np.int32)
+    for each in members:
+        for some in np.array_split(each, 1 + each.size // AT_ONCE):
+            label = _merged(label, label[some])[label]
+    return label
+
+
+def _merged(label: np.ndarray, lumps_of_elements: np.ndarray) -> np.ndarray:
+    """The new number of every lump where elements hang together those at their nodes, (n_e, n_local)."""
+    n, (n_elements, n_local) = int(label.max(initial=-1)) + 1, lumps_of_elements.shape
+    ends = np.concatenate([np.zeros(n + 1, np.int32), n_local * np.arange(1, n_elements + 1, dtype=np.int32)])
+    graph = sparse.csr_array((np.ones(lumps_of_elements.size), lumps_of_elements.ravel(), ends), shape=(n + n_elements,) * 2)
+    found: np.ndarray = connected_components(graph, directed=False)[1][:n]
     return found

@@ -23,7 +23,7 @@ def refuse_occupied(folder: Path) -> None:
 
 
 def write_folder(folder: Path, content: Mapping[str, bytes]) -> list[Path]:
-    """Make the folder and write its files.
+    """Make the folder and write its files, which may lie in folders of their own.
 
     Raises
     ------
@@ -33,6 +33,7 @@ def write_folder(folder: Path, content: Mapping[str, bytes]) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, data in content.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             write_whole(folder / name, data)
     except OSError as error:
         raise InputError(f"{str(folder)!r} cannot be written ({error.strerror}). Name another folder.") from error

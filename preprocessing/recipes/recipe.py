@@ -69,6 +69,11 @@ class Recipe(ABC, Generic[File]):
     def parts(self) -> tuple[str, ...]:
         """Groups that a complete reduced model of it has."""
 
+    @property
+    def warnings(self) -> Sequence[str]:
+        """What the file may mean, but is worth a look: said by every run of the command, also where the model is up to date."""
+        return ()
+
     @abstractmethod
     def _named(self) -> Sequence[Path]:
         """The files that it names, and those that these draw on."""

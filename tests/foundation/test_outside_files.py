@@ -108,6 +108,8 @@ TEXTS = {
     "table": f"1.0, {SECRET}, 3\n4, 5, 6\n",
     "gmsh": f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 {SECRET} 0 0\n2 0 0 0\n$EndNodes\n",
     "abaqus": f"*NODE\n1, {SECRET}, 0.0\n*ELEMENT, TYPE={SECRET}\n1, 1, 2, 3\n",
+    "nastran": f"GRID,1,,{SECRET}\n{SECRET},1,2\nGRID    {SECRET}\n+{SECRET},1\nSET3,1,{SECRET},1\nCHEXA,1,{SECRET},1,2\n",
+    "nastran card": f"GRID,1,,1.,2.,3.\nGRID,{SECRET}\n",
     "vtk": f"# vtk DataFile Version 3.0\n{SECRET}\nASCII\nDATASET {SECRET}\n",
     "market": f"%%MatrixMarket matrix coordinate real general\n2 2 1\n1 {SECRET} 3\n",
 }
@@ -115,6 +117,7 @@ READERS = {
     "airfoil": (read_airfoil, ".dat"),
     "mesh .msh": (read_mesh, ".msh"),
     "mesh .inp": (read_mesh, ".inp"),
+    "mesh .bdf": (read_mesh, ".bdf"),
     "mesh .vtk": (read_mesh, ".vtk"),
     "matrix": (lambda path: read_matrix(path, 2), ".mtx"),
     "archive": (lambda path: read_matrix(path, 2), ".npz"),

@@ -36,6 +36,16 @@ SPECIAL = [
     "circle",
     "a\0b",
 ]
+BULK = (
+    b"GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\n",
+    b"CQUAD4,1,1,1,2,3,4\n",
+    b"SET1,1,1,4\nSET1,2,2,3\n",
+)
+BULK_SPELLINGS = [
+    b"INCLUDE '%s'", b'include "%s"', b"Include %s", b"INCLUDE='%s'", b"  INCLUDE '%s' $ words", b"INCLUDE '%s", b"INCLUDE '\n %s'",
+    b"INCLUDE",
+    b"INCLUDE 'deep\\..\\%s'", b"INCLUDE './%s'", b"INCLUDE '../case/%s'", b"INCLUDE\t'%s'", b"INCLUDE\xff '%s'",
+]  # fmt: skip
 GENERATED = [
     b"1,4,1",
     b"1,1000000000000,1",
@@ -52,12 +62,30 @@ XDMF = ["body.xdmf", "body.h5", "/dev/zero", "pipe", "folder", "missing", "terab
 
 
 def cases(rng: np.random.Generator) -> Iterator[Case]:
-    """Four sorts in turn."""
+    """Five sorts in turn."""
     while True:
         yield _tree(rng)
         yield _generated(rng)
         yield _special(rng)
         yield _xdmf(rng)
+        yield _bulk(rng)
+
+
+def _bulk(rng: np.random.Generator) -> Case:
+    """Up to thirty files of bulk data that include each other at random, or what is no file."""
+    n = int(rng.choice([1, 2, 3, 5, 30]))
+    names = [b"part%d.blk" % k for k in range(n)] + ([each.encode() for each in SPECIAL] if rng.random() < 0.3 else [])
+    files = {}
+    for file in ["body.bdf", *(f"part{k}.blk" for k in range(n))]:
+        statements = []
+        for _ in range(int(rng.integers(3)) if file != "body.bdf" else 1):
+            spelling = BULK_SPELLINGS[int(rng.integers(len(BULK_SPELLINGS)))]
+            name = names[int(rng.integers(len(names)))]
+            statements.append(spelling.replace(b"%s", name) + ENDS[int(rng.integers(len(ENDS)))])
+        cards = BULK if file == "body.bdf" or rng.random() < 0.1 else BULK[:1]  # copies of nodes count for nothing
+        files[file] = _text([*cards, *statements], rng)
+    text = body("body.bdf", True, rng, True).replace('"left"', '"SET1 1"').replace('"right"', '"SET1 2"')
+    return Case(f"{n} files of bulk data", ("ffrf-preprocess", "body.toml"), files_of(text, files, special))
 
 
 def _text(parts: list[bytes], rng: np.random.Generator) -> bytes:

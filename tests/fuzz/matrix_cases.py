@@ -1,4 +1,4 @@
-"""Finished matrices: Matrix Market, Abaqus' text, SciPy's archives of every format, coordinates of nodes, all spoilt."""
+"""Finished matrices: Matrix Market, the texts of Abaqus and CalculiX, SciPy's archives of every format, coordinates, all spoilt."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ tie = "rigid"
 kind = "{basis}"
 """
 KINDS = ("csr", "csc", "bsr", "coo", "dia")
-TEXTS = ("market", "market-symmetric", "market-array", "abaqus")
+TEXTS = ("market", "market-symmetric", "market-array", "abaqus", "coordinate", "calculix")
 FACTORS = (0.0, 1e-300, 1e300, 1e60, 1e-60, -1.0, np.nan)
 
 
@@ -62,6 +62,10 @@ def written(matrix: str, kind: str) -> bytes:
         lower = sparse.tril(whole).tocoo()
         rows = zip(*(lower.row // 2 + 1, lower.row % 2 + 1, lower.col // 2 + 1, lower.col % 2 + 1, lower.data), strict=True)
         return "".join(f"{a},{b}, {c},{d}, {value:.17e}\n" for a, b, c, d, value in rows).encode()
+    elif kind in ("coordinate", "calculix"):
+        entries = sparse.triu(whole).tocoo() if kind == "calculix" else whole.tocoo()
+        rows = zip(entries.row + 1, entries.col + 1, entries.data, strict=True)
+        return "".join(f"{row} {column}  {value:.17e}\n" for row, column, value in rows).encode()
     else:
         scipy_io.mmwrite(
             stream,
@@ -85,21 +89,32 @@ def written_nodes(kind: str) -> bytes:
     return stream.getvalue()
 
 
+@cache
+def written_degrees() -> bytes:
+    """What CalculiX writes beside its matrices: the node and the direction of each row."""
+    return "".join(f"{node + 1}.{axis + 1}\n" for node, axis in np.ndindex(*matrices()[2].shape)).encode()
+
+
 def cases(rng: np.random.Generator) -> Iterator[Case]:
-    """One of the four files is spoilt each time."""
+    """One of the files is spoilt each time."""
     while True:
         kinds = {name: str(rng.choice(KINDS + TEXTS)) for name in ("mass", "stiffness")} | {"stress": str(rng.choice(KINDS))}
         files = {name: written(name, kind) for name, kind in kinds.items()}
-        ending = {name: "npz" if kind in KINDS else "mtx" for name, kind in kinds.items()} | {
-            "nodes": str(rng.choice(["csv", "npy", "npz"]))
+        ending = {name: ending_of(name, kind) for name, kind in kinds.items()} | {
+            "nodes": str(rng.choice(["csv", "npy", "npz"])),
+            "dof": "dof",
         }
         files["nodes"] = written_nodes(ending["nodes"])
-        victim = str(rng.choice(["mass", "stiffness", "mass", "stiffness", "nodes", "stress"]))
+        files |= {"dof": written_degrees()} if "calculix" in kinds.values() else {}
+        victims = ["mass", "stiffness", "mass", "stiffness", "nodes", "stress", *(["dof"] if "dof" in files else [])]
+        victim = str(rng.choice(victims))
         if ending[victim] == "npz" and rng.random() < 0.6:
             how, files[victim] = spoilt_archive(files[victim], rng)
         else:
             how, files[victim] = spoilt(files[victim], files["nodes" if victim != "nodes" else "mass"], rng)
-        names = {name: f"{name}.{ending[name]}" for name in files}
+        names = {
+            name: f"body.{ending[name]}" if ending[name] in ("sti", "mas", "dof") else f"{name}.{ending[name]}" for name in files
+        }
         text = BODY.format(
             mass=names["mass"],
             stiffness=names["stiffness"],
@@ -110,6 +125,12 @@ def cases(rng: np.random.Generator) -> Iterator[Case]:
         yield Case(
             f"{victim} {kinds.get(victim, ending[victim])} {how}", ("ffrf-preprocess", "body.toml"), files_of(text, names, files)
         )
+
+
+def ending_of(name: str, kind: str) -> str:
+    if kind in KINDS:
+        return "npz"
+    return {"mass": "mas", "stiffness": "sti"}[name] if kind == "calculix" else "mtx"
 
 
 def files_of(text: str, names: dict[str, str], files: dict[str, bytes]) -> Callable[[Path], None]:

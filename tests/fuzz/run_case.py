@@ -35,7 +35,8 @@ LOADED = (
     *(
         "preprocessing.recipes.solids.reduced_body",
         "preprocessing.foreign_files.any_mesh",
-        "preprocessing.foreign_files.matrix_entries",
+        "preprocessing.foreign_files.matrices.matrix_entries",
+        "preprocessing.foreign_files.nastran.bulk_file",
     ),
     *("preprocessing.foreign_files.child", "scipy.io"),
 )

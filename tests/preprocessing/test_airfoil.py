@@ -352,6 +352,61 @@ def test_missing_file_is_named(tmp_path):
         read_airfoil(tmp_path / "nowhere.dat")
 
 
+# --- files of OpenFAST -----------------------------------------------------------------------------------------------
+
+
+def openfast(points: np.ndarray, count: str | None = None) -> list[str]:
+    """A file of coordinates as AeroDyn's manual describes it and as r-test and the IEA 15 MW turbine have it."""
+    return [
+        f"   {len(points) + 1 if count is None else count}   NumCoords   ! The number of coordinates in the airfoil shape file "
+        "(including an extra coordinate for airfoil reference).  Set to zero if coordinates not included.",
+        "! ......... x-y coordinates are next if NumCoords > 0 .............",
+        "! x-y coordinate of airfoil reference",
+        "!  x/c        y/c",
+        " 0.250000       0",
+        "! coordinates of airfoil shape",
+        "!  x/c        y/c",
+        *lines(points, None),
+    ]
+
+
+OPENFAST = {
+    "from the tail over the upper side": naca0012(),
+    "from the tail over the lower side": naca0012()[::-1],
+    "from the leading edge": np.vstack([naca0012()[30:], naca0012()[1:31]]),
+    "from the leading edge over the upper side": np.vstack([naca0012()[30::-1], naca0012()[-2:29:-1]]),
+}
+
+
+@pytest.mark.parametrize("way", OPENFAST)
+def test_file_of_openfast_reads_as_the_section_without_its_reference_point(way, read):
+    airfoil = read(openfast(OPENFAST[way]))
+    assert (airfoil.format, airfoil.warnings) == ("OpenFAST", ())
+    assert same_points(airfoil, read(lines(naca0012())))
+    assert airfoil.repairs[0] == "line 5: reference point of an OpenFAST file, no part of the contour"
+
+
+@pytest.mark.parametrize("place", [(0.375, 0.0), (0.5, 0.1), (1.0, 0.0), (0.0, 0.0)])
+def test_reference_point_of_openfast_may_be_anywhere(place, read):
+    content = openfast(naca0012())
+    content[4] = "{} {}".format(*place)
+    assert same_points(read(content), read(lines(naca0012())))
+
+
+@pytest.mark.parametrize(
+    ("count", "message"),
+    [
+        ("61", "NumCoords announces 61 rows, one of them the reference point, but 62 follow. Fix the number"),
+        ("100", "NumCoords announces 100 rows"),
+        ("0", "NumCoords is not the number of rows that follow: this is a file of polars"),
+        ('@"AF01_Coords.txt"', "NumCoords is not the number of rows that follow: this is a file of polars"),
+    ],
+)
+def test_file_of_openfast_whose_count_is_not_that_of_its_rows_is_refused(count, message, read):
+    with pytest.raises(InputError, match=message):
+        read(openfast(naca0012(), count))
+
+
 # --- warnings --------------------------------------------------------------------------------------------------------
 
 
@@ -378,6 +433,47 @@ def test_leading_edge_drawn_out_of_a_real_section_is_refused(name, read):
     section = read_airfoil(FILES / name).points.copy()
     section[np.argmin(section[:, 0]), 0] -= 0.05
     with pytest.raises(InputError, match=r"the contour folds back by 1\d\d degrees at x = -0\.0"):
+        read(lines(section))
+
+
+COARSE = np.array([0, 0.025, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1])  # as in old tables
+
+
+def between_arcs(x: np.ndarray, upper: float, lower: float) -> np.ndarray:
+    """A section between two parabolas of given heights over the chord, with a sharp nose."""
+    arc = 4 * x * (1 - x)
+    return np.concatenate([np.column_stack([x, upper * arc])[::-1], np.column_stack([x, lower * arc])[1:]])
+
+
+SHARP = {
+    "thin": between_arcs(COARSE, 0.02, -0.02),
+    "thick": between_arcs(COARSE, 0.06, -0.05),
+    "cambered": between_arcs(COARSE, 0.08, 0.03),
+    "flat below": between_arcs(COARSE, 0.04, 0.0),
+    "many rows": between_arcs((1 - np.cos(np.linspace(0, np.pi, 61))) / 2, 0.03, -0.03),
+    "diamond": np.vstack([between_arcs(np.array([0, 0.5, 1]), 0.04, -0.04)[k // 8] * (1 - k % 8 / 8)
+                          + between_arcs(np.array([0, 0.5, 1]), 0.04, -0.04)[k // 8 + 1] * (k % 8 / 8) for k in range(32)]
+                         + [[1.0, 0.0]]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SHARP)
+def test_sharp_nose_is_no_fold(case, read):
+    """The contour turns by up to 175 degrees at one row, but it is hollow on neither side of it."""
+    section = SHARP[case]
+    airfoil = read(lines(section))
+    nose = int(np.argmin(section[:, 0]))
+    assert any(f"line {nose + 2}: sharp nose: the contour turns by 1" in text for text in airfoil.warnings)
+    np.testing.assert_allclose(airfoil.points, section, atol=1e-7)
+    # measured normal to the chord line, whose end is at the nose; the arcs are highest in the middle
+    assert airfoil.thickness[0] == pytest.approx(np.ptp(section[np.isclose(section[:, 0], 0.5), 1]), abs=5e-4)
+    np.testing.assert_allclose(airfoil.leading_edge, 0.0, atol=2e-3)
+
+
+def test_sharp_nose_with_a_wrong_row_beside_it_is_refused(read):
+    section = between_arcs(COARSE, 0.02, -0.02)
+    section[14, 1] = -0.0015  # hollow by 15 degrees between the nose and the next row
+    with pytest.raises(InputError, match="line 17: the contour folds back by 1"):
         read(lines(section))
 
 

@@ -44,7 +44,7 @@ def test_no_copies_and_no_elements_are_all_first():
 @pytest.mark.parametrize("count", [0, 3, 500])
 def test_distinct_numbers_are_those_of_a_sort(count):
     numbers = RNG.integers(1000, size=(count, 2))
-    np.testing.assert_array_equal(distinct(numbers, 1000), np.unique(numbers))
+    np.testing.assert_array_equal(distinct([numbers], 1000), np.unique(numbers))
 
 
 def test_lumps_are_counted_by_their_first_node():

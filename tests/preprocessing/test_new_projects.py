@@ -14,6 +14,7 @@ from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.projects.linkage.new_linkage import METRES, STIFFNESS, new_linkage
 from preprocessing.projects.solid.new_solid import WEIGHT, new_solid, size_question, volume
 from toolkit.command_line.cli import app
+from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
@@ -65,6 +66,54 @@ def test_a_new_solid_of_a_mesh_of_ones_own_runs(tmp_path):
     scene = read_scene(tmp_path / "solid" / "scene.toml", {"solver.end_time": 0.004, "joints.motor.curve.height": 0.001})
     found = direct(scene, list(scene.design), "static").values
     assert 0 < found["stress"] < 1.0  # MPa: 18 g bend an arm of 12 cm
+
+
+NODES = "".join(f"{1 + 5 * j + i}, {10 * i}, {5 * j}\n" for j in range(3) for i in range(5))
+ELEMENTS = "".join(f"{1 + 4 * j + i}, {(n := 1 + 5 * j + i)}, {n + 1}, {n + 6}, {n + 5}\n" for j in range(2) for i in range(4))
+PART = f"*NODE\n{NODES}*ELEMENT, TYPE=CPS4\n{ELEMENTS}*NSET, NSET=hub\n1, 6, 11\n*NSET, NSET=tip\n5, 10, 15\n"
+PLATE = {"main.inp": "*INCLUDE, INPUT=parts/plate.inp\n", "parts/plate.inp": PART}
+"""A plate of 40 x 10 mm, in two files."""
+
+
+def plate(folder: Path, changes: dict[str, str] | None = None) -> Path:
+    """The mesh of the plate, with other files."""
+    for name, text in (PLATE | (changes or {})).items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    return folder / "main.inp"
+
+
+def test_a_new_solid_has_all_files_that_its_mesh_includes(tmp_path):
+    """At their places; the old ones may go, and the folder may move."""
+    mesh = plate(tmp_path / "old")
+    written = new_solid(tmp_path / "solid", mesh)
+    places = [path.relative_to(tmp_path / "solid").as_posix() for path in written]
+    assert places == ["main.inp", "parts/plate.inp", "body.toml", "scene.toml", "README.md"]
+    for name in PLATE:
+        assert (tmp_path / "solid" / name).read_bytes() == (tmp_path / "old" / name).read_bytes()
+    (tmp_path / "old").rename(tmp_path / "gone")
+    (tmp_path / "solid").rename(tmp_path / "moved")
+    model = build(tmp_path / "moved" / "body.toml")
+    width = tomllib.loads((tmp_path / "moved" / "body.toml").read_text())["section"]["width"]
+    assert float(model.invariants.mass) == pytest.approx(2.7e-9 * 40 * 10 * width, rel=1e-12)
+
+
+OUTSIDE = {
+    "above": ("../plate.inp", "outside of its own folder"),
+    "absolute": ("FOLDER/parts/plate.inp", "by its absolute path"),
+    "reserved": ("Body.toml", "is made of a file 'Body.toml', and the new folder gets one of that name"),
+    "reserved folder": ("scene.toml/plate.inp", "is made of a file 'scene.toml/plate.inp'"),
+}
+
+
+@pytest.mark.parametrize("case", OUTSIDE)
+def test_a_mesh_whose_files_have_no_place_in_the_new_folder_is_refused(case, tmp_path):
+    (place, message), folder = OUTSIDE[case], tmp_path / "old"
+    included = place.replace("FOLDER", str(folder))
+    mesh = plate(folder, {"main.inp": f"*INCLUDE, INPUT={included}\n", included: PART})
+    with pytest.raises(InputError, match=message):
+        new_solid(tmp_path / "solid", mesh)
+    assert not (tmp_path / "solid").exists()
 
 
 def test_the_arm_of_a_new_solid_is_what_its_script_draws_and_is_held_and_gripped(tmp_path):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from preprocessing.mesh.slits import slit_told
+from preprocessing.mesh.slits import misfit_told, slit_told
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.build_model import build
 from tests.models.solid_bodies import KINDS, SPATIAL_KINDS, box, rectangle, write_body
@@ -35,6 +35,35 @@ def test_a_slit_in_space_is_told(kind):
     mesh = box(kind, (2, 4, 2), (1.0, 0.4, 0.2))
     assert slit_told(mesh) == ""
     assert "lie on one another, but share no nodes" in slit_told(slit(mesh))
+
+
+def test_triangles_that_meet_quadrilaterals_are_told():
+    """Cubes beside each other: of six tetrahedra and of one hexahedron, which share four nodes, against two of six tetrahedra each."""
+    x, y, z = np.meshgrid([0.0, 1.0, 2.0], [0.0, 1.0], [0.0, 1.0], indexing="ij")
+    nodes, number = np.column_stack([x.ravel(), y.ravel(), z.ravel()]), np.arange(12).reshape(3, 2, 2)
+    cubes = [number[k : k + 2] for k in (0, 1)]
+    corner = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    steps = [
+        (0, 1, 2),
+        (0, 2, 1),
+        (1, 0, 2),
+        (1, 2, 0),
+        (2, 0, 1),
+        (2, 1, 0),
+    ]  # along the axes, from the first corner to the last
+
+    def tetrahedra(cube: np.ndarray) -> np.ndarray:
+        ways = [np.cumsum([np.zeros(3, int), *np.eye(3, dtype=int)[list(step)]], axis=0) for step in steps]
+        return np.array([[cube[tuple(place)] for place in way] for way in ways])
+
+    hexahedron = np.array([[cubes[1][place] for place in corner]])
+    mixed = SolidMesh(nodes, {"tetra": tetrahedra(cubes[0]), "hexahedron": hexahedron})
+    assert misfit_told(mixed).startswith(
+        "2 triangles of tetrahedra or wedges meet quadrilaterals of other elements, the first at (1, "
+    )
+    assert misfit_told(SolidMesh(nodes, {"tetra": np.concatenate([tetrahedra(cube) for cube in cubes])})) == ""
+    wedges = box("wedge", (2, 1, 1), (1.0, 0.4, 0.2))
+    assert misfit_told(wedges) == ""
 
 
 def test_who_builds_a_body_with_a_slit_is_told(tmp_path):

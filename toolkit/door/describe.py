@@ -13,6 +13,8 @@ from toolkit.reduced_model.model import InterfacePoint, ReducedModel
 from toolkit.reduced_model.questions.face_questions import face_record
 from toolkit.reduced_model.questions.mesh_questions import mesh_record
 
+PLAIN = "plain HDF5 of another program: no checksum tells whether a bit of it was flipped"
+
 
 def describe(model: str | Path | ReducedModel) -> dict[str, Any]:
     """What is in a reduced model, as `ffrf inspect --json` tells it: what body it is of, its basis, parameters and what depends on them.
@@ -37,6 +39,7 @@ def describe(model: str | Path | ReducedModel) -> dict[str, Any]:
     length, judged, faces = unit(model.units, "length"), mesh_record(model), face_record(model)
     return {
         "schema": f"{SCHEMA}, version {SCHEMA_VERSION}",
+        **({"form": PLAIN} if model.plain else {}),
         "units": model.units,
         "dimension": model.dimension,
         "body": body_summary(model),

@@ -38,6 +38,10 @@ JUDGED = ("stress_errors", "stress_error_at", "face_errors")
 """The same, which a model has whose mesh was judged, or the faces between its pieces."""
 OPTIONAL = (*ORIGIN, *JUDGED, "left_out", "composition")
 
+_WHOLE = "factor power term entry parameter element end fibre modulus connectivity edges triangles lines held"
+WHOLE = frozenset(_WHOLE.split())
+"""Arrays of numbers of something, and of powers."""
+
 PARTS: dict[str, Any] = {
     "invariants": Invariants,
     "derivatives": Derivatives,
@@ -78,25 +82,34 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
     """
     path = Path(path)
     _check_signature(path)
-    with reading(path, partial(_damaged, path)) as content:
+    with reading(path, partial(_damaged, path), foreign=True) as content:
         attributes: dict[str, Any] = content.attributes()
         _check_schema(attributes, path)
-        if lacking := [name for name in ATTRIBUTES if name not in attributes]:
-            raise ValueError(f"it lacks {', '.join(lacking)}")
-        own = {name: attributes[name] for name in ATTRIBUTES}
-        head: dict[str, Any] = own | {name: content.attributes(name) for name in MAPS}
-        head |= {name: content.attributes(name) for name in OPTIONAL if content.has(name)}
+        head = _head(content, attributes)
         if known and any(getattr(known, name) != value for name, value in head.items()):
             known = None
         before = known.bytes_read if known else {}
         found = {name: getattr(known, name) for name in before}
         wanted = [name for name in PARTS if name not in found and name in ("invariants", *parts)]
-        found |= {name: _read_part(content, name, own["dimension"]) for name in wanted}
-        _check_complete(str(attributes.get("contents", "")), found)
+        found |= {name: _read_part(content, name, head["dimension"]) for name in wanted}
+        found = _complete(str(attributes.get("contents", "")), found)
+        plain = content.plain
         read = before | {name: content.bytes_read.get(name, 0) for name in wanted}
-    model = ReducedModel(**head, **found, inputs_from=path.parent, path=path, bytes_read=read)
+    model = ReducedModel(**head, **found, inputs_from=path.parent, path=path, bytes_read=read, plain=plain)
     check(model, path, before)
     return model
+
+
+def _head(content: Content, attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """All that a file holds as attributes, of which `attributes` are those of its root."""
+    if lacking := [name for name in ATTRIBUTES if name not in attributes]:
+        raise ValueError(f"it lacks {', '.join(lacking)}")
+    head = {name: attributes[name] for name in ATTRIBUTES} | {name: content.attributes(name) for name in MAPS}
+    head["dimension"] = _whole(head["dimension"])
+    head["nominal"] = _numbered(head["nominal"], attributes.get("parameters"), content.in_order("nominal"))
+    units = head["nominal_units"]
+    head["nominal_units"] = {name: units[name] for name in [*head["nominal"], *units] if name in units}
+    return head | {name: content.attributes(name) for name in OPTIONAL if content.has(name)}
 
 
 def stored_bytes(path: str | Path) -> dict[str, int]:
@@ -109,7 +122,7 @@ def stored_bytes(path: str | Path) -> dict[str, int]:
     """
     path = Path(path)
     _check_signature(path)
-    with reading(path, partial(_damaged, path)) as content:
+    with reading(path, partial(_damaged, path), foreign=True) as content:
         return {name: content.stored_bytes(name) for name in PARTS if content.has(name)}
 
 
@@ -118,10 +131,41 @@ def _contents(model: Mapping[str, Any]) -> list[str]:
     return [f"{part}/{name}" for part in NAMED for name in model.get(part) or {}]
 
 
-def _check_complete(contents: str, found: Mapping[str, Any]) -> None:
-    wanted = {name for name in contents.splitlines() if found.get(name.split("/")[0]) is not None}
-    if lacking := sorted(wanted ^ set(_contents(found))):
+def _complete(contents: str, found: Mapping[str, Any]) -> dict[str, Any]:
+    """The parts that were found, with their named objects in the order of the list of contents.
+
+    Raises
+    ------
+    ValueError
+        An object is missing, or is not listed.
+    """
+    listed = [name for name in contents.splitlines() if found.get(name.split("/")[0]) is not None]
+    if lacking := sorted(set(listed) ^ set(_contents(found))):
         raise ValueError(f"its list of contents and its groups differ by {', '.join(lacking)}")
+    order = {
+        part: [name.partition("/")[2] for name in listed if name.startswith(f"{part}/")] for part in NAMED if found.get(part)
+    }
+    return dict(found) | {part: {name: found[part][name] for name in names} for part, names in order.items()}
+
+
+def _numbered(nominal: dict[str, Any], listed: Any, in_order: bool) -> dict[str, Any]:
+    """The parameters in the order by which polynomials and derivatives count them: as the file lists them, or else as they were made."""
+    if listed is None and (in_order or len(nominal) < 2):
+        return nominal
+    if listed is None:
+        raise ValueError(
+            "it does not say in which order its parameters count: write their names, one a line, as the attribute parameters of the root"
+        )
+    names = [name for name in str(listed).split("\n") if name]
+    if sorted(names) != sorted(nominal):
+        differing = sorted(set(names) ^ set(nominal)) or ["names that are there twice"]
+        raise ValueError(f"its list of parameters and nominal/ differ by {', '.join(differing)}")
+    return {name: nominal[name] for name in names}
+
+
+def _whole(value: Any) -> Any:
+    """A whole number as such, also where a program writes all its numbers as floating-point ones; anything else as it is."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def is_reduced_model(path: str | Path) -> bool:
@@ -133,7 +177,7 @@ def described_by(path: str | Path) -> list[str]:
     """The file that describes the body of a reduced model, as seen from the model's folder; none if it does not say."""
     path = Path(path)
     try:
-        with reading(path, partial(_damaged, path)) as content:
+        with reading(path, partial(_damaged, path), foreign=True) as content:
             found = {name: content.attributes(name) if content.has(name) else {} for name in ORIGIN}
     except ModelFileError:
         return []
@@ -210,7 +254,17 @@ def _read_part(content: Content, name: str, dimension: int) -> Any:
 
 
 def _read_object(kind: Any, content: Content, group: str) -> Any:
-    return kind(**{f.name: content.array(f"{group}/{f.name}") for f in fields(kind)})
+    return kind(**{f.name: _array(content, group, f.name) for f in fields(kind)})
+
+
+def _array(content: Content, group: str, name: str) -> np.ndarray:
+    """An array; what counts or numbers something is whole, also where a program writes all its numbers as floating-point ones."""
+    values = content.array(f"{group}/{name}")
+    if content.plain and name in WHOLE and values.dtype.kind == "f":
+        if not np.array_equal(values, np.rint(values)):
+            raise ValueError(f"{group}/{name} holds numbers that are no whole ones")
+        return values.astype(np.int64)
+    return values
 
 
 def save(model: ReducedModel, path: str | Path) -> None:
@@ -220,6 +274,7 @@ def save(model: ReducedModel, path: str | Path) -> None:
     check(model, path)
     with writing(path) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
+        file.attrs["parameters"] = np.bytes_("\n".join(model.nominal).encode())
         file.attrs["contents"] = np.bytes_("\n".join(_contents(vars(model))).encode())
         for item in fields(model):
             if item.compare and not (item.name in OPTIONAL and not getattr(model, item.name)):

@@ -171,6 +171,8 @@ class ReducedModel:
     composition
         What the body was made of. `nodes` and `volume` are numbers; `elements`, `interface_points`, `clamp`, `groups`, `masses`,
         `left_out`, `remarks` and `not_listed` are JSON texts, see `toolkit.reduced_model.description.composition`. Any may be missing.
+    plain
+        Whether its file is plain HDF5 of another program, in which no checksum tells a flipped bit.
     bytes_read
         Part that was read -> its bytes in the file, 0 if the file has no such part.
     """
@@ -218,6 +220,7 @@ class ReducedModel:
     composition: dict[str, str | int | float] = field(default_factory=dict)  # what the body was made of -> number or JSON text
     inputs_from: Path | None = field(default=None, compare=False)  # folder that the names of `inputs` start from
     path: Path | None = field(default=None, compare=False)
+    plain: bool = field(default=False, compare=False)
     bytes_read: dict[str, int] = field(default_factory=dict, compare=False)
 
     @property

@@ -19,7 +19,7 @@ from preprocessing.elements.element import Contribution, Coordinates, Element
 from preprocessing.elements.section import Patch, monomial
 from preprocessing.elements.section_shape import ONE, Term, Terms
 from preprocessing.elements.solids.elasticity import SolidMatrices, in_block
-from preprocessing.elements.solids.finished import refuse_supports, scalar_mass, without_constant
+from preprocessing.elements.solids.finished import refuse_supports, refuse_swapped, scalar_mass, without_constant
 from preprocessing.elements.solids.geometric_stiffness import StressedSolid
 from preprocessing.elements.solids.stress import Rows
 from preprocessing.elements.space import SPACES, Pair
@@ -34,6 +34,8 @@ QUANTITIES = {
 MATERIAL = {name: name for name in ("youngs_modulus", "density", "width", "damping_mass", "damping_stiffness")}
 SCALES = {**MATERIAL, "youngs_modulus": "stiffness_scale", "density": "mass_scale"}
 """Parameters of finished matrices of unknown material."""
+OTHER_MASS = {**MATERIAL, "density": "mass_scale"}
+"""Parameters of finished matrices whose mass is not that of their density alone."""
 ALL = np.zeros(0, int)
 """The elements of a solid are not told apart."""
 
@@ -47,7 +49,7 @@ class Solid(Element):
     stiffness: Any  # sparse (n, n)
     stress: Any  # sparse (n_stress, n)
     parameters: Mapping[str, str]  # quantity -> name of the parameter
-    across: Terms  # what mass and stiffness grow with besides the material: the width in the plane
+    across: Terms  # what stiffness, and mass of a density, grow with besides the material: the width in the plane
     stressed: StressedSolid | None = None  # None of finished matrices
     constant_mass: Mapping[Pair, Any] | None = (
         None  # (a, b) -> M_ab of concentrated masses, with a hidden coordinate, if there are any
@@ -65,7 +67,7 @@ class Solid(Element):
     def contributions(self) -> Iterator[Contribution]:
         patch, space, n = Patch(ALL, self.parameters), self.coordinates.space, self.coordinates.n
         blocks = {(a, b): _widened(in_block(self.scalar_mass, a, b, space.dimension), n, n) for a, b in space.pairs}
-        yield Contribution("mass", patch, self.across, blocks)
+        yield Contribution("mass", patch, ONE if self.parameters["density"] == "mass_scale" else self.across, blocks)
         if self.constant_mass is not None:
             yield Contribution("constant mass", patch, ONE, self.constant_mass)
         yield Contribution("stiffness", patch, self.across, _widened(self.stiffness, n, n))
@@ -134,15 +136,20 @@ def finished_solid(
     InputError
         The matrices are not those of displacement-based elements, or of a body with supports, or lack the constant mass.
     """
+    refuse_swapped(mesh, mass, stiffness)
     refuse_supports(mesh, stiffness)
     scalar = scalar_mass(mass, mesh.dimension)
     if not made_with:
         return Solid(mesh.nodes, scalar, stiffness, stress, SCALES, ONE)
+    modulus, width = made_with["youngs_modulus"], made_with.get("width", 1.0)
+    scaled = stiffness / (modulus * width), stress / modulus
+    if "density" not in made_with:
+        return Solid(mesh.nodes, scalar, *scaled, OTHER_MASS, _width(mesh.dimension))
     if constant_mass is not None:
-        scalar = without_constant(scalar, constant_mass[0, 0][: mesh.n : mesh.dimension, : mesh.n : mesh.dimension])
-    modulus, density, width = made_with["youngs_modulus"], made_with["density"], made_with.get("width", 1.0)
-    scaled = scalar / (density * width), stiffness / (modulus * width), stress / modulus
-    return Solid(mesh.nodes, *scaled, MATERIAL, _width(mesh.dimension), None, constant_mass)
+        scalar = without_constant(scalar, constant_mass, mesh)
+    return Solid(
+        mesh.nodes, scalar / (made_with["density"] * width), *scaled, MATERIAL, _width(mesh.dimension), None, constant_mass
+    )
 
 
 def parameters_of(material: Mapping[str, float], damping: Mapping[str, float]) -> Iterator[tuple[str, float]]:

@@ -129,9 +129,10 @@ def _order(kind: str) -> np.ndarray:
     return np.array([np.argmin(np.abs(np.vstack([CUBE, CUBE_MIDDLES]) - place).sum(axis=1)) for place in places])
 
 
-def points_of(kind: str) -> tuple[np.ndarray, np.ndarray]:
-    """Points (d, n_points) of the reference element and their weights."""
-    _, shapes, order = KINDS[kind]
+def points_of(kind: str, order: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Points (d, n_points) of the reference element and their weights, which are exact to an order; by default to that of the kind."""
+    _, shapes, own = KINDS[kind]
+    order = own if order is None else order
     return wedge_points(order, order) if shapes.refdom is RefWedge else get_quadrature(shapes.refdom, order)
 
 

@@ -2,17 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
+from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions, translations
 from toolkit.foundation.errors import InputError
 
 UNEQUAL = 1e-9
 """Largest difference, relative to the largest entry, of parts of a mass matrix that should be equal or zero."""
 RESISTED = 1e-6
 """Largest force against a rigid motion, relative to those of a motion of the same size of single nodes."""
+
+
+def refuse_swapped(mesh: SolidMesh, mass: Any, stiffness: Any) -> None:
+    """Refuse a mass matrix that lets the body move without inertia, while the stiffness matrix resists: each is the other.
+
+    Raises
+    ------
+    InputError
+        They are swapped.
+    """
+    motion = translations(*mesh.nodes.shape)
+    resisted = [np.abs(matrix @ motion).max() > RESISTED * (abs(matrix) @ np.abs(motion)).max() for matrix in (mass, stiffness)]
+    if resisted == [False, True]:
+        raise InputError(
+            "a motion of the whole body meets no mass, but stiffness: the two files are swapped. Give the mass matrix as mass, and the "
+            "stiffness matrix as stiffness."
+        )
 
 
 def scalar_mass(mass: Any, d: int) -> Any:
@@ -34,15 +52,16 @@ def scalar_mass(mass: Any, d: int) -> Any:
     return first
 
 
-def without_constant(scalar: Any, constant: Any) -> Any:
-    """A scalar mass matrix without concentrated masses, which it holds as the exported model does.
+def without_constant(scalar: Any, constant: Mapping[tuple[int, int], Any], mesh: SolidMesh) -> Any:
+    """A scalar mass matrix without concentrated masses M_ab of nodes, which it holds as the exported model does.
 
     Raises
     ------
     InputError
         There is not more mass than these at a node.
     """
-    left = (scalar - constant).tocsr()
+    at_nodes = slice(0, mesh.n, mesh.dimension)
+    left = (scalar - constant[0, 0][at_nodes, at_nodes]).tocsr()
     if np.any(left.diagonal() <= 0):
         raise InputError(
             "the mass matrix does not hold the concentrated masses of the mesh file: at a node it has less than these. Export mass and "

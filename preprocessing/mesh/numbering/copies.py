@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 GAMMA, FIRST, SECOND = (np.uint64(each) for each in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB))
@@ -10,13 +13,37 @@ DENSE = 16
 """Part of all numbers, one in so many, from which on a table of all of them is faster than sorting."""
 
 
-def distinct(numbers: np.ndarray, n: int) -> np.ndarray:
-    """Those of the numbers 0 to n - 1 that occur, in rising order."""
-    if DENSE * numbers.size < n:
-        return np.unique(numbers)
+def distinct(arrays: Sequence[np.ndarray], n: int) -> np.ndarray:
+    """Those of the numbers 0 to n - 1 that occur in arrays, in rising order."""
+    if DENSE * sum(each.size for each in arrays) < n:
+        return np.unique(np.concatenate([np.zeros(0, np.int64), *(each.ravel() for each in arrays)]))
     there = np.zeros(n, bool)
-    there[numbers] = True
+    for each in arrays:
+        there[each] = True
     return np.flatnonzero(there)
+
+
+def joined(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """Rows of all arrays, of a single one without a copy."""
+    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
+
+
+class Renumbering(NamedTuple):
+    """The new numbers of nodes of which some were left out."""
+
+    table: np.ndarray  # (n,) new number, or -1
+    whole: bool  # whether none was left out
+
+    def of(self, nodes: np.ndarray) -> np.ndarray:
+        """New numbers; where none was left out the array itself."""
+        return nodes if self.whole else self.table[nodes]
+
+    @classmethod
+    def keeping(cls, used: np.ndarray, n: int) -> Renumbering:
+        """The numbers of those of n nodes that are used, in their order."""
+        table = np.full(n, -1)
+        table[used] = np.arange(len(used))
+        return cls(table, len(used) == n)
 
 
 def first_of_copies(elements: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ from preprocessing.mesh.simplices import cut
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.projects.linkage.new_linkage import PER_KILOGRAM, PER_METRE, WORDS, refuse_units
 from preprocessing.projects.new_folder import refuse_occupied, substituted, write_folder
+from preprocessing.projects.solid.mesh_files import mesh_files
 from preprocessing.projects.solid.texts import BODY, README, SCENE
 from preprocessing.recipes.solids.body_tables import Region
 from preprocessing.recipes.solids.node_sets import nodes_in
@@ -29,6 +30,8 @@ WEIGHT, THIN = 0.5, 0.1
 SWIFT = 0.14
 """Duration of the quarter of a turn in parts of sqrt(length / m) s: the tip is accelerated by some five times its weight."""
 STEPS = 100
+WRITTEN = ("body.toml", "scene.toml", "README.md", "body.h5")
+"""Files that the folder gets besides the mesh, the last one by ffrf-preprocess."""
 LIKELY = (1e-3, 20.0)
 """Extent in m of a body that is meant."""
 
@@ -38,7 +41,7 @@ class Solid:
     """A mesh as it will lie in the folder, and the groups that the body is held and gripped at."""
 
     name: str  # of its file
-    content: bytes
+    files: dict[str, bytes]  # place in the folder -> content, of this file and of all that it includes
     mesh: SolidMesh
     clamp: str
     grip: str
@@ -47,7 +50,7 @@ class Solid:
 def new_solid(
     folder: str | Path, mesh: str | Path | None = None, clamp: str = "hub", grip: str = "tip", units: str = "mm-t-s"
 ) -> list[Path]:
-    """Write a folder with a mesh, body.toml, scene.toml and README.md, and mesh.py if the mesh was drawn.
+    """Write a folder with a mesh and all that it includes, body.toml, scene.toml and README.md, and mesh.py if the mesh was drawn.
 
     Parameters
     ----------
@@ -59,7 +62,7 @@ def new_solid(
     Raises
     ------
     InputError
-        The folder is not empty or cannot be written, the mesh cannot be used, or it has no such groups.
+        The folder is not empty or cannot be written, the mesh cannot be used, includes files outside of its folder, or has no such groups.
     """
     refuse_units(units)
     refuse_occupied(folder := Path(folder))
@@ -75,7 +78,7 @@ def new_solid(
         solid, script = _own(Path(mesh), clamp, grip), {}
     texts = {"body.toml": BODY, "scene.toml": SCENE, "README.md": README}
     filled = substituted(texts, _numbers(solid, folder, units, bool(script)))
-    return write_folder(folder, {solid.name: solid.content, **script, **filled})
+    return write_folder(folder, {**solid.files, **script, **filled})
 
 
 def size_question(mesh: str | Path, units: str) -> str:
@@ -95,7 +98,8 @@ def _own(path: Path, clamp: str, grip: str) -> Solid:
     """A mesh from a file, whose groups are checked."""
     if not path.is_file():
         raise InputError(f"there is no mesh {str(path)!r}. Fix the path, or leave --mesh out: then an arm is drawn.")
-    solid = Solid(path.name, path.read_bytes(), read_mesh(path), clamp, grip)
+    read = read_mesh(path)
+    solid = Solid(path.name, mesh_files(path, WRITTEN), read, clamp, grip)
     for option, group in (("--clamp", clamp), ("--grip", grip)):
         if group not in solid.mesh.groups:
             known = ", ".join(map(repr, solid.mesh.groups)) or "none"
@@ -113,7 +117,7 @@ def drawn_arm() -> tuple[Solid, dict[str, bytes]]:
 
     with TemporaryDirectory() as folder:
         arm.main(path := Path(folder) / "arm.msh")
-        solid = Solid("arm.msh", path.read_bytes(), read_mesh(path), "hub", "tip")
+        solid = Solid("arm.msh", {"arm.msh": path.read_bytes()}, read_mesh(path), "hub", "tip")
     return solid, {"mesh.py": Path(arm.__file__).read_bytes()}
 
 

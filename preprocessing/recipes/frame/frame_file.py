@@ -18,6 +18,7 @@ from preprocessing.recipes.frame.frame_tables import (
     FrameSection,
     PolarNode,
 )
+from preprocessing.recipes.frame.member_lines import doubled, loose_contacts
 from preprocessing.recipes.tables import BasisTable, Damping, InterfaceName, Table
 
 ALONG = 1e-6
@@ -43,7 +44,7 @@ class FrameFile(Table):
 
     @model_validator(mode="after")
     def _can_be_meant(self) -> FrameFile:
-        for complaints in (self._unknown(), self._misplaced(), self._shapeless(), self._loose(), self._unheld()):
+        for complaints in (self._unknown(), self._misplaced(), self._shapeless(), self._doubled(), self._loose(), self._unheld()):
             if complaint := next(complaints, ""):
                 raise ValueError(complaint)
         return self
@@ -52,6 +53,11 @@ class FrameFile(Table):
     def places(self) -> dict[str, np.ndarray]:
         """Name -> place (d,) of every node."""
         return positions(self.nodes, self.polar_nodes)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What can be meant, but may also be forgotten: beams and nodes that touch without being connected."""
+        return loose_contacts(self.beams, self.places)
 
     def _unknown(self) -> Iterator[str]:
         """Names that do not exist."""
@@ -111,6 +117,10 @@ class FrameFile(Table):
         if sum(beam.elements for beam in self.beams) > MOST_ELEMENTS:
             yield f"beams: all together have more than {MOST_ELEMENTS} elements; give them fewer"
 
+    def _doubled(self) -> Iterator[str]:
+        """Beams that lie on each other."""
+        yield from doubled(self.beams, self.places)
+
     def _loose(self) -> Iterator[str]:
         """Nodes that no beams connect with the others."""
         reached = {self.beams[0].start}
@@ -118,7 +128,8 @@ class FrameFile(Table):
             for beam in self.beams:
                 reached |= {beam.start, beam.end} if reached & {beam.start, beam.end} else set()
         if lost := [name for name in [*self.nodes, *self.polar_nodes] if name not in reached]:
-            yield f"nodes: no beams lead from {self.beams[0].start} to {', '.join(lost)}; connect them, or leave them out"
+            touching = "".join(f" ({text.removesuffix('.')})" for text in self.warnings)
+            yield f"nodes: no beams lead from {self.beams[0].start} to {', '.join(lost)}; connect them, or leave them out{touching}"
         if unused := set(self.sections) - {beam.section for beam in self.beams}:
             yield f"sections.{min(unused)}: no beam has this section; leave it out"
         if unused := set(self.materials) - {section.material for section in self.sections.values()}:

@@ -36,6 +36,10 @@ class FrameRecipe(Recipe[FrameFile]):
         own = element_parts(self.file.basis.kind) + self.file.basis.parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", picture, *own)
 
+    @property
+    def warnings(self) -> list[str]:
+        return [f"{self.path.name}: {text}" for text in self.file.warnings]
+
     def _named(self) -> list[Path]:
         return []
 
@@ -43,6 +47,9 @@ class FrameRecipe(Recipe[FrameFile]):
         return places(self.file)
 
     def _designs(self, remark: Remark | None) -> DesignSpace:
+        if remark is not None:
+            for text in self.warnings:
+                remark(text)
         return frame_space(self.file)
 
     def _fields(self, designs: DesignSpace) -> dict[str, Any]:

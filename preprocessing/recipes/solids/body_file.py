@@ -58,6 +58,8 @@ class BodyFile(Table):
             return "elements need [material] with youngs_modulus, poisson_ratio and density; add what lacks"
         if self.mesh is None and self.matrices is not None and self.matrices.nodes is None:
             return "finished matrices need the places of their nodes; add matrices.nodes, or [mesh]"
+        if self.matrices is not None and self.matrices.mass_differs and self.material is None:
+            return "matrices.mass_differs is about the density of [material]; without [material] leave it out"
         if self.mesh is None and self.pressure_surfaces:
             return "[pressure_surfaces] are faces of elements; add [mesh]"
         if self.matrices is not None and self.shape_variables:
@@ -88,5 +90,7 @@ class BodyFile(Table):
         matrices = self.matrices
         named = [self.mesh.file if self.mesh else None]
         named += [variable.field for variable in self.shape_variables.values()]
-        named += [matrices.mass, matrices.stiffness, matrices.nodes, matrices.stress] if matrices else []
+        if matrices is not None:
+            named += [matrices.mass, matrices.stiffness, matrices.nodes, matrices.stress]
+            named += dict.fromkeys(matrices.degrees_of(name) for name in (matrices.mass, matrices.stiffness))
         return [name for name in named if name is not None]

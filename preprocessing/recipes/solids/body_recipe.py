@@ -66,7 +66,7 @@ class BodyRecipe(Recipe[BodyFile]):
 
     def _designs(self, remark: Remark | None) -> Any:
         try:
-            from preprocessing.mesh.slits import slit_told
+            from preprocessing.mesh.slits import misfit_told, slit_told
             from preprocessing.recipes.solids.discrete_body import discretised
             from preprocessing.recipes.solids.named_mesh import named_mesh
             from preprocessing.recipes.solids.pieces.piece_bodies import piece_bodies
@@ -77,11 +77,17 @@ class BodyRecipe(Recipe[BodyFile]):
                 "'ffrf-toolkit[preprocessing]'."
             ) from error
         named = named_mesh(self.path, self.file)
-        told = slit_told(named.mesh) if named.mesh.blocks else ""
+        told = [slit_told(named.mesh), misfit_told(named.mesh)] if named.mesh.blocks else []
         if remark is not None:
-            for each in (*filter(None, [told]), *told_of_file(named.mesh), *remarks_on_masses(named)):
+            for each in (*filter(None, told), *told_of_file(named.mesh), *remarks_on_masses(named)):
                 remark(f"{self.path.name}: {each}")
-        return discretised(named) if self.file.pieces is None else piece_bodies(named)
+        if self.file.pieces is not None:
+            return piece_bodies(named)
+        body = discretised(named)
+        if remark is not None:
+            for each in body.mesh.remarks[len(named.mesh.remarks) :]:
+                remark(f"{self.path.name}: {each}")
+        return body
 
     def _fields(self, designs: Any) -> dict[str, Any]:
         from preprocessing.recipes.solids.pieces.joined_model import joined_model

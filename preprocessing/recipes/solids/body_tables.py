@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, FiniteFloat, model_validator
@@ -13,11 +14,16 @@ Coordinates = Annotated[list[FiniteFloat], Field(min_length=2, max_length=3)]
 Box = Annotated[list[FiniteFloat], Field(min_length=4, max_length=6)]
 
 
-class MeshTable(Table):
-    """A mesh: gmsh (.msh), Abaqus (.inp), Nastran (.bdf), VTK (.vtk, .vtu), or any other that meshio reads.
+OF_CALCULIX = (".sti", ".mas")
+"""Endings of the matrices of CalculiX, whose rows a file of the same name and with the ending .dof explains."""
 
-    Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6 or 15) are the body. Without any the body is plane, of triangles
-    (3 or 6 nodes) and quadrilaterals (4, 8 or 9). Elements of lower dimension serve to name groups.
+
+class MeshTable(Table):
+    """A mesh: gmsh (.msh), Abaqus and CalculiX (.inp), Nastran (.bdf, .nas, .fem), VTK (.vtk, .vtu), MED, UNV, Ansys (.cdb), and others.
+
+    The page "From your FE program" tells what of them is read. Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6 or 15)
+    are the body. Without any the body is plane, of triangles (3 or 6 nodes) and quadrilaterals (4, 8 or 9). Elements of lower dimension
+    serve to name groups.
     """
 
     file: FileName  # relative to body.toml
@@ -28,8 +34,10 @@ class MeshTable(Table):
 class MatricesTable(Table):
     """Finished matrices of displacement-based finite elements, free of supports: x and y of node 0, x and y of node 1, and so on.
 
-    In space they have x, y and z of every node. Matrix Market (.mtx), the text of Abaqus' MATRIX GENERATE (.mtx; its node labels count
-    from 1), or SciPy (.npz). A symmetric matrix may be given by one of its triangles where its file says so, as the first two can.
+    In space they have x, y and z of every node. Matrix Market (.mtx), the text of Abaqus' MATRIX OUTPUT (.mtx, in any of its formats), the
+    .sti and .mas of CalculiX with their .dof, or SciPy (.npz). The texts of Abaqus and CalculiX may hold either triangle or both, and the
+    node numbers in them are those of the mesh file; a matrix in Matrix Market holds one triangle if its first line says symmetric.
+    Beside a mesh, [material] is compared with the matrices: their mass with density times volume, their stiffness under uniform strains.
     """
 
     mass: FileName  # relative to body.toml
@@ -37,7 +45,19 @@ class MatricesTable(Table):
     nodes: FileName | None = (
         None  # x, y (and z) of one node per line (.csv), or such an array (.npy, .npz); else those of the mesh
     )
+    dof: FileName | None = (
+        None  # which node and direction each row of CalculiX's .sti and .mas is; by default the .dof of the same name
+    )
+    mass_differs: bool = (
+        False  # true: the mass is not density times volume, for example because of point masses; it has a scale instead
+    )
     stress: FileName | None = None  # stress per nodal displacement, one row (in space six) for each stress point; needs no mesh
+
+    def degrees_of(self, name: str) -> str | None:
+        """Name of the file that says what the rows of a matrix file are, if it needs one."""
+        if self.dof is not None:
+            return self.dof
+        return str(PurePath(name).with_suffix(".dof")) if PurePath(name).suffix.lower() in OF_CALCULIX else None
 
 
 class Region(Table):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -18,16 +18,25 @@ from preprocessing.discretisation.discretisation import STEP
 from preprocessing.elements.kinds.solid import Solid, element_solid, finished_solid, parameters_of
 from preprocessing.elements.solids.elasticity import SolidMatrices, solid_matrices
 from preprocessing.elements.solids.elements import ElementBlock, element_blocks
+from preprocessing.elements.solids.finished import scalar_mass, without_constant
 from preprocessing.elements.solids.geometric_stiffness import StressedSolid
 from preprocessing.elements.solids.stress import Rows, stress_rows
 from preprocessing.elements.solids.stress_error import Elastic
+from preprocessing.elements.solids.uniform_material import (
+    UniformMaterial,
+    refuse_other_mass,
+    refuse_other_stiffness,
+    volume_of,
+    volume_of_mass,
+)
 from preprocessing.elements.space import Pair
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.faces import BoundaryFaces
-from preprocessing.mesh.matrix_file import read_matrix, read_square
+from preprocessing.mesh.matrix_file import read_matrix, square_of
 from preprocessing.mesh.overlaps import refuse_overlaps
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.solids.body_file import BodyFile
+from preprocessing.recipes.solids.body_tables import MatricesTable
 from preprocessing.recipes.solids.named_mesh import NamedMesh, named_mesh
 from preprocessing.recipes.solids.node_sets import Boundary
 from preprocessing.recipes.solids.point_masses import at_nodes, constant_masses
@@ -69,6 +78,8 @@ def discretised(named: NamedMesh) -> DiscreteBody:
     file, mesh = named.file, named.mesh
     material, section = file.material, file.section
     made_with = {} if material is None else {"youngs_modulus": material.youngs_modulus, "density": material.density}
+    if file.matrices is not None and file.matrices.mass_differs:
+        made_with = {"youngs_modulus": made_with["youngs_modulus"], "mass_scale": 1.0}
     made_with |= {} if section is None else {"width": section.width}
     values = dict(parameters_of(made_with, file.damping.model_dump()))
     ties = named.ties(mesh.nodes)
@@ -79,7 +90,8 @@ def discretised(named: NamedMesh) -> DiscreteBody:
         others = {"poisson_ratio": _ratio(file), **{name: variable.value for name, variable in file.shape_variables.items()}}
         solid, changes, elastic = _from_elements(named, values, ties)
     else:
-        solid = _from_files(named, made_with)
+        solid, remarks = _from_files(named, made_with)
+        mesh = replace(mesh, remarks=(*mesh.remarks, *remarks))
     parts = assemble(solid)
     changes = chain(changes, _beside_masses(parts, named, values, ties, solid.stressed))
     return DiscreteBody(mesh, parts, values, others, changes, named.clamped, ties, named.boundary, named.surfaces, elastic, solid)
@@ -170,24 +182,39 @@ def _beside_masses(
             yield name, BodyChange(parts.none.at(values), named.mesh, ties, normals, stressed, -mass / values[name])
 
 
-def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> Solid:
-    path, file, mesh, boundary = named.path, named.file, named.mesh, named.boundary
+def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> tuple[Solid, list[str]]:
+    """The body of finished matrices, and what the user should know of how they were read."""
+    path, file, mesh = named.path, named.file, named.mesh
     assert file.matrices is not None
     found = []
     for key in ("mass", "stiffness"):
         with at_key(path, f"matrices.{key}"):
-            found.append(read_square(path.parent / getattr(file.matrices, key), mesh.n, mesh.dimension))
-    stress = sparse.csr_array((0, mesh.n))
-    if file.matrices.stress is not None:
+            found.append(_square(path, file.matrices, getattr(file.matrices, key), mesh))
+    (mass, of_mass), (stiffness, of_stiffness) = found
+    blocks = []
+    if file.material is not None and mesh.blocks:
+        with at_key(path, "mesh.file"):
+            blocks = element_blocks(mesh)
+    stress = _finished_stress(named, blocks)
+    with at_key(path, "matrices"):
+        solid = finished_solid(mesh, mass, stiffness, stress, made_with, _among_finished(mesh))
+        _compare(named, blocks, mass, stiffness)
+    return solid, [*dict.fromkeys(remark for remark in (of_mass, of_stiffness) if remark)]
+
+
+def _finished_stress(named: NamedMesh, blocks: list[ElementBlock]) -> Any:
+    """Stress per nodal displacement, from its file, or from the elements where there are both these and their material."""
+    path, file, mesh = named.path, named.file, named.mesh
+    if file.matrices is not None and file.matrices.stress is not None:
         with at_key(path, "matrices.stress"):
             stress = read_matrix(path.parent / file.matrices.stress, mesh.n, mesh.dimension)
-            _refuse_other_points(stress.shape[0], boundary, mesh)
-    elif boundary is not None and file.material is not None and file.material.poisson_ratio is not None:
-        first, shear = _stress(named, element_blocks(mesh))
-        by_lambda, by_mu = lame_factors(_ratio(file), _state(file, mesh))
-        stress = file.material.youngs_modulus * (by_lambda * first + by_mu * shear)
-    with at_key(path, "matrices"):
-        return finished_solid(mesh, found[0], found[1], stress, made_with, _among_finished(mesh))
+            _refuse_other_points(stress.shape[0], named.boundary, mesh)
+        return stress
+    if not blocks or file.material is None or file.material.poisson_ratio is None:
+        return sparse.csr_array((0, mesh.n))
+    first, shear = _stress(named, blocks)
+    by_lambda, by_mu = lame_factors(_ratio(file), _state(file, mesh))
+    return file.material.youngs_modulus * (by_lambda * first + by_mu * shear)
 
 
 def _among_finished(mesh: SolidMesh) -> dict[Pair, Any] | None:
@@ -200,6 +227,36 @@ def _among_finished(mesh: SolidMesh) -> dict[Pair, Any] | None:
             "what it holds. Leave them out of the mesh: leave_out in [mesh]; then all of the matrix follows the density."
         )
     return constant_masses(mesh)
+
+
+def _square(path: Path, matrices: MatricesTable, name: str, mesh: SolidMesh) -> tuple[Any, str]:
+    """One of the two matrices, in the order of the nodes of the mesh, and a remark."""
+    degrees = matrices.degrees_of(name)
+    if degrees is not None and matrices.dof is None and not (path.parent / degrees).exists():
+        raise InputError(
+            f"CalculiX writes {degrees!r} beside {name!r}, which says what its rows are, and it is not there. Put it there, or name it: "
+            "matrices.dof."
+        )
+    return square_of(
+        path.parent / name, len(mesh.nodes), mesh.dimension, mesh.labels, None if degrees is None else path.parent / degrees
+    )
+
+
+def _compare(named: NamedMesh, blocks: list[ElementBlock], mass: Any, stiffness: Any) -> None:
+    """Refuse matrices that are not those of the material, in the elements of the mesh where there is one."""
+    file, mesh, given = named.file, named.mesh, named.file.material
+    if given is None or file.matrices is None or (file.matrices.mass_differs and not blocks):
+        return
+    state, scalar = _state(file, mesh), scalar_mass(mass, mesh.dimension)
+    if mesh.masses and not file.matrices.mass_differs:
+        scalar = without_constant(scalar, constant_masses(mesh), mesh)
+    lame = None if given.poisson_ratio is None else lame_factors(given.poisson_ratio, state)
+    width = file.section.width if file.section else 1.0
+    material = UniformMaterial(given.youngs_modulus, given.density, lame, width, state)
+    volume = volume_of(blocks) if blocks else volume_of_mass(mesh, scalar, material)
+    if blocks:
+        refuse_other_mass(mesh, scalar, material, volume, file.matrices.mass_differs)
+    refuse_other_stiffness(mesh, stiffness, material, volume)
 
 
 def _refuse_other_points(rows: int, boundary: Boundary | None, mesh: SolidMesh) -> None:

@@ -1,14 +1,14 @@
 """HDF5 as the program uses it: written with checksums, and read as if an enemy had written it.
 
-The library is never given a file to read: with the right checksums a few changed bytes end its process, or worse. `hdf5_reader` reads
-what this program writes, in Python, and refuses the rest of the format.
+The library is never given a file to read in this process: with the right checksums a few changed bytes end it, or worse. `hdf5_reader`
+reads what this program writes, in Python, and refuses the rest of the format; `plain_hdf5` brings files of other programs into that form.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.files.hdf5_reader.objects import SIGNATURE, File, Group
-from toolkit.foundation.files.hdf5_reader.source import Source
+from toolkit.foundation.files.hdf5_reader.objects import FORMAT, MOST_BYTES, SIGNATURE, SQUEEZED, File, Group
+from toolkit.foundation.files.hdf5_reader.source import OtherForm, Source
 from toolkit.foundation.files.hdf5_reader.storage import Array
+from toolkit.foundation.files.plain_hdf5 import in_own_form
 from toolkit.foundation.files.regular_file import opened
 from toolkit.foundation.files.replaced_file import write_whole
 
@@ -27,15 +28,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SIGNATURE", "Content", "reading", "schema_of", "text_of", "write_array", "writing"]
 
-FORMAT = ("v110", "v110")
-"""Version of HDF5's own structures: from this one on they carry checksums, so that a flipped bit is noticed and not followed."""
-
 SMALL, SMALL_SCALAR = 1024, 60_000
 """Bytes of an array, and of a single text, up to which it is kept within those structures and needs no checksum of its own."""
-
-SQUEEZED, MOST_BYTES = 1100, 2**34
-"""Most that HDF5's compression makes of a byte, with a little to spare, and most that all arrays of a file can be: a file that claims
-more was never written."""
 
 _UNREADABLE = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError, MemoryError)
 """What the system, numpy and the parsers raise on damaged content."""
@@ -82,6 +76,8 @@ class Content:
     def __init__(self, file: File, size: int) -> None:
         self._file = file
         self._left = min(SQUEEZED * size, MOST_BYTES)
+        self.plain = False
+        """Whether the file was plain HDF5 of another program, without checksums."""
         self.bytes_read: dict[str, int] = {}
         """Group -> bytes of its arrays that were read, as they are stored in the file."""
 
@@ -122,6 +118,10 @@ class Content:
         owner = self._group(name)
         return {key: owner.attribute(key) for key in owner.attributes}
 
+    def in_order(self, name: str) -> bool:
+        """Whether the file keeps the order in which the attributes of a group were made."""
+        return self._group(name).in_order
+
     def _read(self, name: str) -> np.ndarray:
         """An array, if what is claimed for all can be in the file."""
         data = self._found(name)
@@ -156,10 +156,13 @@ class _Lacking(ValueError, LookupError):
 
 
 @contextmanager
-def reading(path: Path, damaged: Callable[[str], ToolkitError]) -> Iterator[Content]:
-    """The content of a file; whatever it makes the libraries raise becomes the error that `damaged` makes of its reason."""
+def reading(path: Path, damaged: Callable[[str], ToolkitError], foreign: bool = False) -> Iterator[Content]:
+    """The content of a file; whatever it makes the libraries raise becomes the error that `damaged` makes of its reason.
+
+    With `foreign` the file may be plain HDF5 of another program.
+    """
     try:
-        with _opened(path) as content:
+        with _opened(path) if not foreign else _opened_of_any_program(path) as content:
             yield content
     except ToolkitError:
         raise
@@ -173,9 +176,9 @@ def schema_of(path: Path) -> str | None:
 
 
 def text_of(path: Path, attribute: str) -> str | None:
-    """One attribute of a file; None if it has none, or cannot be read as one of the program's."""
+    """One attribute of a file, also of plain HDF5 of another program; None if it has none, or cannot be read."""
     try:
-        with _opened(path) as content:
+        with _opened_of_any_program(path, head=True) as content:
             return str(content.attributes()[attribute])
     except _UNREADABLE:
         return None
@@ -187,3 +190,17 @@ def _opened(path: Path) -> Iterator[Content]:
     with opened(path) as file:
         size = os.fstat(file.fileno()).st_size
         yield Content(File(Source(file, size)), size)
+
+
+@contextmanager
+def _opened_of_any_program(path: Path, head: bool = False) -> Iterator[Content]:
+    """The same, also of plain HDF5 of another program, which its root gives away; with `head` of the root's attributes alone."""
+    with ExitStack() as stack:
+        try:
+            content = stack.enter_context(_opened(path))
+            content.attributes()
+        except OtherForm:
+            own = in_own_form(path, head)
+            content = Content(File(Source(BytesIO(own), len(own))), len(own))
+            content.plain = True
+        yield content

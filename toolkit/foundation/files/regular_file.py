@@ -63,7 +63,9 @@ def read_whole(path: Path, most: int) -> bytes:
     """
     with opened(path) as file:
         size = os.fstat(file.fileno()).st_size
-        content = file.read(most + 1) if size <= most else b""
+        content = file.read(size + 1) if size <= most else b""  # room for the most is more than a bounded process has
+        if len(content) > size:  # it grew meanwhile
+            content += file.read(most - size)
     if size > most or len(content) > most:
         raise OSError(errno.EFBIG, f"it has more than {most} bytes", str(path))
     return content

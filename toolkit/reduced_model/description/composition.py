@@ -74,7 +74,8 @@ class Composition:
                 entries = kept
             if entries:
                 found[name] = _json(entries)
-        return {**found, **({"not_listed": _json(more)} if more else {})}
+        found |= {"not_listed": _json(more)} if more else {}
+        return dict(sorted(found.items()))  # in the order in which files of other programs list them
 
 
 def plain_text(text: str, longest: int = LONGEST_NAME) -> str:
@@ -128,7 +129,8 @@ def _parsed(name: str, value: Any) -> Any:
 
 
 def _count(value: Any, _dimension: int = 0) -> int:
-    """A whole number that counts something."""
+    """A whole number that counts something; MATLAB writes it as a floating-point number."""
+    value = int(value) if type(value) is float and value.is_integer() else value
     if type(value) is not int or not 0 <= value < 2**53:
         raise ValueError("it counts nothing")
     return value

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from toolkit.foundation.files.hdf5_reader.source import Cursor, Source
+from toolkit.foundation.files.hdf5_reader.source import Cursor, OtherForm, Source
 
 DATASPACE, LINK_INFO, DATATYPE, LINK, EXTERNAL, LAYOUT, FILTERS, ATTRIBUTE, CONTINUATION, SYMBOLS, ATTRIBUTE_INFO = (
     *(0x01, 0x02, 0x03, 0x06, 0x07, 0x08, 0x0B, 0x0C, 0x10, 0x11, 0x15),
@@ -57,7 +57,7 @@ def read_header(source: Source, place: int) -> Header:
     """The header at a place of the file, with all its continuations."""
     start = Cursor(source.at(place, min(64, source.size - place) if place < source.size else 64))
     if start.take(4) != b"OHDR":
-        raise ValueError("what stands there was written by another program, in a format without checksums")
+        raise OtherForm("what stands there was written by another program, in a format without checksums")
     start.expect(2, "version of a header")
     flags = start.number(1)
     start.take((16 if flags & _TIMES else 0) + (4 if flags & _PHASES else 0))
@@ -76,7 +76,7 @@ def read_header(source: Source, place: int) -> Header:
                 seen.add(next_place)
                 blocks.append(source.block(next_place, count, b"OCHK"))
     if any(each.kind == SYMBOLS for each in messages):
-        raise ValueError("a group was written by another program, in a format without checksums")
+        raise OtherForm("a group was written by another program, in a format without checksums")
     return Header(tuple(messages), bool(flags & _ORDERED))
 
 

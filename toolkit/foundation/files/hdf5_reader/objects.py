@@ -4,19 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 from typing import Any
 
 import numpy as np
 
 from toolkit.foundation.files.hdf5_reader.header import ATTRIBUTE, ATTRIBUTE_INFO, LAYOUT, LINK, LINK_INFO, Header, read_header
 from toolkit.foundation.files.hdf5_reader.heap import Heap
-from toolkit.foundation.files.hdf5_reader.source import UNDEFINED, Cursor, Source
+from toolkit.foundation.files.hdf5_reader.source import UNDEFINED, Cursor, OtherForm, Source
 from toolkit.foundation.files.hdf5_reader.storage import Array
 from toolkit.foundation.files.hdf5_reader.tree import ATTRIBUTES_BY_NAME, LINKS_BY_NAME, Tree
 from toolkit.foundation.files.hdf5_reader.types import read_shape, read_type
 
 SIGNATURE, OLDEST = b"\x89HDF\r\n\x1a\n", 3
 """First bytes of every HDF5 file, and behind them the number of its format, of which this is the first that has checksums."""
+FORMAT = ("v110", "v110")
+"""The same for the library, when it writes: from this version on a flipped bit is noticed and not followed."""
+SQUEEZED, MOST_BYTES = 1100, 2**34
+"""Most that HDF5's compression makes of a byte, with a little to spare, and most that all arrays of a file can be: a file that claims
+more was never written."""
 _ORDERED = 0x01
 _HARD = 0
 
@@ -51,6 +57,11 @@ class Group:
         found = [_link(Cursor(content)) for content in contents]
         return _by_name([(link.name, link.order, link) for link in found], bool(flags & _ORDERED))
 
+    @property
+    def in_order(self) -> bool:
+        """Whether the file keeps the order in which its attributes were made."""
+        return self._header.ordered
+
     @cached_property
     def attributes(self) -> dict[str, bytes]:
         """What the file holds of each attribute, in the order of `links`."""
@@ -78,11 +89,12 @@ class Group:
         cursor.take(1)
         _, kind, space = (Cursor(cursor.take(size)) for size in sizes)
         try:
-            dtype = read_type(kind)
-            if shared or read_shape(space):
-                raise ValueError("it is many, or its type lies elsewhere")
+            dtype, shape = read_type(kind), read_shape(space)
+            if shared or shape:
+                error = OtherForm if not shared and prod(shape) == 1 else ValueError
+                raise error("it is many, or its type lies elsewhere")
         except ValueError as error:
-            raise ValueError(f"the attribute {name} is neither a number nor a text of fixed length: {error}") from error
+            raise type(error)(f"the attribute {name} is neither a number nor a text of fixed length: {error}") from error
         value: Any = np.frombuffer(cursor.take(dtype.itemsize), dtype)[0]
         return value.decode() if isinstance(value, bytes) else value.item()
 
@@ -95,7 +107,7 @@ class File(Group):
         if not start.startswith(SIGNATURE):
             raise ValueError("it is no HDF5 file")
         if start[-1] != OLDEST:
-            raise ValueError("it was written by another program or another version of this one, in a format without checksums")
+            raise OtherForm("it was written by another program or another version of this one, in a format without checksums")
         block = source.block(0, 48, SIGNATURE)
         block.take(1)
         sizes, base, _, end, root = block.take(3), *(block.number(8) for _ in range(4))

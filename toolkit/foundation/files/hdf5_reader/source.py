@@ -12,6 +12,10 @@ MOST_CHECKED = 2**26
 _WORD = 0xFFFFFFFF
 
 
+class OtherForm(ValueError):
+    """A part of the file has a form that this program never writes, though HDF5 knows it: another program may have written it."""
+
+
 class Source:
     """An open file, read in pieces; every method raises ValueError for what cannot be.
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.foundation.files.hdf5_reader.source import Cursor
+from toolkit.foundation.files.hdf5_reader.source import Cursor, OtherForm
 
-_WHOLE, _FLOATING, _TEXT = 0, 1, 3
+_WHOLE, _FLOATING, _TEXT, _VARIABLE = 0, 1, 3, 9
 _NAMES = {
     2: "a time",
     4: "bits",
@@ -37,14 +37,15 @@ def read_type(message: Cursor) -> np.dtype:
         found = (bits >> 8 & 0xFF, *layout, message.number(4))
         if bits & 0xFE == 0x20 and (offset, precision) == (0, 8 * size) and found == _FORMATS[size]:
             return np.dtype(f"{'>' if bits & 1 else '<'}f{size}")
-    raise ValueError(f"it is {_NAMES.get(kind, 'of a foreign kind')} instead of numbers")
+    error = OtherForm if kind == _VARIABLE else ValueError
+    raise error(f"it is {_NAMES.get(kind, 'of a foreign kind')} instead of numbers")
 
 
 def read_shape(message: Cursor) -> tuple[int, ...]:
     """Number of entries along each axis; none for a single number."""
     version, rank, _ = message.number(1), message.number(1), message.number(1)
     if version != 2:
-        raise ValueError(f"version of a shape is {version} instead of 2")
+        raise OtherForm(f"version of a shape is {version} instead of 2")
     kind = message.number(1)
     if kind not in (_SCALAR, _SIMPLE) or (kind == _SCALAR and rank):
         raise ValueError("it is empty")

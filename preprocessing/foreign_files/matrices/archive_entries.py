@@ -1,34 +1,13 @@
-"""Entries of a sparse matrix, whatever the format of its file: rows, columns and values, of which equal places add up."""
+"""Entries of the sparse matrices that SciPy keeps in .npz archives, in each of its formats."""
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from preprocessing.foreign_files.number_table import archive
-
-MATRIX_MARKET = b"%%MatrixMarket"
-SHORTEST_ENTRY = 2
-"""Bytes of a line of Matrix Market: a digit and its end."""
-
-
-def matrix_entries(path: str, n: str, dimension: str) -> dict[str, Any]:
-    """Shape, rows, columns and values of SciPy's .npz, Matrix Market, or Abaqus' text for n coordinates of nodes in space."""
-    file = Path(path)
-    if file.suffix == ".npz":
-        shape, row, column, value = of_archive(archive(file))
-    elif (content := file.read_bytes()).startswith(MATRIX_MARKET):
-        shape, row, column, value = of_matrix_market(content, file)
-    else:
-        shape, row, column, value = of_abaqus(file, int(n), int(dimension))
-    return {"shape": [int(size) for size in shape], "row": row, "column": column, "value": value}
-
-
 Entries = tuple[Any, np.ndarray, np.ndarray, np.ndarray]
-"""Shape, rows, columns and values."""
+"""Shape, rows, columns and values; equal places add up."""
 
 
 def of_archive(arrays: dict[str, np.ndarray]) -> Entries:
@@ -84,34 +63,3 @@ def _of_diagonals(offsets: np.ndarray, data: np.ndarray, shape: list[int]) -> tu
     row = column - offsets[:, None]
     inside = (column < shape[1]) & (row >= 0) & (row < shape[0])
     return row[inside], column[inside], data[inside]
-
-
-def of_matrix_market(content: bytes, file: Path) -> Entries:
-    """Of the exchange format of NIST; raises ValueError if its lines cannot hold what the first ones claim."""
-    from scipy import io, sparse
-
-    if b"\0" in content:
-        raise ValueError("it holds zero bytes, and is no text")
-    head = re.match(rb"%%MatrixMarket[^\n]*\n(?:[ \t\r]*\n|%[^\n]*\n)*[ \t]*(\d+)[ \t]+(\d+)(?:[ \t]+(\d+))?[ \t\r]*\n", content)
-    if head is None:
-        raise ValueError("it does not say how many rows and columns it has")
-    rows, columns = int(head[1]), int(head[2])
-    claimed = int(head[3]) if head[3] else rows * columns // 2
-    if SHORTEST_ENTRY * claimed > len(content):
-        raise ValueError(f"it claims {claimed} entries or more, and has {len(content)} bytes")
-    found = sparse.coo_array(io.mmread(file))
-    return found.shape, found.coords[0].astype(np.int64), found.coords[1].astype(np.int64), found.data
-
-
-def of_abaqus(file: Path, n: int, d: int) -> Entries:
-    """Lines `node, direction, node, direction, value`, of one triangle or of both."""
-    lines = np.loadtxt(file, delimiter=",", ndmin=2, comments="*")
-    known = len(lines) and lines.shape[1] == 5 and np.all(lines[:, :4] >= 1) and np.all(lines[:, :4] == np.floor(lines[:, :4]))
-    if not known or np.any(lines[:, [1, 3]] > d) or np.any(lines[:, [0, 2]] > n // d):
-        raise ValueError(f"lines of Abaqus are node, direction 1 to {d}, node, direction, value, with nodes from 1 to {n // d}")
-    row, column = (d * (lines[:, [0, 2]].astype(np.int64) - 1) + lines[:, [1, 3]].astype(np.int64) - 1).T
-    if np.any(row < column) and np.any(row > column):
-        return (n, n), row, column, lines[:, 4]
-    other = row != column
-    value = np.concatenate([lines[:, 4], lines[other, 4]])
-    return (n, n), np.concatenate([row, column[other]]), np.concatenate([column, row[other]]), value

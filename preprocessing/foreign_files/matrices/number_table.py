@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from io import BytesIO
 from math import prod
@@ -9,20 +10,51 @@ from pathlib import Path
 
 import numpy as np
 
+from preprocessing.foreign_files.matrices.number_lines import number_lines, plain_text
+
 UNPACKED, UNPACKED_PER_BYTE = 2**28, 50
 """Most bytes that an archive may unpack to: the first, and this many for each of its bytes; numbers of places pack ten to one."""
 LONGEST_HEADER = 10_000
 """Bytes of the text in a .npy file that says what it holds."""
 
 
+WIDEST = 10_000
+"""Most fields of a line of a text; a table of nodes has three."""
+NAMES = re.compile(rb"\s*\"?x\"?\s*,\s*\"?y\"?\s*(?:,\s*\"?z\"?\s*)?", re.IGNORECASE)
+"""The only first line of words whose meaning is plain: the names of the coordinates."""
+
+
 def number_table(path: str) -> np.ndarray:
-    """The array of a .npy file, the first one of a .npz archive, or the numbers of a text with commas."""
+    """The array of a .npy file, the only one of a .npz archive, or the numbers of a text with commas."""
     file = Path(path)
     if file.suffix == ".npy":
         return array_of(file.read_bytes())
     if file.suffix == ".npz":
-        return next(iter(archive(file).values()))
-    return np.loadtxt(file, delimiter=",", ndmin=2)
+        return _only_one(archive(file))
+    return table_of(file.read_bytes())
+
+
+def table_of(content: bytes) -> np.ndarray:
+    """The numbers of a text with a comma between two of them, or blanks where there is no comma at all.
+
+    What follows # is a comment, and the first line may name the coordinates.
+
+    Raises
+    ------
+    ValueError
+        It names the first line that is none of numbers.
+    """
+    text = re.sub(rb"#[^\n]*", b"", plain_text(content))
+    first, _, rest = text.partition(b"\n")
+    body, before = (rest, 1) if NAMES.fullmatch(first) else (text, 0)
+    return number_lines(body, range(1, WIDEST), "," if b"," in body else None, before)
+
+
+def _only_one(arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """The array of an archive that holds no other, so that none is taken by chance."""
+    if len(arrays) > 1:
+        raise ValueError(f"it holds {len(arrays)} arrays, and it is not clear which of them is meant; keep one")
+    return next(iter(arrays.values()))
 
 
 def archive(path: Path) -> dict[str, np.ndarray]:

@@ -1,0 +1,1 @@
+"""Meshes of VTK: the simple format .vtk and the one in XML, .vtu."""
