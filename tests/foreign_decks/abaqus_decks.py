@@ -20,11 +20,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from preprocessing.foreign_files.abaqus.reader import read_deck
-from tests.foreign_decks.deck_files import Folded, folded
-from tests.foreign_decks.deck_parts import PartWriter, Scope
-from tests.foreign_decks.deck_truth import Content, Member, Placed, Truth, difference
-from tests.foreign_decks.deck_writing import HEADINGS, Chunk, Pen
-from tests.foreign_decks.lattice_bodies import random_body, random_rotation
+from tests.foreign_decks.abaqus.files import Folded, folded
+from tests.foreign_decks.abaqus.lattice_bodies import random_body, random_rotation
+from tests.foreign_decks.abaqus.parts import PartWriter
+from tests.foreign_decks.abaqus.scope import Scope
+from tests.foreign_decks.abaqus.truth import Content, Member, Placed, Truth, difference
+from tests.foreign_decks.abaqus.writing import HEADINGS, Chunk, Pen
 from toolkit.foundation.errors import InputError
 
 MATERIALS = (
@@ -103,7 +104,9 @@ class DeckWriter:
         """The deck."""
         if self.rng.random() < 0.6:
             self.chunks.append(Chunk(self.pen.head("HEADING"), self.rng.sample(HEADINGS, self.rng.randint(0, 3))))
-        structure = self.rng.choice([self.flat, self.flat, self.one_part, self.one_instance, self.within_instance, self.twice, self.two_parts])  # fmt: skip
+        structure = self.rng.choice(
+            [self.flat, self.flat, self.one_part, self.one_instance, self.within_instance, self.twice, self.two_parts]
+        )
         self.features.add(structure.__name__)
         structure()
         self.others(STEP if self.rng.random() < 0.7 else ())
@@ -270,7 +273,11 @@ class DeckWriter:
         if self.rng.random() < 0.4:
             self.features.add("*INSTANCE moved")
             return np.eye(3), moved, rows
-        a, axis, degrees = np.array([self.rng.uniform(-2, 2) for _ in range(3)]), random_rotation(self.rng)[:, 2], self.rng.choice([90.0, -30.0, 123.4])  # fmt: skip
+        a, axis, degrees = (
+            np.array([self.rng.uniform(-2, 2) for _ in range(3)]),
+            random_rotation(self.rng)[:, 2],
+            self.rng.choice([90.0, -30.0, 123.4]),
+        )
         rows.append([repr(float(x)) for x in (*a, *(a + self.rng.uniform(0.5, 2.0) * axis), degrees)])
         turn = np.asarray(Rotation.from_rotvec(axis * np.deg2rad(degrees)).as_matrix())
         self.features.add("*INSTANCE turned")

@@ -10,8 +10,8 @@ import pytest
 
 from preprocessing.foreign_files.abaqus.reader import read_deck
 from preprocessing.mesh.mesh_file import read_mesh
+from tests.foreign_decks.abaqus.defects import DEFECTS, SECRET, Defect, broken
 from tests.foreign_decks.abaqus_decks import CARRIERS, random_deck, wrong
-from tests.foreign_decks.deck_defects import DEFECTS, SECRET, Defect, broken
 from toolkit.foundation.errors import InputError
 
 FEW, MANY = 150, 2000
@@ -56,7 +56,7 @@ def test_random_decks_have_every_feature():
 
 def test_a_difference_is_seen(tmp_path):
     """The comparison itself: the truth of another deck is not what this one holds, nor is one with a node that is elsewhere."""
-    from tests.foreign_decks.deck_truth import difference
+    from tests.foreign_decks.abaqus.truth import difference
 
     deck = random_deck(1)
     found = read_deck(deck.written(tmp_path), deck.leave_out)

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from preprocessing.foreign_files.abaqus.reader import read_deck
+from tests.foreign_decks.abaqus.files import folded
+from tests.foreign_decks.abaqus.lattice_bodies import random_body
+from tests.foreign_decks.abaqus.parts import PartWriter
+from tests.foreign_decks.abaqus.truth import Truth, difference
+from tests.foreign_decks.abaqus.writing import Chunk, Pen
 from tests.foreign_decks.abaqus_decks import Deck, DeckWriter
-from tests.foreign_decks.deck_files import folded
-from tests.foreign_decks.deck_parts import PartWriter
-from tests.foreign_decks.deck_truth import Truth, difference
-from tests.foreign_decks.deck_writing import Chunk, Pen
-from tests.foreign_decks.lattice_bodies import random_body
 
 pytestmark = pytest.mark.robustness
 DECKS = 100

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import permutations, product
+from itertools import pairwise, permutations, product
 from random import Random
 from typing import NamedTuple
 
@@ -121,7 +121,7 @@ def _stations(rng: Random, count: int, even: bool) -> list[float]:
     corners = [0.0]
     for _ in range(count):
         corners.append(corners[-1] + (step if even else step * rng.choice([1, 1, 2, 0.75])))
-    middles = [(a + b) / 2 for a, b in zip(corners, corners[1:], strict=False)]
+    middles = [(a + b) / 2 for a, b in pairwise(corners)]
     return [x for pair in zip(corners, [*middles, 0.0], strict=True) for x in pair][:-1]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from preprocessing.foreign_files.contents import Elements, MeshContents
-from tests.foreign_decks.lattice_bodies import Cell, linear
+from tests.foreign_decks.abaqus.lattice_bodies import Cell, linear
 
 Key = tuple[str, int]
 """Label of an instance, empty without instances and for the assembly, and number of a node."""

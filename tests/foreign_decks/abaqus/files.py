@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from random import Random
 
-from tests.foreign_decks.deck_writing import Chunk, as_file
+from tests.foreign_decks.abaqus.writing import Chunk, as_file
 
 FOLDERS = ("", "", "mesh/", "a b/")
 
