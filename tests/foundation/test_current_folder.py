@@ -9,6 +9,7 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
+import h5py
 import pytest
 from PIL import Image
 from typer.testing import CliRunner
@@ -85,6 +86,15 @@ def test_models_that_are_built_afresh_as_certify_and_tradeoff_do(trap, tmp_path)
     assert not trap.exists()
 
 
+def test_a_model_of_another_program_that_the_library_rewrites(trap, tmp_path):
+    with h5py.File(WING / "skin.h5") as good, h5py.File(tmp_path / "skin.h5", "w", track_order=True) as plain:
+        for name in good:
+            good.copy(name, plain)
+        plain.attrs.update({name: value.decode() if isinstance(value, bytes) else value for name, value in good.attrs.items()})
+    assert load(tmp_path / "skin.h5").plain
+    assert not trap.exists()
+
+
 def test_a_pool_of_processes_as_tradeoff_and_stability_start_it(trap):
     found = dict(
         done_at(Place(processes=2), plain, {1: "a", 2: "b"})
@@ -132,6 +142,7 @@ def test_no_other_code_starts_processes_than_what_is_tested_here():
     found = {file.relative_to(ROOT).as_posix() for file in files if starts.search(code[file])}
     assert found == {
         *(
+            "toolkit/foundation/files/plain_hdf5.py",
             "toolkit/foundation/processes/preprocessing_process.py",
             "toolkit/render/motion/animation.py",
             "toolkit/render/space/probe.py",
