@@ -1,0 +1,1 @@
+"""How a random deck of Abaqus is made: bodies, their truth, and the ways to write them."""
