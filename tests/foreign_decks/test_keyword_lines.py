@@ -108,3 +108,13 @@ def test_a_mass_on_a_node_that_is_not_tied_as_a_whole_is_refused(tmp_path, ties)
         InputError, match=r"line \d+: a concentrated mass is on the reference node of \*(COUPLING|KINEMATIC|RIGID)"
     ):
         read(tmp_path / "a.inp", BAR + MASS + ties)
+
+
+def test_nodes_of_an_assembly_count_behind_those_of_its_instances(tmp_path):
+    """Numbers of nodes in body.toml are those in the order of the file."""
+    deck = f"*PART, NAME=P\n{BAR}*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n*END INSTANCE\n*NODE, NSET=RP\n1, 9., 9., 9.\n"
+    found = read(tmp_path / "a.inp", deck + "*NSET, NSET=end, INSTANCE=I\n5, 20\n*END ASSEMBLY\n")
+    assert found.points[4].tolist() == [4.0, 0.0, 0.0]
+    assert found.points[20].tolist() == [9.0, 9.0, 9.0]
+    places = {name: nodes[0][1].ravel().tolist() for name, nodes in found.groups}
+    assert (places["RP"], places["end"], places["right"]) == ([20], [4, 19], [4, 14, 9, 19])
