@@ -12,6 +12,7 @@ from preprocessing.foreign_files.abaqus.blocks import deck_files
 from preprocessing.foreign_files.bounds import LARGEST_FILE
 from preprocessing.foreign_files.nastran.lines import named_files
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_whole
 
 DEEPEST, MOST = 20, 1000
@@ -38,6 +39,11 @@ def drawn_on(path: Path) -> list[Path]:
     def follow(each: Path, chain: tuple[str, ...]) -> None:
         for named in _named(path, each):
             place = os.path.realpath(named)
+            if not os.path.lexists(named) and not _is_pair(named):
+                raise InputError(
+                    f"{str(each)!r} names {str(named)!r}, and there is none{meant_path(named, FileNotFoundError())}. Put it there: "
+                    "files are sought from the folder of the mesh file, and from that of the file which names them."
+                )
             if place in chain and not _is_pair(named):
                 raise InputError(
                     f"{str(each)!r} includes {str(named)!r}, which includes it in turn. Take one of the two lines out."

@@ -68,7 +68,8 @@ def assembled(deck: Deck) -> Assembled:
         Several parts stand there without an assembly, or an element names a node that there is not.
     """
     instances, points, first, remarks = list[Numbered](), [np.zeros((0, 3))], 0, [*deck.remarks]
-    for each in _instances(deck):
+    root, *others = _instances(deck)
+    for each in (*others, root):  # what an assembly has itself stands behind its instances in the deck
         labels, places = each.part.places()
         given = sum(len(own) for own, _ in each.part.nodes)
         if given > len(labels) and not each.part.generated:
@@ -77,6 +78,7 @@ def assembled(deck: Deck) -> Assembled:
         points.append(places if each.placement is None else each.placement.applied(places))
         first += len(labels)
     labels = np.concatenate([each.nodes.numbers for each in instances])
+    instances = [instances[-1], *instances[:-1]]
     unique = rises(labels) or len(np.unique(labels)) == len(labels)
     found = Assembled(deck, instances, np.concatenate(points), labels if unique else labels[:0], remarks=remarks)
     for numbered in instances:

@@ -15,7 +15,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from preprocessing.foreign_files.abaqus.vocabulary import spelled
+from preprocessing.foreign_files.abaqus.vocabulary import spelled, spelled_parameter
 from preprocessing.foreign_files.inclusion import included_file
 from toolkit.foundation.errors import InputError
 
@@ -119,6 +119,8 @@ class _Window(RawIOBase):
 
 
 PARAMETER = re.compile(r"""((?:"[^"]*"|[^,"])*)(?:,|\Z)""")
+DATA = re.compile(rb"\s*[0-9+.-]")
+"""Beginning of a data line of numbers, as no parameter begins."""
 WITH_FILES = ("INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET")
 """Keywords whose parameter INPUT names a file with data lines of nodes and elements."""
 
@@ -249,21 +251,24 @@ def keyword_lines(content: Any) -> Iterator[KeywordLine]:
         while line.endswith(b",") and end < len(content):
             stop = content.find(b"\n", end)
             stop = stop + 1 if stop >= 0 else len(content)
-            following, end = content[end:stop], stop
+            following = content[end:stop]
+            if DATA.match(following):  # CalculiX does not mind a comma too many
+                break
+            end = stop
             if not following.lstrip().startswith(b"**"):
                 line = (line + following).rstrip()
         at = end
         name, _, rest = line.decode("utf-8", "replace")[1:].partition(",")
-        yield KeywordLine(spelled(name), _parameters(rest), start, end)
+        yield KeywordLine(keyword := spelled(name), _parameters(keyword, rest), start, end)
 
 
-def _parameters(text: str) -> dict[str, str]:
+def _parameters(keyword: str, text: str) -> dict[str, str]:
     """Name in capitals -> value, as they stand on a keyword line."""
     found = {}
     for each in PARAMETER.findall(text):
         name, _, value = each.partition("=")
         if name.strip():
-            found[spelled(name)] = value.strip()
+            found[spelled_parameter(keyword, name)] = value.strip()
     return found
 
 

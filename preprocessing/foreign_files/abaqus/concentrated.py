@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,11 @@ from preprocessing.foreign_files.abaqus.deck import Deck
 from preprocessing.foreign_files.abaqus.generated import numbers_of
 from preprocessing.foreign_files.abaqus.groups import Groups
 from preprocessing.foreign_files.abaqus.numbers import number
+from preprocessing.foreign_files.abaqus.numbers import whole as whole_number
 from preprocessing.foreign_files.contents import Elements, PointMass
+
+HOW = ("KINEMATIC", "DISTRIBUTING")
+"""Keywords that say how the coupling before them ties its nodes."""
 
 
 def point_masses(deck: Deck, whole: Assembled, cells: Elements, groups: Groups) -> list[PointMass]:
@@ -27,19 +32,30 @@ def point_masses(deck: Deck, whole: Assembled, cells: Elements, groups: Groups) 
     if not blocks:
         return []
     used = np.unique(np.concatenate([nodes.ravel() for _, nodes in cells] or [np.zeros(0, np.int64)]))
-    carriers = dict(_carriers(deck, whole, groups))
+    carriers = list(_carriers(deck, whole, groups))
     return [mass for each in blocks for mass in _masses(deck, whole, each, used, carriers)]
 
 
+class Carriers(NamedTuple):
+    """Nodes that a reference node moves with."""
+
+    reference: int  # place among the points
+    nodes: np.ndarray
+    rigid: bool
+    block: Block
+    plain: bool  # whether all translations are tied, and the reference node stays where it is
+
+
 def _masses(
-    deck: Deck, whole: Assembled, each: PlacedElements, used: np.ndarray, carriers: dict[int, tuple[np.ndarray, bool]]
+    deck: Deck, whole: Assembled, each: PlacedElements, used: np.ndarray, carriers: list[Carriers]
 ) -> Iterator[PointMass]:
     keyword = "MASS" if each.of.type.name == "MASS" else "ROTARY INERTIA"
     for label, (node,) in zip(each.labels.tolist(), each.nodes.tolist(), strict=True):
         block = _property(deck, each, keyword, label)
         values = [number(text, place) for place, row in block.rows() for text in row]
         source = f"{keyword}, line {block.line}"
-        nodes, rigid = carriers.get(node, (np.array([node]), True)) if node not in used else (np.array([node]), True)
+        ties = [] if node in used else [tie for tie in carriers if tie.reference == node]
+        nodes, rigid = _together(ties) if ties else (np.array([node]), True)
         place = tuple(whole.points[node].tolist())
         if keyword == "MASS":
             yield PointMass(place, _isotropic(block, values), nodes, rigid=rigid, source=source)
@@ -83,16 +99,46 @@ def _turned(numbered: Numbered, values: list[float]) -> tuple[float, ...]:
     return tuple(float(tensor[a, b]) for a, b in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
 
 
-def _carriers(deck: Deck, whole: Assembled, groups: Groups) -> Iterator[tuple[int, tuple[np.ndarray, bool]]]:
-    """Reference nodes of rigid bodies and couplings -> the nodes that they move with, and whether these are rigid."""
+def _together(ties: list[Carriers]) -> tuple[np.ndarray, bool]:
+    """The nodes that carry a mass on the reference node of these ties, and whether they are rigid.
+
+    Raises
+    ------
+    InputError
+        A tie leaves the mass free in some direction or moves its node, or several tie it of which one follows a mean.
+    """
+    for tie in ties:
+        if not tie.plain or (len(ties) > 1 and not tie.rigid):
+            raise tie.block.refuse(
+                f"a concentrated mass is on the reference node of *{tie.block.keyword}, which leaves translations free or moves that node, "
+                "or is one of several of which one follows a mean. Tie the mass by one coupling of all translations, or leave it out: "
+                'leave_out = ["MASS"] in [mesh].'
+            )
+    return np.unique(np.concatenate([tie.nodes for tie in ties])), ties[0].rigid
+
+
+def _carriers(deck: Deck, whole: Assembled, groups: Groups) -> Iterator[Carriers]:
+    """Reference nodes of rigid bodies and couplings, and the nodes that they move with."""
     for k, tie in enumerate(deck.ties):
+        how = deck.ties[k + 1].block if deck.ties[k + 1 :] and deck.ties[k + 1].block.keyword in HOW else tie.block
         for each in whole.instances:
             if tie.part in (each.part, each.part.made_of):
                 reference = groups.nodes(each, "NSET", tie.block.parameters.get("REF NODE", ""))
-                following = deck.ties[k + 1].block.keyword if deck.ties[k + 1 :] else ""
                 nodes = np.concatenate([np.zeros(0, np.int64), *(groups.nodes(each, *what) for what in _tied(tie.block))])
                 if len(reference) == 1 and len(nodes):
-                    yield int(reference[0]), (np.setdiff1d(nodes, reference), following != "DISTRIBUTING")
+                    plain = _holds(how) and not tie.block.parameters.get("POSITION", "").upper().startswith("CENTER")
+                    rigid = how.keyword != "DISTRIBUTING"
+                    yield Carriers(int(reference[0]), np.setdiff1d(nodes, reference), rigid, tie.block, plain)
+
+
+def _holds(block: Block) -> bool:
+    """Whether the lines of a kinematic coupling, which may give first and last degrees of freedom, tie all translations."""
+    first = {"KINEMATIC": 0, "KINEMATIC COUPLING": 1}.get(block.keyword)
+    if first is None:
+        return True
+    spans = [[whole_number(text, place) for text in row[first:] if text] for place, row in block.rows()]
+    tied = {k for span in spans for k in range(span[0], span[-1] + 1)} if all(spans) else {1, 2, 3}
+    return not spans or tied >= {1, 2, 3}
 
 
 def _tied(block: Block) -> Iterator[tuple[str, str]]:

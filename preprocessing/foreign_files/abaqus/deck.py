@@ -15,7 +15,14 @@ from preprocessing.foreign_files.abaqus.generated import generate
 from preprocessing.foreign_files.abaqus.numbers import element_rows, node_rows
 from preprocessing.foreign_files.abaqus.parts import Elements, Face, Part, Set, read_set
 from preprocessing.foreign_files.abaqus.placement import Placement, from_cylindrical, local_system, placement
-from preprocessing.foreign_files.abaqus.vocabulary import CARRIES, TIES, ElementType, element_type, says_nothing
+from preprocessing.foreign_files.abaqus.vocabulary import (
+    CARRIES,
+    TIES,
+    ElementType,
+    element_type,
+    says_nothing,
+    unknown_parameters,
+)
 from toolkit.foundation.errors import InputError
 
 
@@ -83,6 +90,7 @@ class _Reading:
     def take(self, block: Block) -> None:
         """Read one block."""
         keyword = block.keyword
+        self._parameters(block)
         if not keyword:
             self.deck.remarks.append(
                 f"lines of the deck ahead of its first keyword, from line {block.line} on, belong to nothing."
@@ -108,6 +116,19 @@ class _Reading:
             raise block.refuse(
                 "the keyword is none of those that are known, and may stand for a part of the body. Fix its spelling, or leave it out on "
                 "purpose: leave_out in [mesh] takes its name."
+            )
+
+    def _parameters(self, block: Block) -> None:
+        """Tell of parameters that are not known, as CalculiX does; refuse those without a value, which may be data."""
+        unknown = unknown_parameters(block.keyword, block.parameters)
+        if not all(block.parameters[name] for name in unknown):
+            raise block.refuse(
+                f"*{block.keyword} has a parameter that is not known. Take it out, or fix its spelling; and end the line without a comma "
+                "where data follow."
+            )
+        if unknown and block.keyword != "SURFACE":  # those of surfaces say nothing of their faces
+            self.deck.remarks.append(
+                f"{block.place}: *{block.keyword} has a parameter that is not known, and is read without it."
             )
 
     def end(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import NamedTuple
 
 SOLIDS = {4: "tetra", 6: "wedge", 8: "hexahedron", 10: "tetra10", 15: "wedge15", 20: "hexahedron20"}
@@ -179,6 +180,24 @@ OWN = {
     "CHANGE NUMBER", "ELEMENT SHIFT", "SHIFT NODES", "TWO STEP", "ALL NODES",
 }  # fmt: skip
 """Keywords and parameters that are read."""
+PARAMETERS = {
+    "NODE": ("INPUT", "NSET", "SYSTEM"),
+    "ELEMENT": ("ELSET", "FILE", "INPUT", "OFFSET", "TYPE"),
+    "NSET": ("ELSET", "GENERATE", "INPUT", "INSTANCE", "INTERNAL", "NSET", "UNSORTED"),
+    "ELSET": ("ELSET", "GENERATE", "INPUT", "INSTANCE", "INTERNAL", "UNSORTED"),
+    "SURFACE": ("COMBINE", "CROP", "INTERNAL", "NAME", "NO OFFSET", "NO THICK", "TRIM", "TYPE"),
+    "SYSTEM": (),
+    "PART": ("NAME",),
+    "INSTANCE": ("INSTANCE", "LIBRARY", "NAME", "PART"),
+    "NGEN": ("LINE", "NSET", "SYSTEM"),
+    "NFILL": ("BIAS", "NSET", "SINGULAR", "TWO STEP"),
+    "NCOPY": ("CHANGE NUMBER", "MULTIPLE", "NEW SET", "OLD SET", "POLE", "REFLECT", "SHIFT"),
+    "ELGEN": ("ALL NODES", "ELSET"),
+    "ELCOPY": ("ELEMENT SHIFT", "NEW SET", "OLD SET", "REFLECT", "SHIFT NODES"),
+    "MASS": ("ALPHA", "COMPOSITE", "ELSET", "INPUT", "ORIENTATION", "TYPE"),
+    "ROTARY INERTIA": ("ALPHA", "COMPOSITE", "ELSET", "INPUT", "ORIENTATION"),
+}
+"""Keyword that is read -> its parameters."""
 SPELLED = {name.replace(" ", ""): name for name in (*SAY_NOTHING, *CARRIES, *TIES, *OWN)}
 """Name without blanks -> name: blanks count nowhere, so that *ENDSTEP is *END STEP."""
 
@@ -186,6 +205,20 @@ SPELLED = {name.replace(" ", ""): name for name in (*SAY_NOTHING, *CARRIES, *TIE
 def spelled(name: str) -> str:
     """A keyword or parameter, in capitals, as this page spells it; one that it does not have with single blanks between its words."""
     return SPELLED.get("".join(name.split()).upper(), " ".join(name.upper().split()))
+
+
+def spelled_parameter(keyword: str, name: str) -> str:
+    """A parameter of a keyword as this page spells it; its first letters are enough where no other parameter begins with them."""
+    known = PARAMETERS.get(keyword, ())
+    plain = "".join(name.split()).upper()
+    exact = [each for each in known if each.replace(" ", "") == plain]
+    begun = exact or [each for each in known if each.replace(" ", "").startswith(plain)]
+    return begun[0] if len(begun) == 1 else spelled(name)
+
+
+def unknown_parameters(keyword: str, parameters: Mapping[str, str]) -> list[str]:
+    """Those parameters of a keyword that is read which it does not know."""
+    return [name for name in parameters if name not in PARAMETERS[keyword]] if keyword in PARAMETERS else []
 
 
 def says_nothing(keyword: str) -> bool:
