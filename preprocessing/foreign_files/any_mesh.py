@@ -67,7 +67,13 @@ def _read(path: str, file_format: str | None) -> tuple[Any, str]:
     heard = StringIO()
     with redirect_stdout(heard), redirect_stderr(heard), warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
-        raw = meshio.read(path, file_format=file_format)
+        try:
+            raw = meshio.read(path, file_format=file_format)
+        except (SystemExit, KeyError) as error:
+            what = (
+                "meshio reads no mesh in it: it is not whole, or holds a section or a kind of elements that meshio does not know"
+            )
+            raise wrong_file(Path(path), what, REMEDY) from error
     numbers = [each for each in warned if issubclass(each.category, (RuntimeWarning, UserWarning))]
     return raw, " ".join(heard.getvalue().split()) + " Warning" * len(numbers)
 

@@ -1,10 +1,12 @@
-"""What stands on the keyword lines of decks: parameters that are cut short, unknown, or followed by a comma too many."""
+"""Keyword lines of decks with a comma too many or short and unknown parameters, and masses on reference nodes."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from preprocessing.foreign_files.abaqus import concentrated
+from preprocessing.foreign_files.abaqus.generated import numbers_of
 from preprocessing.foreign_files.abaqus.reader import read_deck
 from preprocessing.foreign_files.contents import MeshContents
 from toolkit.foundation.errors import InputError
@@ -118,3 +120,16 @@ def test_nodes_of_an_assembly_count_behind_those_of_its_instances(tmp_path):
     assert found.points[20].tolist() == [9.0, 9.0, 9.0]
     places = {name: nodes[0][1].ravel().tolist() for name, nodes in found.groups}
     assert (places["RP"], places["end"], places["right"]) == ([20], [4, 19], [4, 14, 9, 19])
+
+
+def test_each_of_many_masses_has_its_own_value(tmp_path, monkeypatch):
+    """The sets of the blocks *MASS are looked at once each: looking at all of them for every element took minutes for a thousand."""
+    asked = list[str]()
+    monkeypatch.setattr(concentrated, "numbers_of", lambda *words: asked.append("") or numbers_of(*words))
+    blocks = "".join(
+        f"*ELEMENT, TYPE=MASS, ELSET=m{k}\n{50 + k}, {k % 20 + 1}\n*MASS, ELSET=m{k}\n{k + 1}.\n" for k in range(300)
+    )
+    found = read(tmp_path / "a.inp", BAR + blocks + "*MASS, ELSET=m7\n1000.\n")
+    assert [each.mass for each in found.masses] == [k + 1 if k != 7 else 1000 for k in range(300)]
+    assert [int(found.labels[each.carriers[0]]) for each in found.masses] == [k % 20 + 1 for k in range(300)]
+    assert len(asked) == 301

@@ -165,3 +165,14 @@ def test_formats_are_refused_by_name(tmp_path: Path, name: str, why: str):
     (tmp_path / name).write_text("1 2 3")
     with pytest.raises(InputError, match=rf"{name}'.*{why}.*Export the elements of the body as gmsh \.msh"):
         read_mesh(tmp_path / name)
+
+
+def test_a_kind_of_elements_that_a_library_does_not_know_is_told_as_that(tmp_path, read_here):
+    """gmsh writes elements with middle nodes into Medit's files, at which meshio ends the program."""
+    path = tmp_path / "a.mesh"
+    nodes = "\n".join(f"{k} 0 {k % 3} 1" for k in range(10))
+    path.write_text(
+        f"MeshVersionFormatted 2\nDimension\n3\nVertices\n10\n{nodes}\nTetrahedraP2\n1\n1 2 3 4 5 6 7 8 9 10 1\nEnd\n"
+    )
+    with pytest.raises(InputError, match="a section or a kind of elements that meshio does not know"):
+        read_mesh(path)

@@ -33,7 +33,8 @@ def point_masses(deck: Deck, whole: Assembled, cells: Elements, groups: Groups) 
         return []
     used = np.unique(np.concatenate([nodes.ravel() for _, nodes in cells] or [np.zeros(0, np.int64)]))
     carriers = list(_carriers(deck, whole, groups))
-    return [mass for each in blocks for mass in _masses(deck, whole, each, used, carriers)]
+    given = {id(each): _properties(deck, each) for each in whole.instances}
+    return [mass for each in blocks for mass in _masses(whole, each, given[id(each.instance)], used, carriers)]
 
 
 class Carriers(NamedTuple):
@@ -47,11 +48,11 @@ class Carriers(NamedTuple):
 
 
 def _masses(
-    deck: Deck, whole: Assembled, each: PlacedElements, used: np.ndarray, carriers: list[Carriers]
+    whole: Assembled, each: PlacedElements, given: dict[tuple[str, int], Block], used: np.ndarray, carriers: list[Carriers]
 ) -> Iterator[PointMass]:
     keyword = "MASS" if each.of.type.name == "MASS" else "ROTARY INERTIA"
     for label, (node,) in zip(each.labels.tolist(), each.nodes.tolist(), strict=True):
-        block = _property(deck, each, keyword, label)
+        block = _property(given, each, keyword, label)
         values = [number(text, place) for place, row in block.rows() for text in row]
         source = f"{keyword}, line {block.line}"
         ties = [] if node in used else [tie for tie in carriers if tie.reference == node]
@@ -63,22 +64,30 @@ def _masses(
             yield PointMass(place, 0.0, nodes, _turned(each.instance, [*values, *6 * [0.0]][:6]), rigid, source)
 
 
-def _property(deck: Deck, each: PlacedElements, keyword: str, label: int) -> Block:
-    """The block that says how heavy an element is, the last one of its set."""
-    for found in reversed(deck.masses):
+def _properties(deck: Deck, instance: Numbered) -> dict[tuple[str, int], Block]:
+    """Keyword and number of an element -> the block that says how heavy it is, the last one that names it."""
+    given: dict[tuple[str, int], Block] = {}
+    for found in deck.masses:
         own = found.part.element_sets.get(label_of(found.block.parameters.get("ELSET", "")))
-        here = found.block.keyword == keyword and found.part in (each.part, each.part.made_of) and own
-        if here and own and label in numbers_of(found.part, "ELSET", own.members):
-            for name in ("ORIENTATION", "INPUT"):
-                if name in found.block.parameters:
-                    raise found.block.refuse(
-                        f"*{keyword} with {name} is not read. Give it in the axes of the deck, in its own lines."
-                    )
-            return found.block
-    raise each.of.block.refuse(
-        f"element {label} of type {each.of.type.name} has no *{keyword} that says how heavy it is. Add it, or leave the element out: "
-        f'leave_out = ["{each.of.type.name}"].'
-    )
+        if found.part in (instance.part, instance.part.made_of) and own:
+            given.update(
+                ((found.block.keyword, label), found.block) for label in numbers_of(found.part, "ELSET", own.members).tolist()
+            )
+    return given
+
+
+def _property(given: dict[tuple[str, int], Block], each: PlacedElements, keyword: str, label: int) -> Block:
+    """The block that says how heavy an element is."""
+    block = given.get((keyword, label))
+    if block is None:
+        raise each.of.block.refuse(
+            f"element {label} of type {each.of.type.name} has no *{keyword} that says how heavy it is. Add it, or leave the element out: "
+            f'leave_out = ["{each.of.type.name}"].'
+        )
+    for name in ("ORIENTATION", "INPUT"):
+        if name in block.parameters:
+            raise block.refuse(f"*{keyword} with {name} is not read. Give it in the axes of the deck, in its own lines.")
+    return block
 
 
 def _isotropic(block: Block, values: list[float]) -> float:

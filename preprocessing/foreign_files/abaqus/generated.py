@@ -204,7 +204,9 @@ def _nodes_of(part: Part, wanted: np.ndarray) -> Iterator[np.ndarray]:
 
 def numbers_of(part: Part, kind: str, members: list[Members]) -> np.ndarray:
     """Numbers of the members of a set that are those of the part itself."""
-    labels = part.places()[0] if kind == "NSET" else np.concatenate([np.zeros(0, np.int64), *(e.labels for e in part.elements)])
+    labels = np.zeros(0, np.int64)
+    if any(isinstance(member.what, Range) for member in members):
+        labels = part.places()[0] if kind == "NSET" else np.concatenate([labels, *(each.labels for each in part.elements)])
     found = [np.zeros(0, np.int64)]
     for member in members:
         what = member.what

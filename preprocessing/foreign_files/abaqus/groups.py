@@ -160,10 +160,9 @@ class _Index:
             return
         rows = self.elements.places(wanted)
         rows = rows if rises(rows) else np.unique(rows)
-        for each, start, end in zip(self.blocks, self.starts[:-1], self.starts[1:], strict=True):
-            first, last = np.searchsorted(rows, [start, end])
-            if last > first:
-                yield each, rows[first:last] - start
+        cuts = np.searchsorted(rows, self.starts)
+        for k in np.flatnonzero(cuts[1:] > cuts[:-1]).tolist():
+            yield self.blocks[k], rows[cuts[k] : cuts[k + 1]] - self.starts[k]
 
 
 def _rows(nodes: np.ndarray, rows: np.ndarray) -> np.ndarray:
