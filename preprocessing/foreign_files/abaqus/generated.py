@@ -40,7 +40,7 @@ def _ngen(part: Part, block: Block) -> None:
     for place, fields in block.rows():
         first, last, step = (*_wholes(fields, place, 2), *_wholes(fields[2:], place, 0, [1]))
         if step == 0 or (last - first) % step or (last - first) // step < 1:
-            raise block.refuse(f"{place}: the step {step} does not lead from node {first} to node {last}.")
+            raise InputError(f"{place}: the step {step} does not lead from node {first} to node {last}.")
         count = _bounded(block, (last - first) // step)
         ends = places_of(part, np.array([first, last]), place)
         ratio = np.arange(count + 1)[:, None] / count
@@ -53,12 +53,12 @@ def _nfill(part: Part, block: Block) -> None:
     made = []
     for place, fields in block.rows():
         if len(fields) < 3:
-            raise block.refuse(f"{place}: *NFILL needs two node sets and a number of intervals.")
+            raise InputError(f"{place}: *NFILL needs two node sets and a number of intervals.")
         from_set, to_set = (_members(part, "NSET", name, place) for name in fields[:2])
         count, step = whole(fields[2], place), *_wholes(fields[3:], place, 0, [1])
         if len(from_set) != len(to_set) or count < 1:
-            raise block.refuse(
-                f"{place}: the sets have {len(from_set)} and {len(to_set)} nodes; both need the same number, and 1 interval or more."
+            raise InputError(
+                f"{place}: the sets have {len(from_set)} and {len(to_set)} nodes: both need as many, and 1 interval or more."
             )
         _bounded(block, count * len(from_set))
         ends = [places_of(part, each, place) for each in (from_set, to_set)]
@@ -92,7 +92,7 @@ def _elgen(part: Part, block: Block) -> None:
         labels, nodes = np.array([master]), nodes[None]
         for count, of_nodes, of_elements in directions:
             if count < 1:
-                raise block.refuse(f"{place}: {count} elements in a direction; at least 1 are needed.")
+                raise InputError(f"{place}: {count} elements in a direction; at least 1 are needed.")
             k = np.arange(_bounded(block, count * len(labels)) // len(labels))
             labels = (labels[None] + of_elements * k[:, None]).ravel()
             nodes = (nodes[None] + of_nodes * k[:, None, None]).reshape(-1, nodes.shape[1])

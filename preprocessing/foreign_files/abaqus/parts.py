@@ -11,6 +11,7 @@ from preprocessing.foreign_files.abaqus.blocks import Block, label_of, name_of
 from preprocessing.foreign_files.abaqus.lookup import rises
 from preprocessing.foreign_files.abaqus.numbers import WHOLE, label, whole
 from preprocessing.foreign_files.abaqus.vocabulary import ElementType
+from toolkit.foundation.errors import InputError
 
 
 class Range(NamedTuple):
@@ -152,14 +153,12 @@ def _ranges(block: Block) -> list[Range]:
     found = []
     for place, fields in block.rows():
         if not 1 <= len(fields) <= 3:
-            raise block.refuse(f"{place} has {len(fields)} fields; with GENERATE a line is: first, last, step.")
+            raise InputError(f"{place} has {len(fields)} fields; with GENERATE a line is: first, last, step.")
         first = label(fields[0], place)
         last = label(fields[1], place) if fields[1:] else first
         step = whole(fields[2], place) if fields[2:] and fields[2] else 1
         if step < 1 or last < first:
-            raise block.refuse(
-                f"{place}: numbers go from {first} to {last} in steps of {step}; the last is to be no smaller, the step 1 or more."
-            )
+            raise InputError(f"{place}: numbers go from {first} to {last} in steps of {step}; they have to rise.")
         found.append(Range(first, last, step))
     return found
 
@@ -180,9 +179,7 @@ def _listed(part: Part, kind: str, instance: str, block: Block) -> list[Members]
             elif instance or owner:
                 found.append(Members(label_of(owner) or instance, Named(kind, label_of(own), place)))
             elif not text:
-                raise block.refuse(f"{place} has an empty field between its commas. Take it out.")
+                raise InputError(f"{place} has an empty field between its commas. Take it out.")
             else:
-                raise block.refuse(
-                    f"{place} names a set that the deck has not defined by then. Define it first, or give numbers."
-                )
+                raise InputError(f"{place} names a set that the deck has not defined by then. Define it first, or give numbers.")
     return [*found, Members(instance, np.array(numbers, np.int64))] if numbers else found

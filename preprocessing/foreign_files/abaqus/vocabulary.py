@@ -14,7 +14,7 @@ LINES = {2: "line", 3: "line3"}
 """The same of trusses: middle nodes last, as the kind has it."""
 
 PATTERNS = (
-    ("solid", r"C3D(4|6|8|10|15|20)[A-Z]*"),
+    ("solid", r"C3D(4|6|8|10|15(?!V)|20)[A-Z]*"),
     ("plane", r"CPS(3|4|6|8)[A-Z]*|CPE(3|4|6|8)[A-Z]*"),
     ("skin", r"(?:M3D|SFM3D|S|STRI|DS)(3|4|6|8|9)(?:R[S57]?|[TW5S])?|STRI(6)5|S(9|8|4)R5"),
     ("bar", r"T[23]D(2|3)[A-Z]*"),

@@ -76,6 +76,8 @@ def _remarks(mesh: SolidMesh, mass: PointMass, turns: bool, rigid: Sequence[np.n
             f"the concentrated mass of {mass.source} is on a rigid body in the mesh file; its nodes stay elastic here, and it moves with "
             'their mean. Tie them by an interface point with tie = "rigid" to make them rigid.'
         )
+    if not mass.rigid and len(mass.carriers) > 1:
+        yield f"the concentrated mass of {mass.source} moves with the mean of {len(mass.carriers)} nodes, which all count alike."
     if len(mass.carriers) == 1 and turns:
         yield (
             f"the concentrated mass of {mass.source} has an offset or a rotary inertia at a node that has no rotation of its own; it "
