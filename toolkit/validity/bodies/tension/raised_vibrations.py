@@ -41,4 +41,4 @@ def _last(solution: Solution) -> StiffenedState | None:
     last = len(solution.times) - 1
     states = stiffened_states(solution)
     found = next((each for each in states if each.instant == last), None)
-    return stiffened_state(solution, pulled_bodies(solution.system.scene), last) if states and found is None else found
+    return stiffened_state(solution, pulled_bodies(solution), last) if states and found is None else found

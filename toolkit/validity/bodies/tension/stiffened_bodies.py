@@ -12,13 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening, stiffening
+from toolkit.validity.bodies.compressed.geometric_stiffness import stiffening
 from toolkit.validity.bodies.cut.places import displacements
 from toolkit.validity.bodies.deformation import LIMIT, flexible_bodies, largest_instants
-from toolkit.validity.bodies.tension.grown_elements import growths
+from toolkit.validity.bodies.tension.pulled_body import PulledBody
+from toolkit.validity.bodies.tension.pulled_chain import PulledChain
+from toolkit.validity.bodies.tension.pulled_lines import pulled_lines
 from toolkit.validity.bodies.tension.stiffened_state import StiffenedState, stiffened_state
 
 
@@ -40,7 +41,7 @@ def too_large(solution: Solution) -> TooLarge | None:
 def stiffened_states(solution: Solution) -> list[StiffenedState]:
     """The states where tension may count: two at most."""
     if StiffenedState not in solution.known:
-        known = pulled_bodies(solution.system.scene)
+        known = pulled_bodies(solution)
         states = [] if solution.spins else _where_it_counts(solution, known)
         found = [stiffened_state(solution, known, n) for n in states]
         solution.known[StiffenedState] = [each for each in found if each is not None]
@@ -48,37 +49,36 @@ def stiffened_states(solution: Solution) -> list[StiffenedState]:
     return states_of
 
 
-def pulled_bodies(scene: Scene) -> dict[str, Stiffening]:
-    """Bodies whose elements are known and that do not ask for the stiffening of their spin, which would count twice."""
+def pulled_bodies(solution: Solution) -> dict[str, PulledBody]:
+    """Bodies whose tension is known, without those that ask for the stiffening of their spin, which would count twice."""
+    scene = solution.system.scene
     asked = [body for body in flexible_bodies(scene) if flexible_body(scene, body).stiffening(scene) is None]
-    return {body: found for body in asked if (found := stiffening(scene, body))}
+    found = {body: _pulled(solution, body) for body in asked}
+    return {body: each for body, each in found.items() if each is not None}
 
 
-def _where_it_counts(solution: Solution, known: Mapping[str, Stiffening]) -> list[int]:
+def _pulled(solution: Solution, body: str) -> PulledBody | None:
+    law = stiffening(solution.system.scene, body)
+    return pulled_lines(solution, body) if law is None else PulledChain(law)
+
+
+def _where_it_counts(solution: Solution, known: Mapping[str, PulledBody]) -> list[int]:
     """Numbers of the states of most tension, and of the largest growth of lines."""
     parts: list[list[tuple[float, int]]] = [[], []]
     for body, law in known.items():
         elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
         instants = largest_instants(elastic)
-        for kind, each in enumerate(measures_of_tension(law, elastic[instants])):
+        for kind, each in enumerate(law.measures(elastic[instants])):
             worst = first_largest(each)
             parts[kind].append((float(each[worst]), int(instants[worst])))
     found = [max(each, key=lambda pair: pair[0]) for each in parts if each]
     return sorted({n for part, n in found if part > LIMIT})
 
 
-def measures_of_tension(law: Stiffening, elastic: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds (n_t,) of N / P by axial forces, and by the growth of lines were they held everywhere, at coordinates (n_t, n_f)."""
-    pulled = np.maximum(elastic @ law.forces.T, 0.0) @ law.compliances
-    grown = np.square(growths(law, elastic)) @ law.behind.forms.law[:, 0, 0]
-    energy = np.sum(elastic @ law.stiffness * elastic, axis=1)
-    return pulled, np.divide(2 * grown, energy, out=np.zeros(len(energy)), where=energy > 0)
-
-
 def _of_bodies(solution: Solution, state: StiffenedState) -> list[TooLarge]:
     scene, pulled = solution.system.scene, state.pulls(state.there)
     found: dict[str, TooLarge] = {}
-    for body, law in pulled_bodies(scene).items():
+    for body, law in pulled_bodies(solution).items():
         where, whole = elastic_coordinates(solution, body), getattr(scene.body(body), "whole", body)
         work = float(state.there[where] @ pulled[where])
         error = _moved(solution, law, body, state) if work > 0 else 0.0
@@ -89,33 +89,33 @@ def _of_bodies(solution: Solution, state: StiffenedState) -> list[TooLarge]:
     return list(found.values())
 
 
-def _moved(solution: Solution, law: Stiffening, body: str, state: StiffenedState) -> float:
+def _moved(solution: Solution, law: PulledBody, body: str, state: StiffenedState) -> float:
     """The largest distance by which a node is elsewhere; of a part of a cut body with that of its frame."""
-    behind, change = law.behind, state.change
-    found = float(behind.distances(behind.displacements(change[elastic_coordinates(solution, body)][None])).max())
+    change = state.change
+    found = float(law.distances(change[elastic_coordinates(solution, body)][None])[0])
     written: Any = solution.system.scene.body(body)
     if getattr(written, "whole", None) and written.frame_size:
         first = solution.coordinates(body).start
-        found = max(found, float(np.linalg.norm(change[first : first + behind.nodes.shape[1]])))
+        found = max(found, float(np.linalg.norm(change[first : first + solution.system.scene.dimension])))
     return found
 
 
-def _size(solution: Solution, law: Stiffening, body: str, whole: str) -> float:
+def _size(solution: Solution, law: PulledBody, body: str, whole: str) -> float:
     """The largest displacement of the body in the run."""
     elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
     instants = largest_instants(elastic)
     if whole != body:
         return float(displacements(solution, whole, instants).max())
-    return float(law.behind.distances(law.behind.displacements(elastic[instants])).max())
+    return float(law.distances(elastic[instants]).max())
 
 
 def most_pulled(solution: Solution) -> str:
     """The body, cut or not, that axial forces or its own deflection would stiffen most."""
-    scene, known = solution.system.scene, pulled_bodies(solution.system.scene)
+    known = pulled_bodies(solution)
     parts = []
     for body, law in known.items():
         elastic = np.real(solution.q[-1:, elastic_coordinates(solution, body)])
-        parts.append(max(float(each[0]) for each in measures_of_tension(law, elastic)))
+        parts.append(max(float(each[0]) for each in law.measures(elastic)))
     name = list(known)[first_largest(np.array(parts))]
-    whole: str = getattr(scene.body(name), "whole", name)
+    whole: str = getattr(solution.system.scene.body(name), "whole", name)
     return whole

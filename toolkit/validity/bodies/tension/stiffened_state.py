@@ -23,8 +23,7 @@ import numpy as np
 
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening
-from toolkit.validity.bodies.tension.grown_elements import grown
+from toolkit.validity.bodies.tension.pulled_body import PulledBody
 from toolkit.validity.bodies.tension.yielding_scene import Yielding, yielding
 
 DEPENDENT = 1e-10
@@ -61,7 +60,7 @@ class StiffenedState(NamedTuple):
         return found
 
 
-def stiffened_state(solution: Solution, known: Mapping[str, Stiffening], n: int) -> StiffenedState | None:
+def stiffened_state(solution: Solution, known: Mapping[str, PulledBody], n: int) -> StiffenedState | None:
     """At state `n`; None where the scene does not yield in one way to forces."""
     yields = yielding(solution, n)
     if yields is None:
@@ -71,13 +70,13 @@ def stiffened_state(solution: Solution, known: Mapping[str, Stiffening], n: int)
     for where in places.values():
         elastic[where] = True
     there = np.where(elastic, np.real(solution.q[n]), 0.0)
-    first = _form(places, {body: law.of_axial(law.forces @ there[places[body]]) for body, law in known.items()})
-    found = {body: grown(law, there[places[body]]) for body, law in known.items()}
+    first = _form(places, {body: each.stiffness(there[places[body]]) for body, each in known.items()})
+    found = {body: each.grown(there[places[body]]) for body, each in known.items()}
     forces = np.zeros(len(there))
     for body, each in found.items():
         forces[places[body]] = each.forces
     moved = yields(forces)
-    second = _form(places, {body: known[body].of_axial(each.tension(moved[places[body]])) for body, each in found.items()})
+    second = _form(places, {body: each.stiffness(moved[places[body]]) for body, each in found.items()})
     change, part = _change(yields, first, second, there)
     return StiffenedState(n, yields, elastic, there, change, *_stiffness(first, second, there, change, part), first)
 
