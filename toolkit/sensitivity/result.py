@@ -21,7 +21,7 @@ from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
-from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables
+from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
 from toolkit.sensitivity.frames.gradient_errors import FrameErrors, Reframed, doubtful_gradients, frame_errors
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
@@ -29,6 +29,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.frequencies import cautions_of_frequencies
 from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
+from toolkit.validity.bodies.tension.tension_cautions import tension
 from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.dead_points.cautions import dead_points_passed
 from toolkit.validity.judge import cautions, measures
@@ -131,7 +132,9 @@ class Result:
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             folded = folded_equilibria(self.solution) if self.values and not self.solution.steps else ()
-            return Verdict.of([*found.warnings, *self._of_vibrations(), *folded, *self._undefined()], found.measures)
+            return Verdict.of(
+                without_false_zeros([*found.warnings, *self._of_vibrations(), *folded, *self._undefined()]), found.measures
+            )
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
@@ -154,7 +157,7 @@ class Result:
             *self._undefined(),
             *self._of_vibrations(),
         )
-        return Verdict.of([*cautions(self.solution, measured), *about_responses], measured)
+        return Verdict.of(without_false_zeros([*cautions(self.solution, measured), *about_responses]), measured)
 
     @property
     def warnings(self) -> tuple[Caution, ...]:
@@ -171,6 +174,7 @@ class Result:
         yield from growing_vibrations(self.solution, self.values)
         if self.gradients and not self.solution.system.n_x:
             yield from critical_loads(self.solution, lateral=True)  # what its derivatives feel is not known
+            yield from tension(self.solution, lateral=True)
 
     def _undefined(self) -> Iterator[Caution]:
         """Values and derivatives that do not exist at this design, and variables that nothing feels."""

@@ -19,6 +19,7 @@ from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, sha
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.spinning.partly_stiffened import partly_stiffened
 from toolkit.validity.bodies.spinning.turns_in_a_step import turns_in_a_step
+from toolkit.validity.bodies.tension.tension_cautions import tension
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
 from toolkit.validity.curves.idle_curves import idle_curves
 from toolkit.validity.curves.load_curves import unseen_curves
@@ -97,6 +98,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from outgrown_choices(solution)
     yield from bent_pieces(solution)
     yield from critical_loads(solution)
+    yield from tension(solution)
     yield from unseen_tension(scene)
     yield from sheared(scene)
     yield from bent_between_nodes(solution)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from toolkit.foundation.verdict import Caution
 
 MOST = 5
 """So many are named at the most."""
+MISSING_STIFFNESS = ("tension", "critical-load")
+"""Doubts which say that forces along a body should change what they do not change here: zeros may be wrong."""
 
 
 def unfelt_variables(gradients: Mapping[str, Mapping[str, float]]) -> Iterator[Caution]:
@@ -28,3 +30,9 @@ def unfelt_variables(gradients: Mapping[str, Mapping[str, float]]) -> Iterator[C
             "nothing asked for depends on such a number, as equilibria without weight do not on densities; otherwise name another one.",
             doubt=False,
         )
+
+
+def without_false_zeros(cautions: Sequence[Caution]) -> list[Caution]:
+    """The same without the remark that zeros may be right, where a doubt says that they are not."""
+    missing = any(each.doubt and each.code in MISSING_STIFFNESS for each in cautions)
+    return [each for each in cautions if not (missing and each.code == "unfelt")]

@@ -22,7 +22,7 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain
-from toolkit.validity.bodies.compressed.carried_force import Carried, carried
+from toolkit.validity.bodies.compressed.carried_force import Carried, carried, still_points
 from toolkit.validity.bodies.compressed.unseen_tension import unseen
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import (
@@ -37,8 +37,6 @@ CANTILEVER = 0.6
 """Of d^2 / L, for a force at its tip."""
 DOUBTFUL = 1 / 3
 """Part of the critical load above which deflections across lack half of themselves."""
-STILL = 1e-9
-"""Part of the largest movement of a point below which it is round-off."""
 RESTING = 1e-2
 """Lines that turn by less than a tenth of the largest angle belong to members that hardly bend; of a cantilever they are a twentieth."""
 
@@ -99,7 +97,7 @@ def bending(solution: Solution, body: str) -> Bending | None:
         error = extent * lost
     else:
         error, turned = CANTILEVER * distance**2 / extent, np.full(len(distance), np.nan)
-    force, blind = carried(solution, body, elastic, _still(places, shapes))
+    force, blind = carried(solution, body, elastic, still_points(places, shapes))
     if force is not None:
         error = error + np.abs(force.load) * _aside(moved, force)
     k = first_largest(error)
@@ -116,13 +114,6 @@ def _aside(moved: np.ndarray, force: Carried) -> np.ndarray:
     size = np.linalg.norm(farthest, axis=1)
     yielding = np.einsum("td,de,te->t", farthest, force.across, farthest)
     return np.divide(yielding, size, out=np.zeros(len(size)), where=size > 0)
-
-
-def _still(places: np.ndarray, shapes: np.ndarray) -> np.ndarray | None:
-    """The middle (d,) of the points that no shape moves; None if each is moved by some."""
-    moves = np.abs(shapes).max(axis=(1, 2))
-    points = places[moves <= STILL * moves.max()]
-    return points.mean(axis=0) if len(points) else None
 
 
 def _lost(points: np.ndarray, moved: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

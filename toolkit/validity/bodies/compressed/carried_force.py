@@ -29,6 +29,10 @@ CLAMPED, PINNED = 12 / np.pi**2, 3 / np.pi**2
 """Of N c / L, in parts of the critical load of a straight bar."""
 
 
+STILL = 1e-9
+"""Part of the largest movement of a point below which it is round-off."""
+SHORT = 1e-6
+"""Part of its length by which a line has to reach beyond what holds its start."""
 SEEN = 1e-12
 """Of the compliance across: a basis whose shapes stretch by less between two points knows of no force along them."""
 
@@ -47,7 +51,7 @@ def carried(solution: Solution, body: str, elastic: np.ndarray, still: np.ndarra
     Parameters
     ----------
     elastic : (n_t, n_f)
-    still : (d,) the place that holds a tangent frame; None of other frames
+    still : (n, d) the places that hold a tangent frame; None of other frames
     """
     every = {name: _carried(solution, body, *of_line, elastic) for name, of_line in _lines(solution, body, still)}
     seen, blind = [each for each in every.values() if each is not None], [name for name, each in every.items() if each is None]
@@ -55,22 +59,46 @@ def carried(solution: Solution, body: str, elastic: np.ndarray, still: np.ndarra
     return (None if worst is None else seen[worst]), blind
 
 
+def still_points(places: np.ndarray, shapes: np.ndarray) -> np.ndarray | None:
+    """The points (n, d) that no shape moves; None if each is moved by some."""
+    moves = np.abs(shapes).max(axis=(1, 2))
+    points = places[moves <= STILL * moves.max()]
+    return points if len(points) else None
+
+
+def lines_between(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """Interface point, start (d,), and the motion (d, 1 + n_f) of the end of a line against it: of a chord, or from what is still.
+
+    A point that what is still lies beyond, too, ends no line: it is held from two sides, as one between two clamped ends.
+    """
+    design = design_point(solution.system.scene, body, "interfaces")
+    if (chord := chord_of(design.model.reference_condition)) is not None and {*chord} <= {*(design.model.interfaces or {})}:
+        one, other = (np.real(design.interface(name).here[0]) for name in chord)
+        yield chord.second, one[:, 0], other - one
+    elif still is not None:
+        middle = still.mean(axis=0)
+        for name in used_interfaces(solution.system.scene, body):
+            motion = np.real(design.interface(name).here[0])
+            motion = np.column_stack([motion[:, 0] - middle, motion[:, 1:]])
+            if np.any(motion[:, 1:]) and _is_ahead(motion[:, 0], still - middle):
+                yield name, middle, motion
+
+
+def _is_ahead(side: np.ndarray, behind: np.ndarray) -> bool:
+    """Whether the end of a line is farther along it than all points (n, d)."""
+    return bool((behind @ side).max() < (1 - SHORT) * (side @ side))
+
+
 def _lines(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[tuple[str, tuple[np.ndarray, np.ndarray, float]]]:
     """Interface point, the motion (d, 1 + n_f) of one end of a line against the other, c / L (d, d), and its factor."""
     scene = solution.system.scene
-    design = design_point(scene, body, "interfaces")
-    known = design.model.interfaces or {}
-    if (chord := chord_of(design.model.reference_condition)) is not None and {*chord} <= {*known}:
-        one, other = (np.real(design.interface(name).here[0]) for name in chord)
-        across = compliance_across(solution, body, motion_against_tangent(solution, body, chord))
-        yield chord.second, (other - one, across, PINNED)
-    elif still is not None:
-        factor = PINNED if (choice := frame_choices(scene).get(body)) and choice.chord else CLAMPED
-        for name in used_interfaces(scene, body):
-            motion = np.real(design.interface(name).here[0])
-            motion = np.column_stack([motion[:, 0] - still, motion[:, 1:]])
-            if np.any(motion[:, 1:]) and np.any(motion[:, 0]):
-                yield name, (motion, compliance_across(solution, body, motion), factor)
+    chord = chord_of(design_point(scene, body, "interfaces").model.reference_condition)
+    for name, _, motion in lines_between(solution, body, still):
+        if chord is not None:
+            yield name, (motion, compliance_across(solution, body, motion_against_tangent(solution, body, chord)), PINNED)
+        else:
+            factor = PINNED if (choice := frame_choices(scene).get(body)) and choice.chord else CLAMPED
+            yield name, (motion, compliance_across(solution, body, motion), factor)
 
 
 def _carried(

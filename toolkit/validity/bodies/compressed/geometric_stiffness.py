@@ -35,6 +35,15 @@ class Stiffening:
         forces = forms.forces(self.behind.displacements(elastic[None]))[0, :, : stiffening.shape[1]]
         return self._elastic(forms.assembled(np.einsum("ek,ekpq->epq", forces, stiffening)))
 
+    def of_axial(self, axial: np.ndarray) -> StaticArray:
+        """G of axial forces (n_e,) alone, (n_f, n_f)."""
+        return self._elastic(self.behind.forms.assembled(axial[:, None, None] * self.behind.stiffening[:, 0]))
+
+    def yielding(self, forces: np.ndarray) -> np.ndarray:
+        """K^-1 f of forces (n_f,), the body alone in its frame."""
+        found: np.ndarray = self._scale * self._flexible(self._scale * forces)
+        return found
+
     def softening(self, elastic: np.ndarray) -> float:
         """The largest part of its elastic stiffness that the forces take from any motion of the body in its frame."""
         G = scaled_by(self.matrix(elastic), self._scale)

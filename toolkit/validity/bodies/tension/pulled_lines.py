@@ -1,0 +1,178 @@
+"""What tension does to a body whose elements are not known, a solid or a reduced beam in space: by the lines through which forces go.
+
+A line of length L along e leads from what holds the frame to a point that is used, or between the two points of a chord. It is longer by
+a = e . Z q and so carries the force N = a / c_a, with c_a = e Z K^-1 Z^T e. On the edges of the surface beside it that go along it, each of
+slope s across it,
+
+    int w'^2 dx = q^T H q,    H = L mean s^T s
+
+Where the place that holds the body is on both sides of a point, as with both ends clamped, the line goes from end to end. At the part x of
+its length the point is held by both sides, and E A / L = x (1 - x) / c_a; the ends keep it as long as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.solvers.static.stability.static_array import StaticArray
+from toolkit.system.flexible_bodies import design_point, used_interfaces
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.compressed.carried_force import SEEN, lines_between, still_points
+from toolkit.validity.bodies.static_deflection import static_deflection
+from toolkit.validity.bodies.tension.pulled_body import Grown, PulledBody
+
+ALONG = 0.7
+"""Cosine of the angle to a line above which an edge goes along it."""
+WIDE = 0.5
+"""Extent of what holds a body along an axis, in parts of the largest, from which it holds the body at two sides."""
+
+
+class Line(NamedTuple):
+    """One line through a body."""
+
+    row: np.ndarray  # e Z (n_f,), by which it grows; zero where its ends are held
+    stretching: float  # N by a unit of growth, E A / L
+    turning: np.ndarray  # H (n_f, n_f)
+
+
+@dataclass(frozen=True, eq=False)
+class PulledLines(PulledBody):
+    """Of a few lines."""
+
+    lines: tuple[Line, ...]
+    body_stiffness: np.ndarray  # K (n_f, n_f)
+    shapes: np.ndarray  # (n, d, n_f) of the points of its surface
+
+    def stiffness(self, elastic: np.ndarray) -> StaticArray:
+        """G_1 of the forces along the lines."""
+        found: np.ndarray = sum((each.stretching * (each.row @ elastic) * each.turning for each in self.lines), self._none)
+        return found
+
+    def grown(self, elastic: np.ndarray) -> Grown:
+        """By the growth of the lines."""
+        growth = [elastic @ each.turning @ elastic / 2 for each in self.lines]
+        forces = -sum((each.stretching * g * each.row for each, g in zip(self.lines, growth, strict=True)), 0 * elastic)
+
+        def stiffness(moved: np.ndarray) -> StaticArray:
+            pairs = zip(self.lines, growth, strict=True)
+            found: np.ndarray = sum((each.stretching * (g + each.row @ moved) * each.turning for each, g in pairs), self._none)
+            return found
+
+        return Grown(forces, stiffness)
+
+    def measures(self, elastic: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """By the lines, were they held."""
+        pulled, stretch = np.zeros(len(elastic)), np.zeros(len(elastic))
+        for each in self.lines:
+            softness = np.trace(static_deflection(self.body_stiffness, each.turning))
+            pulled += np.maximum(each.stretching * (elastic @ each.row), 0.0) * softness
+            stretch += each.stretching * (np.sum(elastic @ each.turning * elastic, axis=1) / 2) ** 2
+        energy = np.sum(elastic @ self.body_stiffness * elastic, axis=1)
+        return pulled, np.divide(2 * stretch, energy, out=np.zeros(len(energy)), where=energy > 0)
+
+    def distances(self, elastic: np.ndarray) -> np.ndarray:
+        """Of the points of its surface."""
+        found: np.ndarray = np.linalg.norm(np.einsum("pdf,tf->tpd", self.shapes, elastic), axis=2).max(axis=1)
+        return found
+
+    @property
+    def _none(self) -> np.ndarray:
+        return np.zeros_like(self.body_stiffness)
+
+
+class _Shown(NamedTuple):
+    """The surface of a body in space, or its outline in the plane."""
+
+    places: np.ndarray  # (n, d)
+    shapes: np.ndarray  # (n, d, n_f)
+    edges: np.ndarray  # (n_edges, 2)
+
+
+def pulled_lines(solution: Solution, body: str) -> PulledLines | None:
+    """The lines of a body; None where it shows no edges, or no line in it has a length."""
+    design = design_point(solution.system.scene, body, "surface", "outline", "interfaces")
+    key = (PulledLines, tuple(used_interfaces(solution.system.scene, body)))
+    if key not in design.kept:
+        shown = _shown(design)
+        lines = () if shown is None else tuple(_lines(solution, body, design, shown))
+        stiffness = np.real(design.value("stiffness"))
+        design.kept[key] = PulledLines(lines, stiffness, shown.shapes) if lines and shown else None
+    found: PulledLines | None = design.kept[key]
+    return found
+
+
+def _shown(design: DesignPoint) -> _Shown | None:
+    surface, outline = design.model.surface, design.model.outline
+    if surface is not None:
+        sides = np.concatenate([surface.triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])])
+        edges = np.unique(np.sort(sides, axis=1), axis=0) if len(sides) else surface.lines
+    elif outline is not None:
+        edges = outline.edges[:, [0, -1]]
+    else:
+        return None
+    position = np.real(design.value("surface.position" if surface is not None else "outline.position"))
+    return _Shown(position[:, :, 0], position[:, :, 1:], edges) if len(edges) else None
+
+
+def _lines(solution: Solution, body: str, design: DesignPoint, shown: _Shown) -> Iterator[Line]:
+    """The longest line that ends at a point, or those from end to end."""
+    stiffness, still = np.real(design.value("stiffness")), still_points(shown.places, shown.shapes)
+    found = [(motion, start) for _, start, motion in lines_between(solution, body, still)]
+    seen = [each for each in found if _compliance(stiffness, each[0], each[0][:, 0]) > 0]
+    if seen:
+        motion, start = max(seen, key=lambda each: float(np.linalg.norm(each[0][:, 0])))
+        yield from _line(shown, start, motion[:, 0], motion[:, 1:], 1 / _compliance(stiffness, motion, motion[:, 0]))
+    elif still is not None:
+        yield from _held_around(solution, body, design, shown, still)
+
+
+def _held_around(solution: Solution, body: str, design: DesignPoint, shown: _Shown, still: np.ndarray) -> Iterator[Line]:
+    """From end to end of what holds the body, through the point that is nearest to its middle."""
+    middle, stiffness = still.mean(axis=0), np.real(design.value("stiffness"))
+    motions = [np.real(design.interface(name).here[0]) for name in used_interfaces(solution.system.scene, body)]
+    if not motions:
+        return
+    motion = min(motions, key=lambda each: float(np.linalg.norm(each[:, 0] - middle)))
+    axes = np.linalg.svd(still - middle, full_matrices=False)[2]
+    places = (still - middle) @ axes.T
+    low, extent = places.min(axis=0), np.ptp(places, axis=0)
+    parts = (axes @ (motion[:, 0] - middle) - low) / np.where(extent > 0, extent, 1.0)
+    for k, axis in enumerate(axes):
+        away = np.linalg.norm(motion[:, 0] - middle - axis * (axis @ (motion[:, 0] - middle)))
+        compliance = _compliance(stiffness, motion, axis)
+        if extent[k] > WIDE * extent.max() and 0 < parts[k] < 1 and away < extent[k] / 2 and compliance > 0:
+            part = float(parts[k])
+            held = np.zeros((len(axis), len(stiffness)))
+            yield from _line(shown, middle + axis * low[k], axis * extent[k], held, part * (1 - part) / compliance)
+
+
+def _compliance(stiffness: np.ndarray, motion: np.ndarray, side: np.ndarray) -> float:
+    """c_a of a point along a side; zero where the basis does not see it."""
+    along = side / np.linalg.norm(side)
+    row, moved = along @ motion[:, 1:], motion[:, 1:]
+    found = float(row @ static_deflection(stiffness, row))
+    largest = float(np.linalg.eigvalsh(moved @ static_deflection(stiffness, moved.T))[-1])
+    return found if found > SEEN * largest else 0.0
+
+
+def _line(shown: _Shown, start: np.ndarray, side: np.ndarray, moved: np.ndarray, stretching: float) -> Iterator[Line]:
+    """With the edges beside it; none where no edge goes along it."""
+    length = float(np.linalg.norm(side))
+    along = side / length
+    first, last = shown.edges.T
+    lengths = np.linalg.norm(shown.places[last] - shown.places[first], axis=1)
+    ahead = (shown.places[last] - shown.places[first]) @ along
+    place = ((shown.places[last] + shown.places[first]) / 2 - start) @ along / length
+    beside = (np.abs(ahead) > ALONG * lengths) & (place > 0) & (place < 1)
+    if beside.any():
+        weights = np.abs(ahead[beside]) / np.abs(ahead[beside]).sum()
+        slopes = (shown.shapes[last[beside]] - shown.shapes[first[beside]]) / ahead[beside, None, None]
+        slopes = slopes - along[None, :, None] * np.einsum("d,edf->ef", along, slopes)[:, None]
+        slopes = slopes * np.sqrt(weights)[:, None, None]
+        flat = slopes.reshape(-1, slopes.shape[2])
+        yield Line(along @ moved, stretching, length * (flat.T @ flat))

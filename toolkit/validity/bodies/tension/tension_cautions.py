@@ -1,0 +1,105 @@
+"""Doubts about bodies that tension stiffens across itself, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from toolkit.foundation.verdict import Caution
+from toolkit.responses.vibrations.vibration import OfVibration
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.cut.more_frames import divided
+from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.tension.raised_vibrations import raised_by_tension
+from toolkit.validity.bodies.tension.stiffened_bodies import TooLarge, most_pulled, stiffened_states, too_large
+from toolkit.validity.bodies.tension.stiffened_state import StiffenedState
+
+MANY = 20.0
+"""Times a number is too large above which they are not counted."""
+NAMED = 3
+"""So many vibrations are named at the most."""
+
+
+def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
+    """Flexible bodies that their tension stiffens.
+
+    Parameters
+    ----------
+    lateral
+        Whether derivatives are asked for that the solution does not hold.
+    """
+    found = too_large(solution)
+    if found is not None and found.part > LIMIT:
+        yield Caution("tension", _too_large(solution, found))
+    elif not solution.steps:
+        yield from _of_derivatives(solution, lateral)
+    asked = {name: each for name, each in solution.system.scene.responses.items() if isinstance(each, OfVibration)}
+    known = {name: each.number for name, each in asked.items() if not (solution.steps and each.needs_rest)}
+    yield from tension_of_vibrations(solution, known)
+
+
+def tension_of_vibrations(solution: Solution, asked: Mapping[str, int]) -> Iterator[Caution]:
+    """Vibrations that tension makes faster, by what they are called and their numbers from the slowest on."""
+    times = raised_by_tension(solution) if asked and stiffened_states(solution) else np.zeros(0)
+    high = {name: float(times[k - 1]) for name, k in asked.items() if k <= len(times) and times[k - 1] > 1 + LIMIT}
+    if not high:
+        return
+    body, highest = most_pulled(solution), max(high.values())
+    told = [f"{name} by {1 - 1 / factor:.1%}" for name, factor in list(high.items())[:NAMED]]
+    more = f" and {len(high) - NAMED} more" if len(high) > NAMED else ""
+    yield Caution(
+        "tension",
+        f"tension stiffens {body} across itself, which makes vibrations faster than these equations say: {', '.join(told)}{more} too slow. "
+        f"Their derivatives by what pulls at it are missing, too. {_remedy(solution, body, highest**2 - 1)}",
+    )
+
+
+def _of_derivatives(solution: Solution, lateral: bool) -> Iterator[Caution]:
+    """Of an equilibrium that nothing bends: what would bend it."""
+    for state in stiffened_states(solution):
+        times = _times_of_derivatives(solution, state) if solution.dq.shape[2] else 1 + state.largest() if lateral else 1.0
+        if times > 1 + LIMIT:
+            body = most_pulled(solution)
+            yield Caution(
+                "tension",
+                f"tension stiffens {body} across itself, and these equations do not know it: derivatives by what bends it are up to "
+                f"{_times(times)} as large as they should be. {_remedy(solution, body, times - 1)}",
+            )
+
+
+def _times_of_derivatives(solution: Solution, state: StiffenedState) -> float:
+    """How many times too large the derivatives of coordinates are that a solution holds, at most."""
+    weights, worst = solution.system.weights[: solution.system.n_q], 1.0
+    for moved in np.real(solution.dq[0]).T:
+        force = state.adds(np.where(state.elastic, moved, 0.0))
+        less, work = state.yields(force), float(force @ moved)
+        if not work > 0:
+            continue
+        size = float(np.abs(weights * less).max() / np.abs(weights * moved).max())
+        part = min(size / (1 + float(force @ less) / work), 1.0)
+        worst = max(worst, 1 / (1 - part) if part < 1 else np.inf)
+    return worst
+
+
+def _too_large(solution: Solution, found: TooLarge) -> str:
+    when = f" at t = {solution.times[found.state.instant]:.4g}" if solution.steps else ""
+    why = "its own deflection, between what holds it, pulls at" if found.by_itself else "tension pulls at"
+    stiffer = 1 + found.state.largest()
+    return (
+        f"{why} {found.body}{when} and stiffens it across itself, which these equations do not know: its largest displacement is "
+        f"{_times(1 / (1 - found.part) if found.part < 1 else np.inf)} as large as it should be, stresses and whatever depends on it are "
+        f"off as much, derivatives by what bends it are up to {_times(stiffer)} as large, and frequencies across it up to "
+        f"{1 - 1 / np.sqrt(stiffer):.0%} too low. {_remedy(solution, found.body, stiffer - 1)}"
+    )
+
+
+def _times(factor: float) -> str:
+    return f"{factor:.3g} times" if factor < MANY else "many times"
+
+
+def _remedy(solution: Solution, body: str, part: float) -> str:
+    return (
+        "Linear FFRF has no geometric stiffness of a body in its frame, which frames in number have between them: "
+        f"{divided(solution.system.scene, body, part / LIMIT)}."
+    )

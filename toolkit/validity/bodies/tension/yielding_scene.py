@@ -1,0 +1,66 @@
+"""How a whole scene yields to small forces at one of its states: bodies, joints and what else is stiff."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy
+
+from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.solvers.static.stability.saddle import balance, balanced
+from toolkit.solvers.static.stability.static_array import StaticArray, static_array, whole_array
+from toolkit.system.solution import Solution
+
+Yielding = Callable[[np.ndarray], np.ndarray]
+"""From forces (n_q,) to motions (n_q,) that joints allow."""
+
+
+def yielding(solution: Solution, n: int) -> Yielding | None:
+    """At state `n`; None where it has no unique answer.
+
+    What nothing holds in a motion has its inertia, of a vibration that takes as long as the motion.
+    """
+    system, n_q = solution.system, solution.system.n_q
+    pad = np.zeros(system.n - n_q)
+    q, v = (np.append(np.real(state[n]), pad) for state in (solution.q, solution.v))
+    acc = np.real(np.append(solution.a[n], solution.multipliers[n]))
+    terms = system.evaluate(system.inputs(float(solution.times[n]), LEVELS), q, v, acc)
+    matrix = static_array(system, terms)
+    duration = float(solution.times[-1] - solution.times[0])
+    if solution.steps and duration > 0:
+        rate = (2 * np.pi / duration) ** 2
+        matrix = matrix + rate * _of_coordinates(whole_array(system, np.real(terms.I_acc)), n_q)
+    scale = balance(system, matrix)
+    solved = _solver(balanced(system, matrix, scale))
+    if solved is None:
+        return None
+
+    def motion(forces: np.ndarray) -> np.ndarray:
+        found: np.ndarray = scale[:n_q] * solved(scale * np.append(forces, pad))[:n_q]
+        return found
+
+    return motion
+
+
+def _of_coordinates(mass: StaticArray, n_q: int) -> StaticArray:
+    """The same without rows and columns of multipliers."""
+    kept = np.arange(mass.shape[0]) < n_q
+    if isinstance(mass, np.ndarray):
+        found: np.ndarray = mass * kept * kept[:, None]
+        return found
+    only = scipy.sparse.diags_array(kept.astype(float))
+    return scipy.sparse.csr_array(only @ mass @ only)
+
+
+def _solver(matrix: StaticArray) -> Yielding | None:
+    """Of A x = f; None where A is singular."""
+    if not isinstance(matrix, np.ndarray):
+        try:
+            return scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix)).solve  # type: ignore[no-any-return]
+        except RuntimeError:  # exactly singular
+            return None
+    factors, pivots, info = scipy.linalg.lapack.dgetrf(matrix)
+    if info:
+        return None
+    return lambda forces: scipy.linalg.lapack.dgetrs(factors, pivots, forces)[0]  # type: ignore[no-any-return]
