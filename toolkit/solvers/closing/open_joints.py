@@ -1,0 +1,88 @@
+"""What is told of joints that do not close: how near they come, and which one stays open by how much."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import numpy as np
+
+from toolkit.equations.equations import Inputs
+from toolkit.foundation.near_ties import first_largest
+from toolkit.joints.both.distance import KeptDistance
+from toolkit.solvers.closing.nearest import CLOSED, Nearest, nearest
+from toolkit.solvers.closing.openings import joint_of, label, opening
+from toolkit.solvers.closing.rigid_bodies import RigidBodies
+from toolkit.system.system import System
+
+AGAIN, FEW, ASIDE = 6, 60, 0.7
+"""How often the search begins from other positions if it has found none that close, of up to how many coordinates, and how far aside."""
+TAKES_PART, LARGE = 0.05, 0.25
+"""Parts of the largest gap from which the one that is told to be open may be a joint with a number of its own, and any joint."""
+REPEATED = 1e-9
+"""Singular value, in parts of the largest, of joints that repeat each other."""
+
+
+def search(bodies: RigidBodies, inputs: Inputs, q: np.ndarray) -> Nearest | None:
+    """Positions that close the joints, or the nearest to that; None where it is not known, or where the given ones (n,) close them."""
+    if not bodies.countable or np.abs(bodies.gaps(inputs, q)).max() <= CLOSED:
+        return None
+    best = nearest(bodies, inputs, q)
+    for n in range(0 if best.closes or len(bodies.frames) > FEW else AGAIN):
+        aside = ASIDE * np.sin((n + 1) * (1 + np.arange(len(bodies.frames))))
+        other = nearest(bodies, inputs, bodies.moved(q, aside))
+        best = other if np.linalg.norm(other.gaps) < (1 - CLOSED) * np.linalg.norm(best.gaps) else best
+        if best.closes:
+            break
+    return best
+
+
+def repeat_each_other(bodies: RigidBodies, inputs: Inputs, q: np.ndarray) -> bool:
+    """Whether some joints imply others in positions q (n,)."""
+    sizes = np.linalg.svd(bodies.jacobian(inputs, q), compute_uv=False)
+    return len(sizes) < len(bodies.rows) or bool(sizes[-1] <= REPEATED * sizes[0])
+
+
+def told_gap(bodies: RigidBodies, inputs: Inputs, found: Nearest) -> str:
+    """Sentences on the nearest that joints come to being closed: one joint open, all others closed."""
+    released = _released(bodies, found.gaps)
+    soft = np.isin(bodies.rows, released)
+    gaps = nearest(bodies, inputs, found.q, soft).gaps[soft] / bodies.system.weights[released]
+    shapes = ", by bodies that keep their shapes" if bodies.bend else ""
+    return (
+        f"the joints cannot be closed{shapes}: in the nearest positions that were found, "
+        f"{_told(bodies.system, inputs, released, gaps)}, while all others are closed. Give lengths, points or curves that fit together."
+    )
+
+
+def _released(bodies: RigidBodies, gaps: np.ndarray) -> np.ndarray:
+    """Constraints (k,), by their numbers among all unknowns, of the joint that is told: one with a number of its own, if it takes part."""
+    rows, system = bodies.rows, bodies.system
+    owners = [joint_of(system, row)[0] for row in rows]
+    names = [name for name in dict.fromkeys(owners) if name is not None]
+    sizes = {name: float(np.linalg.norm(gaps[[owner == name for owner in owners]])) for name in names}
+    taking_part = [name for name in names if sizes[name] >= TAKES_PART * max(sizes.values())]
+    stated = [name for name in taking_part if _driven(system, name) >= 0] or [
+        name for name in taking_part if isinstance(system.scene.joints[name], KeptDistance)
+    ]
+    among = stated or names
+    chosen = among[first_largest(np.array([sizes[name] for name in among]), 1 - LARGE)]
+    return np.array([row for row, owner in zip(rows, owners, strict=True) if owner == chosen], np.int64)
+
+
+def _driven(system: System, joint: str) -> int:
+    """Number of the curve that a joint follows, or -1."""
+    return int(system.plan.joints.curve[list(system.scene.joints).index(joint)])
+
+
+def _told(system: System, inputs: Inputs, rows: np.ndarray, gaps: np.ndarray) -> str:
+    """By how much the rows of one joint are open."""
+    name = str(joint_of(system, rows[0])[0])
+    which = system.numbering.names[rows[0]] if len(rows) == 1 else f"joint {name!r}"
+    sizes = [(label(system, row), opening(system, row, gap)) for row, gap in zip(rows, gaps, strict=True)]
+    of_kind = {kind: np.linalg.norm([size for _, size in each]) for kind, each in groupby(sizes, lambda pair: pair[0])}
+    said = " and ".join(f"{size:.4g} {kind}" for kind, size in of_kind.items() if size > 0) or "nothing that is seen"
+    curve = _driven(system, name)
+    if curve < 0:
+        return f"{which} is open by {said}"
+    asked, (kind, open_by) = float(np.real(inputs.curves[curve, 0])), sizes[-1]
+    return f"{which} is open by {said}: it comes to {asked + open_by:.4g} {kind}, where its curve asks for {asked:.4g} {kind}"
