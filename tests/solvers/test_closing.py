@@ -7,18 +7,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy
 
+from tests.spatial.scenes import at
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, LimitPointError
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.driver import AngleDriver
+from toolkit.joints.both.distance import Distance, SpatialDistance
+from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.loads.planar.gravity import Gravity
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 
@@ -39,6 +44,7 @@ def tied(length: float, **solver: Any) -> Scene:
             "O": Revolute(bodies=("crank", "ground"), point="O"),
             "bar": Distance(bodies=("crank", "ground"), points=("A", "G"), length=length),
         },
+        loads={"weight": Gravity(acceleration=(0.0, -9.81))},
         solver=RunOptions(end_time=0.1, step=0.01, **solver),
     )
 
@@ -92,6 +98,11 @@ def test_a_dead_point_that_a_longer_bar_begins_in_is_no_contradiction_of_joints(
     assert "rotation of body 'crank' moved by" in refusal(simulate, tied(2.05, assemble=True))
 
 
+def test_statics_refuses_a_joint_that_was_left_out_and_is_open():
+    said = refusal(solve_statics, tied(1.75, redundant="least-squares"))
+    assert f"other joints imply it at the start; it is open by {np.sqrt(10) - 1.75:.3g} m" in said  # of the crank that hangs
+
+
 def test_gaps_of_a_bar_are_lengths():
     assert "distance of joint 'bar' is violated by 0.25 m" in refusal(simulate, tied(1.75), InputError)
 
@@ -132,3 +143,40 @@ def test_a_driver_may_begin_as_far_away_in_the_plane_as_in_space(turn):
     run = simulate(compile_scene(four_bar(Constant(value=turn), assemble=True)))
     assert run.q[0][2] == pytest.approx(turn, rel=1e-12)  # round-off
     assert run.drift <= 1e-12
+
+
+def in_space(driven: str, height: float, **bar: float) -> Scene:
+    """A crank of 0.3 m about x and a rocker of 0.5 m about z, 1 m and 0.4 m away, which a bar ties to each other."""
+    turns: dict[str, dict[str, Any]] = {
+        "crank": {"bodies": ("crank", "ground"), "point": "O", "axis": (1.0, 0.0, 0.0)},
+        "rocker": {"bodies": ("rocker", "ground"), "point": "C", "axis": (0.0, 0.0, 1.0)},
+    }
+    places = {"O": (0.0, 0.0, 0.0), "A": (0.0, 0.3, 0.0), "B": (1.0, 0.5, 0.4), "C": (1.0, 0.0, 0.4)}
+    joints: dict[str, Any] = {name: SpatialRevolute(**each) for name, each in turns.items()}
+    return Scene(
+        units="m-kg-s",
+        dimension=3,
+        points={**at(**places)},
+        bodies={
+            name: SpatialRod(between=ends, area=1e-3, density=1e3)
+            for name, ends in (("crank", ("O", "A")), ("rocker", ("C", "B")))
+        },
+        joints={
+            **joints,
+            "bar": SpatialDistance(bodies=("crank", "rocker"), points=("A", "B"), **bar),
+            "motor": SpatialAngleDriver(**turns[driven], curve=SmoothStep(height=height, duration=1.0)),
+        },
+        solver=RunOptions(end_time=1.0, step=0.01, assemble=True),
+    )
+
+
+def test_a_bar_in_space_that_is_too_short_is_told_by_its_gap():
+    # its ends are (1 - s / 2)^2 + (c / 2 - 0.3)^2 + 0.4^2 apart, squared, with sine s and cosine c of the rocker
+    nearest = np.sqrt(1.5 - np.hypot(1, 0.3))
+    assert f"distance of joint 'bar' is open by {nearest - 0.4:.4g} m" in refusal(simulate, in_space("crank", 1.0, length=0.4))
+
+
+def test_the_limit_position_of_a_driver_in_space():
+    # of the crank's angle the square above lacks 0.6 (c / 2 cos + 0.4 sin): it is 1.2, that of the bar, up to this angle of the rocker
+    turn = scipy.optimize.brentq(lambda angle: np.sin(angle) - 0.3 - 0.6 * np.hypot(np.cos(angle) / 2, 0.4), 0, 1)
+    assert f"joint 'motor' comes to {turn:.3g} rad and no further" in refusal(simulate, in_space("rocker", 1.5))

@@ -10,7 +10,7 @@ import numpy as np
 from toolkit.analyses.run_start import run_start
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import watched_compilation
-from toolkit.foundation.errors import ConvergenceError
+from toolkit.foundation.errors import ConvergenceError, LimitPositionError
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.half_turns import refuse_half_turns
 from toolkit.solvers.start.initial_conditions import State
@@ -70,6 +70,8 @@ def simulate(
         start = run_start(system, run.options, q, v, beside)
         try:
             run, history = _integrated(run, start, progress, along)
+        except LimitPositionError:
+            raise
         except ConvergenceError as error:
             hint = speed_limits(system.scene)
             if not hint:

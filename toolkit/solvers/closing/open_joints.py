@@ -7,7 +7,6 @@ from itertools import groupby
 import numpy as np
 
 from toolkit.equations.equations import Inputs
-from toolkit.foundation.near_ties import first_largest
 from toolkit.joints.both.distance import KeptDistance
 from toolkit.solvers.closing.nearest import CLOSED, Nearest, nearest
 from toolkit.solvers.closing.openings import joint_of, label, opening
@@ -17,7 +16,10 @@ from toolkit.system.system import System
 AGAIN, FEW, ASIDE = 6, 60, 0.7
 """How often the search begins from other positions if it has found none that close, of up to how many coordinates, and how far aside."""
 TAKES_PART, LARGE = 0.05, 0.25
-"""Parts of the largest gap from which the one that is told to be open may be a joint with a number of its own, and any joint."""
+"""Part of the largest gap from which a joint may be the one that is told to be open; of two the first one is, if their gaps differ by less
+than some such part."""
+TRIED, OTHERS = 6, 1e-5
+"""How many joints are tried, and the gap, a part of the scene's size (or rad), of the others that is none then."""
 REPEATED = 1e-9
 """Singular value, in parts of the largest, of joints that repeat each other."""
 
@@ -43,30 +45,51 @@ def repeat_each_other(bodies: RigidBodies, inputs: Inputs, q: np.ndarray) -> boo
 
 
 def told_gap(bodies: RigidBodies, inputs: Inputs, found: Nearest) -> str:
-    """Sentences on the nearest that joints come to being closed: one joint open, all others closed."""
-    released = _released(bodies, found.gaps)
-    soft = np.isin(bodies.rows, released)
-    gaps = nearest(bodies, inputs, found.q, soft).gaps[soft] / bodies.system.weights[released]
+    """Sentences on the nearest that joints come to being closed: one joint open and all others closed, if there is such a joint."""
     shapes = ", by bodies that keep their shapes" if bodies.bend else ""
     return (
-        f"the joints cannot be closed{shapes}: in the nearest positions that were found, "
-        f"{_told(bodies.system, inputs, released, gaps)}, while all others are closed. Give lengths, points or curves that fit together."
+        f"the joints cannot be closed{shapes}: in the nearest positions that were found, {_what_stays_open(bodies, inputs, found)}. "
+        "Give lengths, points or curves that fit together."
     )
 
 
-def _released(bodies: RigidBodies, gaps: np.ndarray) -> np.ndarray:
-    """Constraints (k,), by their numbers among all unknowns, of the joint that is told: one with a number of its own, if it takes part."""
+def _what_stays_open(bodies: RigidBodies, inputs: Inputs, found: Nearest) -> str:
+    candidates = _candidates(bodies, found.gaps)
+    for rows in candidates[:TRIED]:
+        soft = np.isin(bodies.rows, rows)
+        gaps = nearest(bodies, inputs, found.q, soft).gaps
+        if np.abs(gaps[~soft]).max(initial=0) <= OTHERS:
+            return f"{_told(bodies.system, inputs, rows, gaps[soft] / bodies.system.weights[rows])}, while all others are closed"
+    rows = candidates[0]
+    gaps = found.gaps[np.isin(bodies.rows, rows)] / bodies.system.weights[rows]
+    return f"{_told(bodies.system, inputs, rows, gaps)}, and other joints are open too"
+
+
+def _candidates(bodies: RigidBodies, gaps: np.ndarray) -> list[np.ndarray]:
+    """Constraints (k,), by their numbers among all unknowns, of joints that may be the open one: first those with a number of their own."""
     rows, system = bodies.rows, bodies.system
     owners = [joint_of(system, row)[0] for row in rows]
-    names = [name for name in dict.fromkeys(owners) if name is not None]
-    sizes = {name: float(np.linalg.norm(gaps[[owner == name for owner in owners]])) for name in names}
-    taking_part = [name for name in names if sizes[name] >= TAKES_PART * max(sizes.values())]
-    stated = [name for name in taking_part if _driven(system, name) >= 0] or [
-        name for name in taking_part if isinstance(system.scene.joints[name], KeptDistance)
+    sizes = {
+        name: float(np.linalg.norm(gaps[[owner == name for owner in owners]]))
+        for name in dict.fromkeys(owners)
+        if name is not None
+    }
+    kinds: dict[int, list[str]] = {0: [], 1: [], 2: []}
+    for name, size in sizes.items():
+        if size >= TAKES_PART * max(sizes.values()):
+            kinds[_kind(system, name)].append(name)
+    for each in kinds.values():
+        each.sort(key=lambda name: -round(sizes[name] / max(sizes.values()) / LARGE))
+    return [
+        np.array([row for row, owner in zip(rows, owners, strict=True) if owner == name], np.int64)
+        for each in kinds.values()
+        for name in each
     ]
-    among = stated or names
-    chosen = among[first_largest(np.array([sizes[name] for name in among]), 1 - LARGE)]
-    return np.array([row for row, owner in zip(rows, owners, strict=True) if owner == chosen], np.int64)
+
+
+def _kind(system: System, joint: str) -> int:
+    """0 of a driver, 1 of a joint that keeps a length, 2 of any other."""
+    return 0 if _driven(system, joint) >= 0 else 1 if isinstance(system.scene.joints[joint], KeptDistance) else 2
 
 
 def _driven(system: System, joint: str) -> int:

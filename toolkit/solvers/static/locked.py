@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import ConvergenceError, CriticalPointError, LimitPointError, SingularSystemError
+from toolkit.foundation.errors import (
+    ConvergenceError,
+    CriticalPointError,
+    LimitPointError,
+    LimitPositionError,
+    SingularSystemError,
+)
 from toolkit.solvers.closing.locked import limit_of_drivers, told_limit
 from toolkit.solvers.static.equilibrium import inputs_at
 from toolkit.system.system import System
@@ -29,4 +35,4 @@ def at_limit_position(
     text = told_limit(system, acting, limit, 1.0, f"at {100 * limit.place:.4g} % of the way of its drivers")
     if isinstance(error, CriticalPointError):
         return LimitPointError(text, error.load_factor, error.coordinate)
-    return ConvergenceError(text)
+    return LimitPositionError(text)

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths, time_grid
-from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.foundation.errors import ConvergenceError, InputError, LimitPositionError, SingularSystemError
 from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes, zeros_in_large_pages
 from toolkit.solvers.closing.locked import limit_of_drivers, told_limit
 from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
@@ -139,7 +139,7 @@ def at_limit_position(run: Run, q: np.ndarray, time: float, step_length: float, 
     if limit is None or limit.place > time + max(NEARBY * end, 10 * step_length):
         return error
     where = f"at t = {limit.place:.4g}"
-    return ConvergenceError(told_limit(system, lambda at: system.inputs(at, LEVELS), limit, end, where))
+    return LimitPositionError(told_limit(system, lambda at: system.inputs(at, LEVELS), limit, end, where))
 
 
 def _failure(run: Run) -> Exception:
