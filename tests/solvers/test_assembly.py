@@ -113,7 +113,6 @@ def test_the_start_value_of_a_driver_can_be_a_design_variable():
         assert found[name] == pytest.approx(slopes, rel=1e-10), name  # round-off
 
 
-@pytest.mark.parametrize("length", [3.5, 0.3])
-def test_joints_that_only_close_far_away_are_refused(length):
+def test_joints_that_only_close_far_away_are_refused():
     with pytest.raises(ConvergenceError, match=r"do not close near the given positions: .* would move by"):
-        simulate(compile_scene(linkage(length, assemble=True)))
+        simulate(compile_scene(linkage(0.1, assemble=True)))

@@ -16,6 +16,8 @@ from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.dense_memory import check_dense
 from toolkit.solvers.half_turns import half_turn
 from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
+from toolkit.solvers.static.left_out_joints import refuse_open_joints_left_out
+from toolkit.solvers.static.locked import at_limit_position
 from toolkit.solvers.static.path.continuation import NEAR, to_full_load
 from toolkit.solvers.static.stability.critical_state import is_stable, refuse_gradients_of_critical
 from toolkit.solvers.static.static_change import static_change
@@ -81,8 +83,15 @@ def solve_statics(
         state, count = near
         return _with_sensitivities(system, options, state, begun, newton_iterations=count, own_start=True)
     state, factor, count = start_of_path(system, options)
-    arrival = to_full_load(system, options, state, factor, options.continuation == "arc-length", progress)
+    try:
+        arrival = to_full_load(system, options, state, factor, options.continuation == "arc-length", progress)
+    except (ConvergenceError, SingularSystemError) as error:
+        told = at_limit_position(system, options, state.q, factor, error)
+        if told is error:
+            raise
+        raise told from error
     _refuse_half_turns(system, options, arrival.path)
+    refuse_open_joints_left_out(system, options, arrival.state.q)
     report = {"newton_iterations": count + arrival.iterations, "load_steps": arrival.steps + (factor > 0), "path": arrival.path}
     return _with_sensitivities(system, options, arrival.state, begun, **report)
 

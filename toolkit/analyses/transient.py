@@ -10,15 +10,15 @@ import numpy as np
 from toolkit.analyses.run_start import run_start
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import watched_compilation
-from toolkit.foundation.errors import ConvergenceError
+from toolkit.foundation.errors import ConvergenceError, LimitPositionError
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.half_turns import refuse_half_turns
 from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.static.passed_limits import refuse_passed_limits
 from toolkit.solvers.transient.adaptive import advance_adaptively
 from toolkit.solvers.transient.newton import CONVERGED
-from toolkit.solvers.transient.run import Run, allocate_history, failure, foreseen, prepare_run, take_steps
-from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, STATUS, History, Memory
+from toolkit.solvers.transient.run import Run, allocate_history, at_limit_position, failure, foreseen, prepare_run, take_steps
+from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, STATUS, STEP, History, Memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.bodies.physics import speed_limits
@@ -70,6 +70,8 @@ def simulate(
         start = run_start(system, run.options, q, v, beside)
         try:
             run, history = _integrated(run, start, progress, along)
+        except LimitPositionError:
+            raise
         except ConvergenceError as error:
             hint = speed_limits(system.scene)
             if not hint:
@@ -127,7 +129,7 @@ def advance(run: Run, history: History, first: int, progress: Callable[[int, int
         high = min(low + piece, count)
         take_steps(run, history, curves, first + low == 0, low, high)
         if run.outcome.counts[STATUS] != CONVERGED:
-            raise failure(run)
+            raise failure(run, history.q[run.outcome.counts[STEP]])
         if progress:
             progress(first + high, total)
 
@@ -159,8 +161,9 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
             if stabilised
             else UNSTABILISED
         )
-        raise ConvergenceError(
+        came_apart = ConvergenceError(
             f"the joints came apart: {system.numbering.names[int(found[2])]} is off by {found[0]:.1e} of the scene's size at "
             f"t = {times[int(found[1])]:g}, more than solver.drift_tolerance = {options.drift_tolerance:g}: {cause}."
         )
+        raise at_limit_position(run, q[0], float(times[0]), float(times[int(found[1])] - times[0]) / 10, came_apart)
     return float(found[0])

@@ -56,6 +56,10 @@ class ConvergenceError(ToolkitError, ArithmeticError):
     """Newton's iteration stopped before it met its criterion."""
 
 
+class LimitPositionError(ConvergenceError):
+    """Drivers lead a mechanism to a position behind which no position of its bodies closes the joints."""
+
+
 class NoLimitPointError(ConvergenceError):
     """The path of equilibria was followed to the load factor `reached` and has no limit point there."""
 

@@ -58,6 +58,10 @@ class Joint(Component):
     def curved(self) -> bool:
         """Whether the rows have second derivatives by the poses, or the poses such by what two bodies share."""
 
+    def opening(self, _scene: Skeleton, _row: int, violation: Any) -> Any:
+        """How far one of its rows is open, in the unit of what it measures, where it is violated by so much."""
+        return violation
+
     def parameters(self, scene: Skeleton) -> list[Any]:
         """The numbers that stand in its rows."""
         return row_numbers(self.constraint(scene))

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+
 from toolkit.joints.joint import Joint
 from toolkit.joints.places import BetweenPoints
 from toolkit.joints.planar.joint import PlanarJoint
@@ -19,6 +23,11 @@ class KeptDistance(BetweenPoints, Joint):
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
         """One direction."""
         return (self.poses.apart(1.0 if scene is None else self.own_length(scene)),)
+
+    def opening(self, scene: Skeleton, _row: int, violation: Any) -> Any:
+        """By how much the two points are further apart than L."""
+        length = np.real(self.own_length(scene))
+        return length * (np.sqrt(max(1 + 2 * violation / length, 0.0)) - 1)
 
 
 class Distance(KeptDistance, PlanarJoint):

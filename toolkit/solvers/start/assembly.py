@@ -14,8 +14,10 @@ import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import together
 from toolkit.equations.equations import Terms
-from toolkit.foundation.errors import ConvergenceError
+from toolkit.foundation.errors import ConvergenceError, SingularSystemError
 from toolkit.foundation.near_ties import first_largest
+from toolkit.solvers.closing.open_joints import repeat_each_other, search, told_gap
+from toolkit.solvers.closing.rigid_bodies import RigidBodies
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.system.system import System
 
@@ -24,8 +26,10 @@ CLOSED = 1e-13
 ROUND_OFF = 1e-13
 """Correction, per distance of the bodies from the origin, that is round-off if it does not shrink any more."""
 REACH = 0.3
-"""Furthest move, as a part of the scene's size or in rad, that is an adjustment; more is another configuration, or a mistake."""
+"""Furthest move that is an adjustment, as a part of the scene's size; more is another configuration, or a mistake. Of a rotation half the
+angle counts, as it does in the quaternions of bodies in space: bodies turn by up to 0.6 rad."""
 MOST = 30
+LEVELS = np.array([0.0, 0.0, 1.0])
 WHERE = "closing of the joints at the start"
 
 
@@ -39,8 +43,20 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
     SingularSystemError
         Joints are redundant.
     """
-    system, is_q = stiffened(system), np.arange(system.n) < system.n_q
-    q, acc, largest, before = given.copy(), np.zeros_like(given), np.inf, np.inf
+    stiff = stiffened(system)
+    try:
+        q, acc = _closed(stiff, given, time)
+    except (ConvergenceError, SingularSystemError) as error:
+        told = _told_by_search(system, given, time)
+        if told:
+            raise ConvergenceError(told) from error
+        raise
+    return q, _change(stiff, q, acc, dgiven, time) if system.n_x else dgiven
+
+
+def _closed(system: System, given: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+    """Positions, and [q - q_given; mu] there, (n,) each; of a system of `stiffened`."""
+    is_q, q, acc, largest, before = np.arange(system.n) < system.n_q, given.copy(), np.zeros_like(given), np.inf, np.inf
     far = (system.weights * np.abs(np.real(given)))[: system.n_q].max()
     for _ in range(MOST):
         stagnated = largest <= ROUND_OFF * far and largest > 0.5 * before
@@ -48,20 +64,63 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
         terms = _evaluate(system, q, acc, time)
         step = solve_linear(system, _matrix(system, terms), -np.where(is_q, terms.inertial, terms.applied), WHERE)
         q, acc = q + np.where(is_q, step, 0), acc + step
-        moved = (system.weights * np.abs(np.real(q - given)))[: system.n_q]
-        if closed or not np.all(moved <= REACH):
+        near = np.all(_moved(system, given, q) <= REACH)
+        if closed and near:
+            return q, acc
+        if closed or not near:
             break
         before, largest = largest, (system.weights * np.abs(np.real(step)))[: system.n_q].max()
-    if not closed or not np.all(moved <= REACH):
-        raise ConvergenceError(
-            f"the joints do not close near the given positions: {system.numbering.names[first_largest(moved)]} would move by "
-            f"{moved.max():.2g} of the scene's size (or rad). Give positions, a length or a curve that fit together better."
-        )
-    if not system.n_x:
-        return q, dgiven
-    terms = _evaluate(system, q, acc, time)
-    change = np.where(is_q[:, None], terms.I_x - system.matrix(terms.I_acc + system.unit_of_states) @ dgiven, terms.A_x)
-    return q, np.where(is_q[:, None], solve_linear(system, _matrix(system, terms), -change, WHERE), 0)
+    raise ConvergenceError(_far(system, given, q))
+
+
+def _change(system: System, q: np.ndarray, acc: np.ndarray, dgiven: np.ndarray, time: float) -> np.ndarray:
+    """Design derivatives (n, n_x) of positions that `_closed` has found."""
+    is_q, terms = np.arange(system.n)[:, None] < system.n_q, _evaluate(system, q, acc, time)
+    change = np.where(is_q, terms.I_x - system.matrix(terms.I_acc + system.unit_of_states) @ dgiven, terms.A_x)
+    return np.where(is_q, solve_linear(system, _matrix(system, terms), -change, WHERE), 0)
+
+
+def _moved(system: System, given: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """How far coordinates are from given ones, as `REACH` counts, (n_q,)."""
+    moved = (system.weights * np.abs(np.real(q - given)))[: system.n_q]
+    moved[_rotations(system)] /= 2
+    return moved
+
+
+def _rotations(system: System) -> list[int]:
+    """Coordinates that are angles by which bodies turn in the plane."""
+    first = system.numbering.first
+    return [first[name] + body.moves for name, body in system.scene.all_bodies().items() if body.turns == 1]
+
+
+def _far(system: System, given: np.ndarray, q: np.ndarray) -> str:
+    """A sentence on joints that close in other positions (n,) than next to the given ones."""
+    i = first_largest(_moved(system, given, q))
+    return (
+        f"the joints do not close near the given positions: {system.numbering.names[i]} would move by "
+        f"{system.weights[i] * abs(np.real(q - given)[i]):.2g} of the scene's size (or rad). Give positions, a length or a curve that fit "
+        "together better."
+    )
+
+
+def _told_by_search(system: System, given: np.ndarray, time: float) -> str:
+    """Why joints that are open do not close, by a search among all positions; empty if it does not tell."""
+    bodies, inputs = RigidBodies(system), system.inputs(time, LEVELS)
+    found = search(bodies, inputs, given)
+    if found is None:
+        return ""
+    if not found.closes:
+        return told_gap(bodies, inputs, found)
+    if repeat_each_other(bodies, inputs, found.q):
+        return ""
+    moved = _moved(system, given, found.q)
+    if moved.max() > REACH:
+        return _far(system, given, found.q)
+    name = system.numbering.names[first_largest(moved)]
+    return (
+        "the joints close near the given positions, but Newton's method does not come there (it cannot from a dead point): with "
+        f"{name} moved by {np.real(found.q - given)[first_largest(moved)]:+.3g} they do. Give positions nearer to those."
+    )
 
 
 def stiffened(system: System) -> System:
@@ -79,7 +138,7 @@ def stiffened(system: System) -> System:
 
 def _evaluate(system: System, q: np.ndarray, acc: np.ndarray, time: float) -> Terms:
     """Inertial: [M + K] (q - q_given) + phi_q^T mu with acc = [q - q_given; mu]. Applied, below: phi."""
-    return system.evaluate(system.inputs(time, np.array([0.0, 0.0, 1.0])), q, np.zeros_like(q), acc, design=True)
+    return system.evaluate(system.inputs(time, LEVELS), q, np.zeros_like(q), acc, design=True)
 
 
 def _matrix(system: System, terms: Terms) -> np.ndarray:

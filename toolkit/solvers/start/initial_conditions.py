@@ -9,6 +9,7 @@ import numpy as np
 from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Terms
 from toolkit.foundation.errors import InputError, NoDerivativeError
+from toolkit.solvers.closing.openings import told
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.start.assembly import assemble
 from toolkit.solvers.start.start_velocities import carried_along, project_velocities
@@ -157,7 +158,7 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
     if len(violated):
         i = n_q + violated[0]
         raise InputError(
-            f"inconsistent start: {names[i]} is violated by {np.real(terms.applied[i]):.3g} at t = {time:g}. "
+            f"inconsistent start: {names[i]} is violated by {told(system, int(i), terms.applied[i])} at t = {time:g}. "
             "Give positions that satisfy every joint, or a length, offset or curve that starts at their value; or let "
             "solver.assemble = true close the joints."
         )

@@ -7,6 +7,9 @@ import numpy as np
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError
 from toolkit.foundation.near_ties import first_largest
+from toolkit.solvers.closing.open_joints import search, told_gap
+from toolkit.solvers.closing.openings import told
+from toolkit.solvers.closing.rigid_bodies import RigidBodies
 from toolkit.solvers.start.initial_conditions import POSITION_TOLERANCE
 from toolkit.solvers.static.descent import descend
 from toolkit.solvers.static.equilibrium import Equilibrium, inputs_at
@@ -40,8 +43,13 @@ def _refuse_open_joints(system: System, options: RunOptions, q: np.ndarray, erro
     size = np.abs(open_by) * system.weights[n_q:]
     if size.max(initial=0) > POSITION_TOLERANCE:
         row = first_largest(size)
+        bodies, inputs = RigidBodies(system), inputs_at(system, options, 0.0)
+        found = search(bodies, inputs, q)
+        if found is not None and not found.closes:
+            raise ConvergenceError(told_gap(bodies, inputs, found)) from error
         raise ConvergenceError(
-            f"the joints cannot be closed from the given positions: {system.numbering.names[n_q + row]} is open by {open_by[row]:.3g} "
+            f"the joints cannot be closed from the given positions: {system.numbering.names[n_q + row]} is open by "
+            f"{told(system, n_q + row, open_by[row])} "
             f"({error}). Give positions, a length or a curve that fit together."
         ) from error
 

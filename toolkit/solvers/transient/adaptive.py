@@ -65,7 +65,7 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
             elif status != CONVERGED:
                 h = RETRY * length
             if h < SMALLEST * options.end_time:
-                raise failure(piece)
+                raise failure(piece, chunks[-1][0][-1])
             if progress:
                 progress(round(1000 * times[-1] / options.end_time), 1000)
     states = [np.concatenate(parts) for parts in zip(*chunks, strict=True)]

@@ -8,14 +8,15 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths, time_grid
-from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.foundation.errors import ConvergenceError, InputError, LimitPositionError, SingularSystemError
 from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes, zeros_in_large_pages
+from toolkit.solvers.closing.locked import limit_of_drivers, told_limit
 from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
 from toolkit.solvers.transient.generalized_alpha import integrate
 from toolkit.solvers.transient.ggl.ggl_memory import allocate_ggl, idle_ggl
 from toolkit.solvers.transient.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
 from toolkit.solvers.transient.scheme import Scheme
-from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, History, Memory, Outcome, taken_memory
+from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, STEP, History, Memory, Outcome, taken_memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -120,8 +121,29 @@ def empty_history(system: System, n_t: int, start: tuple) -> History:
     return History(*arrays, *(array.reshape(n_t, -1) for array in arrays[3:]))
 
 
-def failure(run: Run) -> Exception:
-    """The error that a failed step deserves."""
+LEVELS = np.array([0.0, 0.0, 1.0])
+NEARBY = 0.05
+"""Part of the run, or ten steps, within which a limit position behind a failed step is its cause."""
+
+
+def failure(run: Run, q: np.ndarray) -> Exception:
+    """The error that a failed step deserves, from the coordinates (n,) before it."""
+    step = int(run.outcome.counts[STEP])
+    return at_limit_position(run, q, float(run.times[step]), float(run.lengths[step]), _failure(run))
+
+
+def at_limit_position(run: Run, q: np.ndarray, time: float, step_length: float, error: Exception) -> Exception:
+    """The error of a run at a time; or one that tells of the limit position of the mechanism, if drivers lead to it right then."""
+    system, end = run.system, run.options.end_time
+    limit = limit_of_drivers(system, lambda at: system.inputs(at, LEVELS), q, (0.0, time, end))
+    if limit is None or limit.place > time + max(NEARBY * end, 10 * step_length):
+        return error
+    where = f"at t = {limit.place:.4g}"
+    return LimitPositionError(told_limit(system, lambda at: system.inputs(at, LEVELS), limit, end, where))
+
+
+def _failure(run: Run) -> Exception:
+    """The same by what the step itself tells."""
     status, step, iterations, worst, _ = (int(count) for count in run.outcome.counts)
     name, time, tolerance = run.system.numbering.names[worst], run.times[step + 1], run.options.tolerance
     step_length = run.lengths[step]

@@ -11,6 +11,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.kinematics.spatial import angular_velocity
+from toolkit.solvers.closing.openings import told
 from toolkit.solvers.start.continued import moved_by
 from toolkit.solvers.start.initial_conditions import POSITION_TOLERANCE
 from toolkit.solvers.start.kept_start import kept_state, other_numbers
@@ -121,7 +122,7 @@ def _closed_by_statics(solution: Solution, options: RunOptions) -> Iterator[Caut
         yield Caution(
             "assembled",
             f"statics closed joints that are open in the written positions: {system.numbering.names[system.n_q + row]} by "
-            f"{abs(gaps[row]):.3g}, {sizes[row]:.1e} of the scene's size (or rad).",
+            f"{told(system, system.n_q + row, gaps[row]).lstrip('-')}, {sizes[row]:.1e} of the scene's size (or rad).",
             doubt=False,
         )
 

@@ -1,0 +1,67 @@
+"""What is told of drivers that lead a mechanism to a limit position, behind which the joints cannot be closed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.foundation.units import unit
+from toolkit.solvers.closing.limit_position import SAMPLES, Acting, Limit, closed, limit_position
+from toolkit.solvers.closing.rigid_bodies import RigidBodies
+from toolkit.system.system import System
+
+MOVES = 1e-9
+"""Change of a driver, in parts of the largest of its values, that is one."""
+BACK = (0.0, 1e-4, 1e-2)
+"""Parts of the way by which the search begins before a state, which a step may have led a little beyond the limit. From one that is far
+off the joints it cannot begin at all, and does so at the start."""
+LATE = 0.5
+"""Part of the way to a failure at which bodies that bend have to be stopped at least if they did not: otherwise their bending is what the
+drivers work on."""
+
+
+def limit_of_drivers(system: System, acting: Acting, q: np.ndarray, places: tuple[float, float, float]) -> Limit | None:
+    """Where drivers lead no further, between places (first, here, last), from coordinates (n_q,) or (n,) that bodies have here.
+
+    None if they lead to the last place, or if nothing is known of that.
+    """
+    bodies, (first, here, last) = RigidBodies(system), places
+    if not bodies.countable or not last > here or not _driven(system, acting, here, last):
+        return None
+    padded, start = np.zeros(system.n), system.start()[0]
+    padded[: system.n_q] = np.real(q[: system.n_q])
+    before = [max(first, here - back * (last - first)) for back in BACK]
+    begins = [(place, padded) for place in before if closed(bodies, acting(place), padded) is not None] or [(first, start)]
+    found = limit_position(bodies, acting, begins[0][1], begins[0][0], last)
+    if found is None or not bodies.bend:
+        return found
+    stiff = limit_position(bodies, acting, start, first, last)
+    return found if stiff is not None and stiff.place >= first + LATE * (found.place - first) else None
+
+
+def told_limit(system: System, acting: Acting, limit: Limit, last: float, where: str) -> str:
+    """Sentences on a limit position at a place that is told as `where`."""
+    said = [_told(system, acting, name, curve, limit.place, last) for name, curve in _driven(system, acting, limit.place, last)]
+    rigid = ", whose shapes are kept here," if RigidBodies(system).bend else ""
+    return (
+        f"the mechanism reaches a limit position {where}: {'; '.join(said)}. Behind it no positions of the bodies{rigid} close all joints. "
+        "End the curve before, turn the other way round, or change points or lengths."
+    )
+
+
+def _driven(system: System, acting: Acting, here: float, last: float) -> list[tuple[str, int]]:
+    """Joints that follow a curve which goes on from here, and the numbers of these curves."""
+    curves = zip(system.scene.joints, system.plan.joints.curve, strict=True)
+    ways = [(name, int(c), _way(acting, int(c), here, last)) for name, c in curves if c >= 0]
+    return [(name, c) for name, c, way in ways if np.ptp(way) > MOVES * np.abs(way).max()]
+
+
+def _way(acting: Acting, curve: int, here: float, last: float) -> np.ndarray:
+    """Values of a curve from here on."""
+    return np.array([np.real(acting(place).curves[curve, 0]) for place in np.linspace(here, last, SAMPLES + 1)])
+
+
+def _told(system: System, acting: Acting, name: str, curve: int, here: float, last: float) -> str:
+    way, joint = _way(acting, curve, here, last), system.scene.joints[name]
+    label = unit(system.scene.units, joint.rows[-1][1])
+    asked = way.max() if way[1] > way[0] else way.min()
+    return f"joint {name!r} comes to {way[0]:.3g} {label} and no further, where its curve goes on to {asked:.3g} {label}"
