@@ -368,6 +368,7 @@ def test_a_motion_plots_its_curves_and_an_equilibrium_its_picture(wing):
     assert drawn.get_ydata()[-1] == pytest.approx(wing.simulate().values["drive_angle"], rel=1e-12)
     corner, right, up = picture.axes[0].transData.transform([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     assert right[0] - corner[0] == pytest.approx(up[1] - corner[1], rel=1e-6)  # x and y to one scale
+    assert picture._repr_png_().startswith(b"\x89PNG")  # what a notebook asks for that nobody told of matplotlib
 
 
 def test_a_run_is_drawn_into_files(wing, tmp_path):

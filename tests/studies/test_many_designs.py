@@ -93,6 +93,47 @@ def test_a_killed_process_is_an_error_that_says_what_to_do(tmp_path):
     assert re.search(r"a process of the study was killed.*Ask for fewer processes", done.stdout)
 
 
+UNGUARDED = """
+from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.places.study_error import StudyError
+try:
+    list(done_at(Place(processes=2), abs, {1: 1, 2: 2}))
+except StudyError as error:
+    print(error)
+"""
+ENDED = """
+import sys
+from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.places.study_error import StudyError
+if __name__ != "__main__":
+    sys.exit("it says why")
+try:
+    list(done_at(Place(processes=2), abs, {1: 1, 2: 2}))
+except StudyError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "told", "said"),
+    [(UNGUARDED, r"^a study in several processes was started outside of `if __name__", "started outside of"),
+     (ENDED, r"^the processes of the study ended before their work began.*Ask for fewer processes", "it says why")],
+)  # fmt: skip
+def test_processes_that_cannot_begin_say_why(tmp_path, text, told, said):
+    done = subprocess.run(
+        script(tmp_path, text),
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert re.search(told, done.stdout)
+    assert "memory" not in done.stdout or text is ENDED
+    assert {said in line for line in done.stderr.splitlines()} == {True}
+
+
 SLEEPING = """
 import time
 from toolkit.studies.places.place import Place, done_at

@@ -71,7 +71,13 @@ def for_jax(model: Model, responses: str | Sequence[str], analysis: str = "stati
 
 
 def _vector(jax: Any, x: Any, n: int) -> Any:
-    """x as doubles; another shape is refused while JAX traces, where its own errors of shapes come from too."""
+    """x as doubles; another shape or kind is refused while JAX traces, where its own errors of shapes come from too."""
+    if jax.numpy.iscomplexobj(x):
+        raise TypeError("this function takes real numbers: its derivatives are exact, and need no complex step.")
+    if isinstance(x, tuple) and getattr(x, "_fields", None):
+        raise TypeError(
+            "this function takes an array in the order of the model's variables, and no named tuple, whose order is its own."
+        )
     x = jax.numpy.asarray(x, np.float64)
     if x.shape != (n,):
         raise TypeError(f"this function takes the {n} variables of the model as an array ({n},), not {x.shape}.")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,18 @@ import numpy as np
 from toolkit.bridges.packages import package
 from toolkit.bridges.vector_function import VectorFunction
 from toolkit.door.model import Model
+from toolkit.foundation.dimensions import LABELLED
 from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.foundation.units import UNIT_SYSTEMS, unit
+from toolkit.scene_file.gradient_units import variable_unit
+
+WORD = re.compile("[A-Za-z]+")
+_POWER = r"[A-Za-z]+(?:\*\*\d)?"
+_TERM = rf"(?:{_POWER}|\({_POWER}(?:[*/]{_POWER})*\)(?:\*\*\d)?)"
+WRITTEN = re.compile(rf"(?:1/)?{_TERM}(?:[*/]{_TERM})*")
+"""A unit in OpenMDAO's writing: words with their powers, products, quotients and brackets around them."""
+SOLVED = "solved"
+"""Output that says whether there is a value for the last design."""
 
 
 def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> Any:
@@ -29,7 +42,8 @@ def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "
     -------
     component
         An `openmdao.api.ExplicitComponent`. Inputs and outputs are called as the variables and responses are, with underscores where these
-        have dots: `points_A_x`. Its attribute `function.last` is the last run, with its verdict.
+        have dots: `points_A_x`. They have the units of the scene, so that OpenMDAO converts from and to others. One more output, `solved`,
+        is 1 where the last design was solved, and 0 where it failed. The attribute `function.last` is the last run, with its verdict.
 
     Raises
     ------
@@ -40,8 +54,9 @@ def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "
 
     Notes
     -----
-    A design that cannot be solved raises OpenMDAO's AnalysisError, which its drivers and solvers know how to step back from. Partials
-    can be checked by central differences; complex numbers are refused.
+    A design that cannot be solved raises OpenMDAO's AnalysisError; some of its drivers step back from it, most end with it, and the page
+    on bridges says which. The outputs keep their values of the design before, and `solved` is 0. Partials can be checked by central
+    differences; complex numbers are refused.
 
     Examples
     --------
@@ -50,11 +65,10 @@ def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "
     om = package("openmdao.api", "bridges")
     function = VectorFunction(model, responses, analysis)
     inputs, outputs = ([name.replace(".", "_") for name in names] for names in (function.names, function.responses))
-    if len({*inputs, *outputs}) < len(inputs) + len(outputs):
-        raise InputError(
-            f"OpenMDAO cannot tell these apart, underscores for dots: {', '.join(sorted([*inputs, *outputs]))}. Name them otherwise in the "
-            "scene's table [design], or name each response once."
-        )
+    _refuse_namesakes([*inputs, *outputs])
+    scene = model.scene
+    input_units = [openmdao_units(variable_unit(scene, scene.paths_of(name)[0])) for name in function.names]
+    output_units = [openmdao_units(label) for label in function.units]
 
     class Responses(om.ExplicitComponent):  # type: ignore[misc, name-defined]  # its base is known only where OpenMDAO is installed
         """Responses of a scene by its design variables."""
@@ -64,15 +78,18 @@ def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "
             self.function = function
 
         def setup(self) -> None:
-            for name, value in zip(inputs, function.start, strict=True):
-                self.add_input(name, val=value)
-            for name, unit in zip(outputs, function.units, strict=True):
-                self.add_output(name, desc=f"in {unit}" if unit else "")
-            self.declare_partials("*", "*")
+            for name, value, units in zip(inputs, function.start, input_units, strict=True):
+                self.add_input(name, val=value, units=units)
+            for name, units, label in zip(outputs, output_units, function.units, strict=True):
+                self.add_output(name, units=units, desc=f"in {label}" if label else "")
+            self.add_output(SOLVED, desc="1 where the last design was solved, 0 where it failed")
+            self.declare_partials(outputs, inputs)
 
         def compute(self, inputs_: Any, outputs_: Any, *_: Any) -> None:
+            outputs_[SOLVED] = 0.0
             for name, value in zip(outputs, self._both(inputs_)[0], strict=True):
                 outputs_[name] = value
+            outputs_[SOLVED] = 1.0
 
         def compute_partials(self, inputs_: Any, partials: Any, *_: Any) -> None:
             for output, row in zip(outputs, self._both(inputs_)[1], strict=True):
@@ -86,3 +103,27 @@ def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "
                 raise om.AnalysisError(str(error)) from error
 
     return Responses()
+
+
+def _refuse_namesakes(names: Sequence[str]) -> None:
+    if SOLVED in names:
+        raise InputError(
+            f"{SOLVED!r} is the output that says whether a design was solved. Give the response or variable another name."
+        )
+    if len(set(names)) < len(names):
+        raise InputError(
+            f"OpenMDAO cannot tell these apart, underscores for dots: {', '.join(sorted(names))}. Name them otherwise in the scene's table "
+            "[design], or name each response once."
+        )
+
+
+def openmdao_units(label: str) -> str | None:
+    """A label of a unit as OpenMDAO writes it, "t*mm**2" for "t mm^2"; none for what has no unit, or another than the toolkit's own."""
+    written = label.replace(" ", "*").replace("^", "**")
+    own = WRITTEN.fullmatch(written) is not None and set(WORD.findall(written)) <= _words()  # OpenMDAO evaluates it as Python
+    return written if own else None
+
+
+@cache
+def _words() -> set[str]:
+    return {word for system in UNIT_SYSTEMS for quantity in LABELLED for word in WORD.findall(unit(system, quantity))}

@@ -24,20 +24,20 @@ class ScipyFunction:
     names
         Variables in the order of x.
     last
-        The run of the last design, with its verdict; none before the first.
+        The run of the last design that this process solved, with its verdict; none before the first.
     """
 
     def __init__(self, function: VectorFunction, single: bool) -> None:
         self._function, self._single = function, single
         self.names, self.x0 = function.names, function.start.copy()
 
-    def fun(self, x: np.ndarray) -> Any:
-        """Value or values at x (n,)."""
+    def fun(self, x: Any) -> Any:
+        """Value or values at x: numbers (n,) in the order of `names`, or what names them, as a row of pandas or a dictionary."""
         values = self._function.values(x)
         return float(values[0]) if self._single else values
 
-    def jac(self, x: np.ndarray) -> np.ndarray:
-        """Derivatives at x (n,)."""
+    def jac(self, x: Any) -> np.ndarray:
+        """Derivatives at x, in the order of `names`."""
         slopes = self._function.slopes(x)
         return slopes[0] if self._single else slopes
 
@@ -72,7 +72,8 @@ def for_scipy(model: Model, response: str | Sequence[str], analysis: str = "stat
     Notes
     -----
     A design that cannot be solved raises the error of its analysis, which ends SciPy's search: no value stands for it. `ffrf.optimize` goes
-    on from there.
+    on from there. Other processes can be sent the function, as `differential_evolution(..., workers=2)` does; several threads may call it,
+    and take turns.
 
     Examples
     --------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from toolkit.bridges.packages import package
+from toolkit.bridges.packages import BridgeError, package
 from toolkit.bridges.vector_function import VectorFunction
 from toolkit.door.model import Model
 
@@ -25,7 +25,7 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
     Returns
     -------
     function
-        For `backward` and `torch.autograd`, once differentiable; `torch.autograd.gradcheck` judges it.
+        For `backward` and `torch.autograd`, once differentiable, in reverse; `torch.autograd.gradcheck` judges it.
 
     Raises
     ------
@@ -36,7 +36,8 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
 
     Notes
     -----
-    A tensor of single precision is refused. A design that cannot be solved raises the error of its analysis out of the forward pass.
+    A tensor of single precision is refused. A design that cannot be solved raises the error of its analysis out of the forward pass. A
+    second derivative (`hessian`, `hvp`, a penalty on a gradient) raises `BridgeError`.
 
     Examples
     --------
@@ -51,17 +52,32 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
 
         @staticmethod
         def forward(context: Any, x: Any) -> Any:
-            if x.dtype != torch.float64:
-                raise TypeError(f"this function takes doubles, not {x.dtype}. Write x.double(), or dtype=torch.float64.")
+            if not isinstance(x, torch.Tensor) or x.dtype != torch.float64:
+                given = x.dtype if isinstance(x, torch.Tensor) else type(x).__name__
+                raise TypeError(
+                    f"this function takes a tensor of doubles, not {given}. Write x.double(), or torch.tensor(x, dtype=torch.float64)."
+                )
             values, slopes = function.both(x.detach().cpu().numpy())
-            context.save_for_backward(torch.from_numpy(slopes).to(x.device))
+            context.save_for_backward(x, torch.from_numpy(slopes).to(x.device))
             return torch.from_numpy(values).to(x.device)
 
         @staticmethod
-        @torch.autograd.function.once_differentiable  # type: ignore[untyped-decorator]
         def backward(context: Any, cotangent: Any) -> Any:
-            (slopes,) = context.saved_tensors
-            return cotangent @ slopes
+            return cotangent @ Slopes.apply(*context.saved_tensors)
+
+    class Slopes(torch.autograd.Function):  # type: ignore[misc, name-defined]
+        """First derivatives (m, n), which depend on the variables: nobody may take them for constants, whose derivatives are zeros."""
+
+        @staticmethod
+        def forward(_context: Any, _x: Any, slopes: Any) -> Any:
+            return slopes.clone()
+
+        @staticmethod
+        def backward(_context: Any, _cotangent: Any) -> Any:
+            raise BridgeError(
+                "second derivatives of these responses are asked for, and only first ones are known. For a Hessian take differences of the "
+                "gradients, which are exact; leave penalties on gradients out of what is minimized."
+            )
 
     def responses_of(x: Any) -> Any:
         """Responses (m,) at the variables (n,)."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from threading import Lock
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +17,9 @@ from toolkit.sensitivity.preparation import responses_of
 
 class VectorFunction:
     """Responses by the variables of a model, each design solved once for values and derivatives.
+
+    Several threads may ask at once and get the numbers of their own designs; they are solved one after another. Another process gets the
+    function with its model, and no run.
 
     Parameters
     ----------
@@ -48,46 +53,102 @@ class VectorFunction:
         self.start = np.array(list(model.variables.values()))
         known = responses_of(model.scene, moving=self.kind == "transient")
         self.units = tuple(known[name].unit(model.scene.units) for name in self.responses)
+        self._begin()
+
+    def _begin(self) -> None:
         self.last: Run | None = None
         self._solved: tuple[bytes, np.ndarray, np.ndarray] | None = None
+        self._turn = Lock()
 
-    def both(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name not in ("last", "_solved", "_turn")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._begin()
+
+    def both(self, x: Any) -> tuple[np.ndarray, np.ndarray]:
         """Values (m,) and derivatives (m, n) at x (n,), solved unless x is the last one.
+
+        What says which number is which, as a row of pandas, a dictionary or a named tuple do, is taken by its names.
 
         Raises
         ------
         InputError
-            x has another length, or is not real and finite.
+            x has another length or other names, or is not real and finite.
         ToolkitError
             The design cannot be solved; says why.
         """
         x = self._checked(x)
-        if self._solved is None or self._solved[0] != x.tobytes():
-            self._solved = None
-            run = self._model.run(self.kind, dict(zip(self.names, map(float, x), strict=True)), gradients=True)
-            values = np.array([run.values[name] for name in self.responses])
-            slopes = np.array([[run.gradients[name][x] for x in self.names] for name in self.responses])
-            self.last, self._solved = run, (x.tobytes(), values, slopes)
-        return self._solved[1].copy(), self._solved[2].copy()
+        with self._turn:
+            if self._solved is None or self._solved[0] != x.tobytes():
+                self._solved = None
+                self.last, *found = self._solve(x)
+                self._solved = (x.tobytes(), *found)
+            return self._solved[1].copy(), self._solved[2].copy()
 
-    def values(self, x: np.ndarray) -> np.ndarray:
+    def values(self, x: Any) -> np.ndarray:
         """Values (m,) at x (n,)."""
         return self.both(x)[0]
 
-    def slopes(self, x: np.ndarray) -> np.ndarray:
+    def slopes(self, x: Any) -> np.ndarray:
         """Derivatives (m, n) at x (n,)."""
         return self.both(x)[1]
 
-    def _checked(self, x: np.ndarray) -> np.ndarray:
-        found = np.asarray(x)
-        if np.iscomplexobj(found):
-            raise InputError("these functions take real numbers: their derivatives are exact, and need no complex step.")
-        found = np.array(found, float)
+    def _solve(self, x: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
+        run = self._model.run(self.kind, dict(zip(self.names, map(float, x), strict=True)), gradients=True)
+        values = np.array([run.values[name] for name in self.responses])
+        slopes = np.array([[run.gradients[name][each] for each in self.names] for name in self.responses])
+        return run, values, slopes
+
+    def _checked(self, x: Any) -> np.ndarray:
+        try:
+            found = np.asarray(_in_order(x, self.names))
+            if np.iscomplexobj(found):
+                raise InputError("these functions take real numbers: their derivatives are exact, and need no complex step.")
+            found = np.array(found, float)
+        except (TypeError, ValueError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError(f"{self._wanted()}; given: something else, of type {type(x).__name__}.") from error
         if found.shape != self.start.shape or not np.all(np.isfinite(found)):
-            raise InputError(
-                f"{len(self.names)} finite numbers are needed, for {', '.join(self.names)}; given: an array of shape {found.shape}."
-            )
+            raise InputError(f"{self._wanted()}; given: an array of shape {found.shape}.")
         return found
+
+    def _wanted(self) -> str:
+        return f"{len(self.names)} finite numbers are needed, for {', '.join(self.names)}"
+
+
+def _in_order(x: Any, names: Sequence[str]) -> Any:
+    """The numbers of x in the order of the names, if it names them itself; else x as it is."""
+    named = _named(x)
+    if named is None:
+        return x
+    if wrong := [name for name in named if name not in names]:
+        raise InputError(
+            f"a design with names is taken by its names, and {wrong[0]!r} is no variable{meant(str(wrong[0]), names)}; the variables: "
+            f"{', '.join(names)}. Leave out all others, or give the numbers alone, in this order."
+        )
+    if lacking := [name for name in names if name not in named]:
+        raise InputError(f"a design with names is taken by its names, and {lacking[0]!r} is not among them. Add it.")
+    return [named[name] for name in names]
+
+
+def _named(x: Any) -> dict[Any, Any] | None:
+    """Name -> number of a dictionary, a named tuple or a row of a table; none of what counts its numbers only."""
+    if isinstance(x, Mapping):
+        return dict(x)
+    if isinstance(x, tuple):
+        return dict(zip(fields, x, strict=True)) if (fields := getattr(x, "_fields", None)) else None
+    index = getattr(x, "index", None)  # of pandas; of a list it is a method
+    if index is None or callable(index) or np.ndim(x) != 1:
+        return None
+    labels = list(index)
+    if labels == list(range(len(labels))):
+        return None
+    if len(set(labels)) < len(labels):
+        raise InputError("a design with names is taken by its names, and two of them are the same. Name each number once.")
+    return dict(zip(labels, np.asarray(x).tolist(), strict=True))
 
 
 def _refuse_unknown(model: Model, responses: Sequence[str], moving: bool) -> None:

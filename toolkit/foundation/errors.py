@@ -1,10 +1,20 @@
 """The errors that a user of the toolkit can meet, each with what, where, what would be right and the next step."""
 
 import re
+from typing import Any
 
 
 class ToolkitError(Exception):
     """Base of every error that the toolkit raises on purpose; the command line prints its text without a traceback."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """How other processes get it: with its text and attributes, whatever its constructor takes."""
+        return error_again, (type(self), *self.args), dict(self.__dict__)
+
+
+def error_again(kind: type[ToolkitError], *args: Any) -> ToolkitError:
+    """An error of a kind with its text; Python itself would call the constructor with the text alone, which some do not take."""
+    return kind.__new__(kind, *args)
 
 
 def refusal(error: OSError) -> str:
@@ -15,7 +25,7 @@ def refusal(error: OSError) -> str:
 
 def out_of_memory(error: MemoryError) -> str:
     """What does not fit into memory, where nobody nearer to it counted it before."""
-    what = error or "the system gives no more"
+    what = str(error) or "the system gives no more"
     return f"the memory does not hold what this takes ({what}). Describe it by fewer numbers, or take a larger machine."
 
 

@@ -42,13 +42,20 @@ def _settings() -> Iterator[None]:
         yield
 
 
+class Sheet(Figure):
+    """A figure that every notebook shows: matplotlib's own are shown where a notebook was told of matplotlib before."""
+
+    def _repr_png_(self) -> bytes:
+        return written(self, "png", self.dpi)
+
+
 @contextmanager
 def sheet(
     height: float, rows: int = 1, columns: int = 1, width: float = NARROW, **options: Any
 ) -> Iterator[tuple[Figure, np.ndarray]]:
     """A figure of a height and width in inches, and its axes (rows, columns); options as for `Figure.subplots`."""
     with _settings():
-        figure = Figure(figsize=(width, height), layout="constrained")
+        figure = Sheet(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots(rows, columns, squeeze=False, **options)
         for each in axes.flat if width <= NARROW else ():
@@ -82,10 +89,15 @@ def settle(figure: Figure, fit: Callable[[], None] = lambda: None, like: Figure 
 
 def write_figure(figure: Figure, path: Path, dots: float) -> None:
     """Write a figure in one stroke, as PNG, SVG or PDF by the name's end; pixels have that many dots per inch."""
-    kind, file = path.suffix[1:], BytesIO()
+    write_whole(path, written(figure, path.suffix[1:], dots))
+
+
+def written(figure: Figure, kind: str, dots: float) -> bytes:
+    """Content of a file with the figure, "png", "svg" or "pdf"."""
+    file = BytesIO()
     with _settings():
         figure.savefig(file, format=kind, dpi=dots, metadata=_UNDATED[kind])
-    write_whole(path, file.getvalue())
+    return file.getvalue()
 
 
 def style(number: int) -> dict[str, Any]:
