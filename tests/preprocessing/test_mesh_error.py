@@ -22,7 +22,8 @@ from preprocessing.recipes.solids.discrete_body import lame_factors
 from tests.models.solid_bodies import box, cantilever, rectangle, write_body
 from toolkit.command_line.cli import app as runtime
 from toolkit.reduced_model.file import load
-from toolkit.reduced_model.questions.mesh_questions import COARSE, TOO_STIFF
+from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.questions.mesh_questions import COARSE, TOO_STIFF, mesh_questions, told_mesh
 from toolkit.scene_file.reader import read_scene
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 
@@ -155,6 +156,26 @@ def test_a_coarse_mesh_is_told_by_the_command_by_the_file_and_by_scenes_that_ask
     scene = ["inspect", str(tmp_path / "scene.toml"), "--no-measure"]
     assert json.loads(CliRunner().invoke(runtime, [*scene, "--json"]).stdout)["cost_summary"]["meshes"] == {"body.h5": judged}
     assert f"body.h5: estimated: {judged['told']}" in CliRunner().invoke(runtime, scene).stdout
+
+
+def test_elements_with_middle_nodes_are_not_advised_to_a_mesh_of_them_and_round_off_has_no_size(tmp_path):
+    model = load_built(tmp_path, "quad8")
+    coarse = {"mode 1": 0.4}
+    for kinds, advised in (('{"tetra10":5,"hexahedron20":1}', False), ('{"tetra":2,"tetra10":5}', True), (None, True)):
+        of_kinds = {name: each for name, each in model.composition.items() if name != "elements"} | (
+            {"elements": kinds} if kinds else {}
+        )
+        (caution,) = mesh_questions(replace(model, stress_errors=coarse, composition=of_kinds), "body")
+        assert ("between their corners" in caution.text) is advised
+    told = told_mesh(replace(model, stress_errors={"mode 1": 2.4e-15}))
+    assert told == "stress of this mesh off by less than 0.01 % in the energy norm (mode 1, the worst of 1 load cases)"
+
+
+def load_built(folder: Path, kind: str) -> ReducedModel:
+    """A small body of elements of a kind."""
+    path = write_body(folder, rectangle(kind, (2, 1), 1.0, 0.2), 'kind = "craig-bampton"\ncount = 1', tie="rigid")
+    assert CliRunner().invoke(app, [str(path)]).exit_code == 0
+    return load(folder / "body.h5")
 
 
 def test_a_body_with_all_coordinates_is_judged_under_its_weight_and_a_fine_one_is_not_questioned(tmp_path):

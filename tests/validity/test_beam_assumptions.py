@@ -9,7 +9,7 @@ import toolkit as ffrf
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
-from toolkit.validity.bodies.beam_assumptions import sheared
+from toolkit.validity.bodies.beam_assumptions import sheared, times_as_many
 from toolkit.validity.bodies.coarse_vibrations import resolved_frequency
 from toolkit.validity.bodies.deformation import LIMIT
 
@@ -83,7 +83,7 @@ def test_stress_that_weight_adds_along_elements_is_said_as_large_as_it_is(tmp_pa
     assert run.values["stress"] == pytest.approx(0.75 * RHO * G, rel=1e-9)
     (text,) = said(run, "weight-between-nodes")
     assert "some 25% of the largest" in text
-    assert "5.0 times as many elements" in text  # ten: what the last one lacks is a twentieth
+    assert "5 times as many elements" in text  # ten: what the last one lacks is a twentieth
 
 
 def test_weight_is_not_said_where_no_stress_is_asked_for(tmp_path):
@@ -115,3 +115,8 @@ def test_a_frequency_that_elements_are_too_long_for_is_doubted(elements, far, tm
     third = modes.frequencies[2] / (BETA[2] ** 2 * waves / (2 * np.pi)) - 1
     doubts = [each.doubt for each in modes.verdict.warnings if each.code == "coarse-vibrations"]
     assert doubts == [False] * int(third > LIMIT)  # a note: the slow ones of a table are right
+
+
+@pytest.mark.parametrize(("factor", "said"), [(1.0, "1.1 times"), (1.02, "1.1 times"), (1.21, "1.3 times"), (5.0, "5 times")])
+def test_advice_asks_for_more_than_there_is(factor, said):
+    assert times_as_many(factor) == said

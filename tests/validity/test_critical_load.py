@@ -23,8 +23,9 @@ from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.solvers.static.stability import static_array
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
+from toolkit.validity.bodies import physics
 from toolkit.validity.bodies.compressed import critical_load, geometric_stiffness, missed_deflections
-from toolkit.validity.bodies.compressed.critical_load import compression
+from toolkit.validity.bodies.compressed.critical_load import Compression, compression
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
 from toolkit.validity.bodies.cut.places import node_places
 
@@ -309,3 +310,12 @@ def test_a_column_of_several_frames_near_its_critical_load_says_by_how_much_it_i
         assert lacks < missed < 1.05 * lacks  # the largest over all lateral loads, of which one at the end is nearly the worst
         assert not solution.verdict.trusted
         assert "cut beam into more frames" in found[0].text
+
+
+def test_forces_that_compress_nothing_are_not_told_in_parts_of_a_critical_load(monkeypatch, tmp_path):
+    """Whatever else the equations miss: eigenvalues leave 1e-18 of a load that is not there."""
+    found = Compression("beam", 0.0, 1.7e-18, 0.06, 0.0, False)
+    monkeypatch.setattr(physics, "critical_compressions", lambda _: iter([found]))
+    (caution,) = physics.critical_loads(at_rest(beams(tmp_path, "", np.array([1.0, 0.0]), "grounded")))
+    assert not caution.doubt
+    assert "times the critical load" not in caution.text

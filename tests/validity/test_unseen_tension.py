@@ -65,8 +65,10 @@ def test_the_missed_part_is_all_of_it_without_stretch_and_nothing_with_it(angle,
     assert parts[1] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_weight_pulls_too_where_no_point_is_named(tmp_path):
-    strut(tmp_path, kind="eigenmodes", count=3)
+@pytest.mark.parametrize(("kind", "count", "better"), [("eigenmodes", 3, '"craig-bampton"'), ("craig-bampton", 0, "More modes")])
+def test_weight_pulls_too_where_no_point_is_named(kind, count, better, tmp_path):
+    """And no basis is advised to what it is already."""
+    strut(tmp_path, kind=kind, count=count)
     text = (
         (tmp_path / "scene.toml").read_text().split("[points]")[0]
         + """
@@ -80,4 +82,6 @@ energy = { type = "strain-energy" }
     )
     (tmp_path / "scene.toml").write_text(text)
     warnings = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml")).statics().verdict.warnings
-    assert "its weight" in next(each.text for each in warnings if each.code == "unseen-tension")
+    (text,) = [each.text for each in warnings if each.code == "unseen-tension"]
+    assert "its weight" in text
+    assert [words for words in ('"craig-bampton"', "More modes") if words in text] == [better]

@@ -111,10 +111,11 @@ class DesignPoint:
         stiffness = np.real(stiffness)
         diagonal = np.diag(stiffness)
         if not np.all(diagonal > 0) or np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(diagonal, diagonal)))[0] <= 0:
+            knows = "interface" in self.model.left_out  # as such a basis does
+            other = "" if knows else ', or use kind = "craig-bampton" in its [basis], whose tangents reach further'
             raise InputError(
                 f"following the tangent in {', '.join(names)}, the stiffness in reduced model {self.model.label} is no longer positive "
-                "definite: the step is too large for first order. Rerun preprocessing with the wanted values, or use kind = "
-                '"craig-bampton" in its [basis], whose tangents reach further.'
+                f"definite: the step is too large for first order. Rerun preprocessing with the wanted values{other}."
             )
 
     def interface(self, name: str) -> InterfacePoint:

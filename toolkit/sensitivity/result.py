@@ -16,6 +16,7 @@ from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.missed_peaks import missed_peaks
+from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
@@ -217,7 +218,15 @@ def force_cautions(solution: Solution, noise: Mapping[str, Any]) -> Iterator[Cau
         return
     joints = noise_of_joints(solution)
     noisy = [name for name, each in scene.responses.items() if _noise_in(each, joints, solution) > NOISY]
-    yield from noisy_forces(solution.options or scene.solver, noise, noisy)
+    quiet = [name for name, each in scene.responses.items() if name not in noisy and _largest_noise(each, joints) > NOISY]
+    yield from noisy_forces(solution.options or scene.solver, noise, noisy, quiet)
+
+
+def _largest_noise(response: Any, joints: Mapping[str, JointNoise]) -> float:
+    """Noise at any time in the joint's force that a response is made of, as a part of the joint's largest force."""
+    looked = response.source if isinstance(response, OverTime) else response
+    joint = looked.joint if isinstance(looked, JointForce | Power) else None
+    return 0.0 if joint is None else float(joints[joint].noise.max())
 
 
 def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution) -> float:

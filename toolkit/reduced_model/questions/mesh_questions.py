@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -20,6 +21,10 @@ TOO_STIFF = 0.25
 """The same above which displacements and frequencies are questioned too: the energy is off by its square, a twentieth and more."""
 
 
+ROUND_OFF = 1e-4
+"""Error below which nobody looks for its size: of a body whose exact stress the mesh holds it is round-off."""
+
+
 def worst_case(model: ReducedModel) -> tuple[str, float] | None:
     """The load case with the largest estimated error; None where nothing was estimated."""
     return max(model.stress_errors.items(), key=lambda each: each[1], default=None)
@@ -30,10 +35,10 @@ def told_mesh(model: ReducedModel) -> str:
     worst = worst_case(model)
     if worst is None:
         return ""
-    return (
-        f"stress of this mesh off by some {100 * worst[1]:.2g} % in the energy norm ({worst[0]}, the worst of {len(model.stress_errors)} "
-        f"load cases), most of it near {_place(model)}"
-    )
+    of_cases = f"in the energy norm ({worst[0]}, the worst of {len(model.stress_errors)} load cases)"
+    if worst[1] < ROUND_OFF:
+        return f"stress of this mesh off by less than {100 * ROUND_OFF:g} % {of_cases}"
+    return f"stress of this mesh off by some {100 * worst[1]:.2g} % {of_cases}, most of it near {_place(model)}"
 
 
 def mesh_record(model: ReducedModel) -> dict[str, Any] | None:
@@ -55,10 +60,17 @@ def mesh_questions(model: ReducedModel, where: str, doubt: bool = False, limit: 
     if worst is not None and worst[1] > limit:
         yield Caution(
             "coarse-mesh",
-            f"{where}: {told_mesh(model)}: more than {limit:.0%}. Mesh it finer there, or take elements with nodes between their corners, "
-            "and run ffrf-preprocess again.",
+            f"{where}: {told_mesh(model)}: more than {limit:.0%}. Mesh it finer there{_advice(model)}, and run "
+            "ffrf-preprocess again.",
             doubt,
         )
+
+
+def _advice(model: ReducedModel) -> str:
+    """What helps beside a finer mesh: other elements, unless all of its own have nodes between their corners, as their names count."""
+    kinds = json.loads(str(model.composition.get("elements", "{}")))
+    quadratic = bool(kinds) and all(kind[-1:].isdigit() for kind in kinds)
+    return "" if quadratic else ", or take elements with nodes between their corners"
 
 
 def _place(model: ReducedModel) -> str:

@@ -57,6 +57,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
 def _closed(system: System, given: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
     """Positions, and [q - q_given; mu] there, (n,) each; of a system of `stiffened`."""
     is_q, q, acc, largest, before = np.arange(system.n) < system.n_q, given.copy(), np.zeros_like(given), np.inf, np.inf
+    counted = _counted(system)
     far = (system.weights * np.abs(np.real(given)))[: system.n_q].max()
     for _ in range(MOST):
         stagnated = largest <= ROUND_OFF * far and largest > 0.5 * before
@@ -64,7 +65,7 @@ def _closed(system: System, given: np.ndarray, time: float) -> tuple[np.ndarray,
         terms = _evaluate(system, q, acc, time)
         step = solve_linear(system, _matrix(system, terms), -np.where(is_q, terms.inertial, terms.applied), WHERE)
         q, acc = q + np.where(is_q, step, 0), acc + step
-        near = np.all(_moved(system, given, q) <= REACH)
+        near = np.all(counted * np.abs(np.real(q - given))[: system.n_q] <= REACH)
         if closed and near:
             return q, acc
         if closed or not near:
@@ -80,22 +81,16 @@ def _change(system: System, q: np.ndarray, acc: np.ndarray, dgiven: np.ndarray, 
     return np.where(is_q, solve_linear(system, _matrix(system, terms), -change, WHERE), 0)
 
 
-def _moved(system: System, given: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """How far coordinates are from given ones, as `REACH` counts, (n_q,)."""
-    moved = (system.weights * np.abs(np.real(q - given)))[: system.n_q]
-    moved[_rotations(system)] /= 2
-    return moved
-
-
-def _rotations(system: System) -> list[int]:
-    """Coordinates that are angles by which bodies turn in the plane."""
-    first = system.numbering.first
-    return [first[name] + body.moves for name, body in system.scene.all_bodies().items() if body.turns == 1]
+def _counted(system: System) -> np.ndarray:
+    """What makes moves of coordinates comparable, as `REACH` counts them, (n_q,)."""
+    first, found = system.numbering.first, system.weights[: system.n_q].copy()
+    found[[first[name] + body.moves for name, body in system.scene.all_bodies().items() if body.turns == 1]] /= 2  # in the plane
+    return found
 
 
 def _far(system: System, given: np.ndarray, q: np.ndarray) -> str:
     """A sentence on joints that close in other positions (n,) than next to the given ones."""
-    i = first_largest(_moved(system, given, q))
+    i = first_largest(_counted(system) * np.abs(np.real(q - given))[: system.n_q])
     return (
         f"the joints do not close near the given positions: {system.numbering.names[i]} would move by "
         f"{system.weights[i] * abs(np.real(q - given)[i]):.2g} of the scene's size (or rad). Give positions, a length or a curve that fit "
@@ -113,7 +108,7 @@ def _told_by_search(system: System, given: np.ndarray, time: float) -> str:
         return told_gap(bodies, inputs, found)
     if repeat_each_other(bodies, inputs, found.q):
         return ""
-    moved = _moved(system, given, found.q)
+    moved = _counted(system) * np.abs(np.real(found.q - given))[: system.n_q]
     if moved.max() > REACH:
         return _far(system, given, found.q)
     name = system.numbering.names[first_largest(moved)]

@@ -103,8 +103,17 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
                 "weight-between-nodes",
                 f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that: some "
                 f"{part:.0%} of the largest, while interface points are where they should be. Build the model with "
-                f"{factor:.1f} times as many {elements_of(scene, body)}, or with more modes.",
+                f"{times_as_many(factor)} as many {elements_of(scene, body)}, or with more modes.",
             )
+
+
+ALMOST = 1e-3
+"""Of a tenth, by which a factor may be more than the one that is told."""
+
+
+def times_as_many(factor: float) -> str:
+    """A factor that is enough, in words, not rounded down to what is there already."""
+    return f"{max(np.ceil(10 * factor - ALMOST) / 10, 1.1):.3g} times"
 
 
 def _strains(solution: Solution, name: str) -> tuple[float, float, float] | None:

@@ -68,7 +68,7 @@ def bent_surfaces(solution: Solution) -> Iterator[Caution]:
         if found is not None and found.load > LIMIT:
             yield Caution("critical-load", _compressed(body, found.load), doubt=not found.load <= DOUBTFUL)
         if found is not None and found.blind:
-            yield unseen(body, [repr(name) for name in found.blind])
+            yield unseen(solution.system.scene, body, [repr(name) for name in found.blind])
 
 
 def geometric_errors(solution: Solution) -> dict[str, Measured | None]:

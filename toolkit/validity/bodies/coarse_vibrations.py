@@ -19,7 +19,7 @@ from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import elements_of, flexible_body, is_in_pieces
-from toolkit.validity.bodies.beam_assumptions import beams_of
+from toolkit.validity.bodies.beam_assumptions import beams_of, times_as_many
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
 
@@ -53,6 +53,6 @@ def too_fast_for_elements(scene: Scene, frequencies: Mapping[str, float], doubt:
                 "coarse-vibrations",
                 f"{first} of {beyond[first]:.4g} {label} and higher frequencies are more than {LIMIT:.0%} too high where {body} vibrates: "
                 f"from {limit:.4g} {label} on its {elements_of(scene, body)} are too long. Build the model with "
-                f"{np.sqrt(most / limit):.2g} times as many.",
+                f"{times_as_many(np.sqrt(most / limit))} as many.",
                 doubt,
             )

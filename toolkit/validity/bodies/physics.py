@@ -24,6 +24,8 @@ from toolkit.validity.description.frame_choice import advice_of_frame
 
 SMALL = 0.05
 """Rotation, rad, of which the growth of the elements is half of `LIMIT` of a displacement at most."""
+ROUND_OFF = 1e-9
+"""Part of the critical load below which forces compress nothing: what eigenvalues of a stiffness leave of zero."""
 
 
 def large_deformations(solution: Solution) -> Iterator[Caution]:
@@ -61,8 +63,18 @@ def critical_loads(solution: Solution, lateral: bool = False) -> Iterator[Cautio
         if found.straight and found.missed >= found.feigned and found.load < 1 and not lateral:
             yield Caution("critical-load", _straight(found), doubt=False)
             continue
+        if found.load < ROUND_OFF and found.missed >= found.feigned:
+            yield Caution("critical-load", _stiffened(found), doubt=False)
+            continue
         text = _feigned(found) if found.feigned > found.missed else _buckling(found, solution)
         yield Caution("critical-load", text + advice_of_frame(scene, found.body))
+
+
+def _stiffened(found: Compression) -> str:
+    return (
+        f"forces stiffen {found.body} by up to {found.missed:.0%} too much in these equations, across small loads beside theirs, and "
+        "compress it nowhere so that it gives way."
+    )
 
 
 def _straight(found: Compression) -> str:

@@ -83,10 +83,13 @@ def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     return np.maximum(four.min(axis=0), (-four).min(axis=0)).clip(min=0) / 2
 
 
-def noisy_forces(options: RunOptions, noise: Mapping[str, Any], asked: Sequence[str] | None = None) -> Iterator[Caution]:
+def noisy_forces(
+    options: RunOptions, noise: Mapping[str, Any], asked: Sequence[str] | None = None, quiet: Sequence[str] = ()
+) -> Iterator[Caution]:
     """Joint forces that alternate; the noise as `force_noise` gives it.
 
-    A doubt, unless nothing that was asked for is one of them: `asked` names the responses that are. Without it all states are asked for.
+    A doubt, unless nothing that was asked for is one of them: `asked` names the responses that are, and `quiet` those that are
+    such forces too, but at another time, or means. Without `asked` all states are asked for.
     """
     if not noise or noise["size"] <= NOISY:
         return
@@ -95,6 +98,8 @@ def noisy_forces(options: RunOptions, noise: Mapping[str, Any], asked: Sequence[
         if asked is None
         else f", {', '.join(asked)} among them"
         if asked
+        else f"; {', '.join(quiet)} feel less than {NOISY:.0%} of it, at other times or as means"
+        if quiet
         else "; no response that was asked for is one of them"
     )
     yield Caution(

@@ -12,7 +12,7 @@ import numpy as np
 
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import design_point, used_interfaces
+from toolkit.system.flexible_bodies import design_point, flexible_body, used_interfaces
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.deformation import flexible_bodies
@@ -32,16 +32,20 @@ def unseen_tension(scene: Scene) -> Iterator[Caution]:
         pulls = {} if behind is None or behind.is_full else _pulls(scene, body, behind)
         blind = [name for name, loads in pulls.items() if behind is not None and missed_part(scene, body, behind, loads) > SEEN]
         if blind:
-            yield unseen(body, blind)
+            yield unseen(scene, body, blind)
 
 
-def unseen(body: str, pulls: Sequence[str]) -> Caution:
+def unseen(scene: Scene, body: str, pulls: Sequence[str]) -> Caution:
     """That a body's basis does not show how some forces stretch it."""
+    has_them = "interface" in flexible_body(scene, body).design_point(scene).model.left_out
+    better = (
+        "More modes in its basis show more of it" if has_them else 'A basis of kind "craig-bampton" holds these shapes for points'
+    )
     return Caution(
         "unseen-tension",
         f"the basis of {body} holds no shapes that stretch it as forces of {', '.join(pulls)} would: how far these "
-        "forces compress it is not known, and neither its critical load nor all of its large deformation is judged. A basis of "
-        'kind "craig-bampton" holds these shapes for points.',
+        "forces compress it is not known, and neither its critical load nor all of its large deformation is judged. "
+        f"{better}.",
         doubt=False,
     )
 

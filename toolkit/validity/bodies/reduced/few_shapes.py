@@ -84,11 +84,15 @@ def left_out(scene: Scene) -> Iterator[FewShapes]:
                 name, np.nan, f"{model.label} does not say what its basis leaves out. Build it again with ffrf-preprocess."
             )
         elif pulled := _pulled(scene, name, "interface" in model.left_out):
+            better = (
+                "Hold it at interface points, whose motions its basis knows."
+                if "interface" in model.left_out
+                else 'Build it with kind = "craig-bampton", whose shapes know its interface points.'
+            )
+            at = ", ".join(pulled)
             yield FewShapes(
-                name, np.nan,
-                f"its basis leaves out shapes that move where joints or springs hold it, at {', '.join(pulled)}. Build it with kind = "
-                '"craig-bampton", whose shapes know its interface points.',
-            )  # fmt: skip
+                name, np.nan, f"its basis leaves out shapes that move where joints or springs hold it, at {at}. {better}"
+            )
         elif "interface" in model.left_out or flexible_body(scene, name).frame_size:  # else modes that no inertia couples
             yield FewShapes(name, min(model.left_out.values()) * _speeded(scene, name))
 
