@@ -145,7 +145,8 @@ def _complete(contents: str, found: Mapping[str, Any]) -> dict[str, Any]:
     order = {
         part: [name.partition("/")[2] for name in listed if name.startswith(f"{part}/")] for part in NAMED if found.get(part)
     }
-    return dict(found) | {part: {name: found[part][name] for name in names} for part, names in order.items()}
+    others = {part: names for part, names in order.items() if names != [*found[part]]}  # what is in order stays the same object
+    return dict(found) | {part: {name: found[part][name] for name in names} for part, names in others.items()}
 
 
 def _numbered(nominal: dict[str, Any], listed: Any, in_order: bool) -> dict[str, Any]:
