@@ -51,7 +51,16 @@ from toolkit.validity.motion.energy_balance import energy_balance
 WRONG, OFF = 0.05, 0.2
 """Error of a value above which it is wrong, and of a gradient above which it is off."""
 OTHERS = frozenset(
-    {"large-deformation", "geometric-gradients", "frames", "critical-speed", "critical-load", "snap-through", "stale-model"}
+    {
+        "large-deformation",
+        "geometric-gradients",
+        "frames",
+        "critical-speed",
+        "critical-load",
+        "snap-through",
+        "stale-model",
+        "tension",
+    }
 )
 """Codes of doubts that concern something else than accuracy."""
 

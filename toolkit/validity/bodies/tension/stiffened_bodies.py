@@ -22,6 +22,9 @@ from toolkit.validity.bodies.tension.pulled_chain import PulledChain
 from toolkit.validity.bodies.tension.pulled_lines import pulled_lines
 from toolkit.validity.bodies.tension.stiffened_state import StiffenedState, stiffened_state
 
+OF_DERIVATIVES = 4.0
+"""How much more derivatives of an equilibrium may lack than its deflections: three times as much, as tension grows with the square."""
+
 
 class TooLarge(NamedTuple):
     """What of the deflection of a body is too much at one state."""
@@ -72,7 +75,8 @@ def _where_it_counts(solution: Solution, known: Mapping[str, PulledBody]) -> lis
             worst = first_largest(each)
             parts[kind].append((float(each[worst]), int(instants[worst])))
     found = [max(each, key=lambda pair: pair[0]) for each in parts if each]
-    return sorted({n for part, n in found if part > LIMIT})
+    enough = LIMIT if solution.steps else LIMIT / OF_DERIVATIVES
+    return sorted({n for part, n in found if part > enough})
 
 
 def _of_bodies(solution: Solution, state: StiffenedState) -> list[TooLarge]:

@@ -28,7 +28,7 @@ from toolkit.validity.bodies.tension.yielding_scene import Yielding, yielding
 
 DEPENDENT = 1e-10
 """Part of the largest energy below which a direction is the round-off of others."""
-HALVINGS = 40
+HALVINGS = 24
 STEPS = 12
 """Of the iteration for the largest stiffening: a tenth of it is not felt in what is told."""
 Form = Callable[[np.ndarray], np.ndarray]

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.vibrations.vibration import OfVibration
+from toolkit.responses.vibrations.least_frequency import LeastFrequency
+from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import LIMIT
@@ -34,9 +35,15 @@ def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
         yield Caution("tension", _too_large(solution, found))
     elif not solution.steps:
         yield from _of_derivatives(solution, lateral)
-    asked = {name: each for name, each in solution.system.scene.responses.items() if isinstance(each, OfVibration)}
-    known = {name: each.number for name, each in asked.items() if not (solution.steps and each.needs_rest)}
-    yield from tension_of_vibrations(solution, known)
+    yield from tension_of_vibrations(solution, _asked(solution))
+
+
+def _asked(solution: Solution) -> dict[str, int]:
+    """Responses that are a vibration's, and its number from the slowest on."""
+    found = {
+        name: each for name, each in solution.system.scene.responses.items() if isinstance(each, Frequency | LeastFrequency)
+    }
+    return {name: getattr(each, "number", 1) for name, each in found.items() if not (solution.steps and each.needs_rest)}
 
 
 def tension_of_vibrations(solution: Solution, asked: Mapping[str, int]) -> Iterator[Caution]:
@@ -99,7 +106,5 @@ def _times(factor: float) -> str:
 
 
 def _remedy(solution: Solution, body: str, part: float) -> str:
-    return (
-        "Linear FFRF has no geometric stiffness of a body in its frame, which frames in number have between them: "
-        f"{divided(solution.system.scene, body, part / LIMIT)}."
-    )
+    helps = divided(solution.system.scene, body, part / LIMIT)
+    return f"Linear FFRF knows this between frames, and not inside of one. What helps: {helps}."

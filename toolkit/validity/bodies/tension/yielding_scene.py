@@ -12,6 +12,8 @@ from toolkit.solvers.static.stability.saddle import balance, balanced
 from toolkit.solvers.static.stability.static_array import StaticArray, static_array, whole_array
 from toolkit.system.solution import Solution
 
+LONGER = 30.0
+"""Times the motion: a thousandth of the stiffness of what vibrates once in it."""
 Yielding = Callable[[np.ndarray], np.ndarray]
 """From forces (n_q,) to motions (n_q,) that joints allow."""
 
@@ -19,7 +21,7 @@ Yielding = Callable[[np.ndarray], np.ndarray]
 def yielding(solution: Solution, n: int) -> Yielding | None:
     """At state `n`; None where it has no unique answer.
 
-    What nothing holds in a motion has its inertia, of a vibration that takes as long as the motion.
+    What nothing holds in a motion has its inertia, of a vibration that takes much longer than the motion.
     """
     system, n_q = solution.system, solution.system.n_q
     pad = np.zeros(system.n - n_q)
@@ -29,7 +31,7 @@ def yielding(solution: Solution, n: int) -> Yielding | None:
     matrix = static_array(system, terms)
     duration = float(solution.times[-1] - solution.times[0])
     if solution.steps and duration > 0:
-        rate = (2 * np.pi / duration) ** 2
+        rate = (2 * np.pi / (LONGER * duration)) ** 2
         matrix = matrix + rate * _of_coordinates(whole_array(system, np.real(terms.I_acc)), n_q)
     scale = balance(system, matrix)
     solved = _solver(balanced(system, matrix, scale))
