@@ -40,9 +40,7 @@ def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
 
 def _asked(solution: Solution) -> dict[str, int]:
     """Responses that are a vibration's, and its number from the slowest on."""
-    found = {
-        name: each for name, each in solution.system.scene.responses.items() if isinstance(each, Frequency | LeastFrequency)
-    }
+    found = {name: each for name, each in solution.system.scene.responses.items() if isinstance(each, Frequency | LeastFrequency)}
     return {name: getattr(each, "number", 1) for name, each in found.items() if not (solution.steps and each.needs_rest)}
 
 
