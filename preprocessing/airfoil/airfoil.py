@@ -13,7 +13,7 @@ from preprocessing.airfoil.format import Loop, recognise
 from preprocessing.airfoil.normal_form import CLOSED_TAIL, normal_form
 from preprocessing.airfoil.table import read_text, split_table
 from preprocessing.curve.contour import Contour
-from toolkit.foundation.errors import InputError
+from toolkit.foundation.errors import InputError, retold
 
 UNITS = ("chord", "percent", "mm", "m")
 WORDS = {"chord": "fractions of the chord", "percent": "percent of the chord"}
@@ -98,7 +98,7 @@ def read_airfoil(path: str | Path, units: str | None = None, chord: float | None
         loop = normal_form(_scaled(loop, divisor, units))
         warnings = loop.warnings + check(loop)
     except InputError as error:
-        raise type(error)(f"airfoil {path.name}: {error}") from error
+        raise retold(error, f"airfoil {path.name}: {error}") from error
     loop.points.flags.writeable = False
     return Airfoil(loop.name or path.stem, loop.points, loop.format, loop.repairs, warnings)
 

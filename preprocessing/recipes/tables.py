@@ -22,12 +22,6 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(_or
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(_ordinary)]
 
 
-def _file_name(name: str) -> str:
-    if "\0" in name:
-        raise ValueError("a file name cannot hold a zero byte; write the path of the file")
-    return name
-
-
 def interface_name(name: str) -> str:
     """It becomes the name of a group of an HDF5 file, and part of paths in which dots separate."""
     if not name.strip() or set(name) & set("./\0"):
@@ -35,7 +29,6 @@ def interface_name(name: str) -> str:
     return name
 
 
-FileName = Annotated[str, AfterValidator(_file_name)]
 InterfaceName = Annotated[str, AfterValidator(interface_name)]
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.errors import BifurcationError, ToolkitError, retold
 
 ROOT = Path(__file__).parents[2]
 DEFINED = re.compile(r"^class \w+\(.*Error\b", re.MULTILINE)
@@ -53,6 +53,16 @@ def test_an_error_of_every_kind_is_the_same_elsewhere(kind, again):
     found = again(error)
     assert type(found) is kind
     assert (str(found), found.args, vars(found)) == (str(error), error.args, vars(error))
+
+
+def test_an_error_told_anew_keeps_what_it_carries():
+    found = retold(BifurcationError("it buckles", 0.5, "rise"), "at 3 rad/s: it buckles")
+    assert (type(found), str(found), found.load_factor, found.coordinate) == (
+        BifurcationError,
+        "at 3 rad/s: it buckles",
+        0.5,
+        "rise",
+    )
 
 
 def test_the_errors_with_more_than_a_text_are_among_them():

@@ -24,7 +24,7 @@ from tests.fuzz.case import RIGHT, Case, Cases, identity, judged, snapshot
 
 KINDS: dict[str, tuple[Cases, int]] = {
     "matrices": (matrix_cases.cases, 20),
-    "meshes": (mesh_cases.cases, 51),
+    "meshes": (mesh_cases.cases, 47),
     "includes": (include_cases.cases, 8),
     "skins": (toml_cases.skins, 2),
     "bodies": (toml_cases.bodies, 3),
@@ -32,12 +32,13 @@ KINDS: dict[str, tuple[Cases, int]] = {
     "paths": (path_cases.cases, 5),
     "options": (option_cases.cases, 2),
     "scenes": (toml_cases.scenes, 6),
+    "studies": (toml_cases.studies, 4),
 }
 """Kind -> its cases, and how many of a hundred are of this kind. Another kind is one more line."""
 
 SHOWN = 250
 """Cases after which the figures so far are printed."""
-WITH_SCENES = ("paths", "options", "scenes")
+WITH_SCENES = ("paths", "options", "scenes", "studies")
 """Kinds with commands of the runtime."""
 
 

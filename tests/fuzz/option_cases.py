@@ -30,6 +30,8 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "set": ("ffrf", "statics", "scene.toml", "--set", "#=@"),
     "set of a motion": ("ffrf", "inspect", "scene.toml", "--no-measure", "--set", "#=@"),
     "variables": ("ffrf", "sensitivity", "scene.toml", "--static", "--variables", "@"),
+    "speeds": ("ffrf", "campbell", "scene.toml", "--speeds", "0:1:@"),
+    "last speed": ("ffrf", "campbell", "scene.toml", "--speeds", "0:@:2"),
     "modes": ("ffrf", "modes", "scene.toml", "--count", "@"),
     "tolerance": ("ffrf", "certify", "scene.toml", "--no-fresh", "--static", "--tolerance", "@"),
 }

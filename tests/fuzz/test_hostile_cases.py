@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.fuzz import include_cases, matrix_cases, mesh_cases, option_cases, path_cases
+from tests.fuzz import include_cases, matrix_cases, mesh_cases, option_cases, path_cases, toml_cases
 from tests.fuzz.case import Case, Ended, identity, judged, snapshot
+from toolkit.studies.study.checked_problem import problem_of
+from toolkit.studies.study.study_reader import read_study
 
 ROOT = Path(__file__).parents[2]
 CASE = Case("any", ("ffrf",), lambda _: None, ("out.h5",))
@@ -56,6 +58,15 @@ def test_a_seed_gives_the_same_cases_and_another_one_others(module, tmp_path):
     first, again, other = (identities(module, tmp_path / str(k), seed) for k, seed in enumerate((1, 1, 2)))
     assert first == again
     assert len(set(first) | set(other)) > 18
+
+
+def test_studies_are_spoilt_too_and_the_one_that_is_spoilt_is_good(tmp_path):
+    (tmp_path / "study.toml").write_text(toml_cases.STUDY)
+    (tmp_path / "scene.toml").write_text(toml_cases.SCENE)
+    problem = problem_of(read_study(tmp_path / "study.toml"))
+    assert set(problem.variables) == {"loads.push.force.y", "both"}
+    first = list(islice(toml_cases.studies(np.random.default_rng(1)), 3))
+    assert [case.arguments[1] for case in first] == ["sweep", "optimize", "uncertainty"]
 
 
 @pytest.mark.robustness

@@ -19,6 +19,7 @@ from toolkit.kept_run.layout import ResultsFileError
 from toolkit.reduced_model.file import load
 from toolkit.results.results_file import load_results
 from toolkit.scene_file.reader import read_scene
+from toolkit.studies.study.study_reader import read_study
 
 ROOT = Path(__file__).parents[2]
 WING = ROOT / "models" / "morphing_wing"
@@ -50,6 +51,24 @@ def test_a_file_of_any_size_is_refused_without_reading_it_all(tmp_path, read):
         file.truncate(10**12)  # a terabyte that takes no place on the disk
     with pytest.raises(InputError, match=r"large\.toml.*has more than 10*00 bytes\. Give"):
         read(tmp_path / "large.toml")
+
+
+ZERO_BYTES = {
+    "bodies.skin.model": (read_scene, WING / "scene.toml", 'model = "skin.h5"', r'model = "skin\u0000.h5"'),
+    "solver.start": (read_scene, PENDULUM, "end_time = 10.0", 'end_time = 10.0\nstart = "kept\\u0000.h5"'),
+    "scene": (read_study, WING / "study.toml", 'scene = "scene.toml"', r'scene = "scene\u0000.toml"'),
+    "sweep.file": (read_study, WING / "study.toml", "[uncertainty]", '[sweep]\nfile = "designs\\u0000.csv"\n\n[uncertainty]'),
+}
+
+
+@pytest.mark.parametrize("key", ZERO_BYTES)
+def test_a_file_name_with_a_zero_byte_is_refused_with_its_key(tmp_path, key):
+    read, path, before, after = ZERO_BYTES[key]
+    text = path.read_text(encoding="utf-8")
+    assert before in text
+    (tmp_path / "file.toml").write_text(text.replace(before, after, 1), encoding="utf-8")
+    with pytest.raises(InputError, match=rf"{key}: a file name cannot hold a zero byte; write the path of the file"):
+        read(tmp_path / "file.toml")
 
 
 @pytest.mark.parametrize("read", [read_scene, SkinRecipe.read])

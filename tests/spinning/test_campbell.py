@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.spinning.scenes import UNIT, blade, planar_blade, table
-from toolkit.analyses.campbell import Campbell
+from toolkit.analyses.campbell import Campbell, campbell
 from toolkit.command_line.cli import app
+from toolkit.command_line.commands.campbell_command import speeds_of
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.scene_file.reader import read_scene
@@ -120,6 +122,15 @@ def test_speeds_that_are_no_numbers(speeds):
     found = CliRunner().invoke(app, ["campbell", str(MODEL), "--speeds", speeds])
     assert found.exit_code == 2
     assert "names no speeds" in found.output
+
+
+@pytest.mark.parametrize("count", [10_001, 10**9, 10**30])
+def test_more_speeds_than_a_diagram_has_are_refused_before_they_take_memory(count):
+    with pytest.raises(InputError, match="are more than the 10000 of one diagram"):
+        speeds_of(f"0:1:{count}")
+    if count < sys.maxsize:
+        with pytest.raises(InputError, match="are more than the 10000 of one diagram"):
+            campbell(None, range(count))
 
 
 def test_the_command_for_modes_spins_too():

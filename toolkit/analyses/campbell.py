@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 from typing import NamedTuple
 
 import numpy as np
 
 from toolkit.analyses.spinning import solve_spinning, spinning_modes
-from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError, retold
+from toolkit.foundation.listed_names import SHORT
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 MOST = 10_000
 """Speeds of one diagram."""
+
+
+def refuse_too_many(count: int) -> None:
+    """Refuse speeds before they take memory.
+
+    Raises
+    ------
+    InputError
+        There are more than a diagram has.
+    """
+    if count > MOST:
+        raise InputError(f"{SHORT.repr(count)} speeds are more than the {MOST} of one diagram. Ask for fewer.")
 
 
 class Campbell(NamedTuple):
@@ -55,10 +68,12 @@ def campbell(
     ConvergenceError, SingularSystemError
         As `solve_spinning`; names the speed.
     """
+    refuse_too_many(len(speeds) if isinstance(speeds, Sized) else 0)
     wanted = np.asarray(speeds, float)
     if wanted.ndim != 1 or not 1 <= len(wanted) <= MOST or not np.all(np.isfinite(wanted)) or np.any(wanted < 0):
         raise InputError(f"speeds are a list of 1 to {MOST} numbers in rad per unit of time, none of them negative.")
     options = system.scene.solver.model_copy(update={"equilibrium": "spinning"})
+    count = min(count, 2 * system.n)
     frequencies, damping = np.full((2, len(wanted), count), np.nan)
     said: dict[str, list[tuple[float, Caution]]] = {}
     known: Solution | None = None
@@ -67,7 +82,7 @@ def campbell(
             known = solve_spinning(system, options, float(speed), known)
             found = spinning_modes(known, count)
         except (ConvergenceError, SingularSystemError) as error:
-            raise type(error)(f"at {speed:g} rad per unit of time: {error}") from error
+            raise retold(error, f"at {speed:g} rad per unit of time: {error}") from error
         n = len(found.frequencies)
         frequencies[k, :n] = found.frequencies
         damping[k, :n] = np.nan if found.damping is None else found.damping

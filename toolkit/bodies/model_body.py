@@ -12,7 +12,7 @@ from pydantic import ConfigDict
 from toolkit.bodies.body import CENTRE, Body, Placed
 from toolkit.bodies.start_shape import start_shape
 from toolkit.bodies.unknown_keys import refuse_unknown_keys
-from toolkit.description.description import Number
+from toolkit.description.description import FileName, Number
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint, design_at
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
@@ -43,7 +43,7 @@ class ModelBody(Body):
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Number]
 
-    model: str
+    model: FileName
     extrapolation: Literal["none", "first-order"] = "none"
     spin_stiffening: bool = False
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
@@ -14,8 +14,10 @@ from toolkit.foundation.files.outside_files import told_outside
 from toolkit.foundation.listed_names import listed
 
 if TYPE_CHECKING:
+    from toolkit.description.description import Description
     from toolkit.scene.scene import Scene
 
+Table = TypeVar("Table", bound="Description")
 
 EVERY = "all"
 """Stands for every number of the scene, unless the scene declares a design variable of that name."""
@@ -67,6 +69,25 @@ def split(change: str) -> tuple[str, str]:
     if not (path and equals and value):
         raise typer.BadParameter(f"{change!r} is not of the form path=value, for example points.A.x=73.", param_hint="--set")
     return path, value
+
+
+def with_options(table: str, kind: type[Table], wanted: dict[str, Any]) -> Table:
+    """A table of a study with what options of the command line say instead of the file.
+
+    Raises
+    ------
+    InputError
+        An option is out of its range, or contradicts another one.
+    """
+    from pydantic import ValidationError
+
+    from toolkit.description.validation_messages import messages
+
+    try:
+        return kind.model_validate(wanted)
+    except ValidationError as error:
+        reasons = " ".join(messages(error, kind, wanted, "", {}))
+        raise InputError(f"the options of the command line and the study's [{table}]: {reasons}") from error
 
 
 def design_of(scene: Scene, names: str | None) -> list[str]:

@@ -20,11 +20,26 @@ def _ordinary(value: float) -> float:
     return value
 
 
+def file_name(name: str) -> str:
+    """The name as it is.
+
+    Raises
+    ------
+    ValueError
+        No file of any system can have it.
+    """
+    if "\0" in name:
+        raise ValueError("a file name cannot hold a zero byte; write the path of the file")
+    return name
+
+
 _NUMBER: dict[str, Any] = {"strict": True, "allow_inf_nan": False}
 Number = Annotated[float, Field(**_NUMBER), AfterValidator(_ordinary)]
 """A finite number of a size that a unit system can bring about; no text and no truth value passes for one."""
 Positive = Annotated[float, Field(gt=0, **_NUMBER), AfterValidator(_ordinary)]
 NotNegative = Annotated[float, Field(ge=0, **_NUMBER), AfterValidator(_ordinary)]
+FileName = Annotated[str, AfterValidator(file_name)]
+"""Name or path of a file that somebody wrote."""
 Pair = tuple[Number, Number]
 Triple = tuple[Number, Number, Number]
 

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from toolkit.description.description import file_name
+
 if TYPE_CHECKING:
     from toolkit.description.run_options import RunOptions
 
@@ -27,7 +29,7 @@ def known_start(value: str) -> str:
         raise ValueError(
             f"{value!r} is no start: write {' or '.join(map(repr, STARTS))}, or the name of a results file, which ends in {RESULTS}"
         )
-    return value
+    return file_name(value)
 
 
 def contradictions(options: RunOptions) -> Iterator[str]:

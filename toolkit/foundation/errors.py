@@ -1,7 +1,8 @@
 """The errors that a user of the toolkit can meet, each with what, where, what would be right and the next step."""
 
 import re
-from typing import Any
+from copy import copy
+from typing import Any, TypeVar
 
 
 class ToolkitError(Exception):
@@ -15,6 +16,16 @@ class ToolkitError(Exception):
 def error_again(kind: type[ToolkitError], *args: Any) -> ToolkitError:
     """An error of a kind with its text; Python itself would call the constructor with the text alone, which some do not take."""
     return kind.__new__(kind, *args)
+
+
+Told = TypeVar("Told", bound=ToolkitError)
+
+
+def retold(error: Told, text: str) -> Told:
+    """The same error with another text; what else it carries stays."""
+    found = copy(error)
+    found.args = (text,)
+    return found
 
 
 def refusal(error: OSError) -> str:

@@ -14,6 +14,7 @@ from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import Changes, SceneFile, read
 from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_answer, table
+from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet
 
 if TYPE_CHECKING:
@@ -52,15 +53,26 @@ def campbell(
 
 
 def speeds_of(text: str) -> list[float]:
-    """The numbers of `first:last:count`, or of a list with commas."""
+    """The numbers of `first:last:count`, or of a list with commas.
+
+    Raises
+    ------
+    InputError
+        There are more than a diagram has.
+    """
+    from toolkit.analyses.campbell import refuse_too_many
+
     try:
         if ":" in text:
             first, last, count = text.split(":")
             low, high, n = float(first), float(last), int(count)
             if n < 2:
                 raise ValueError
+            refuse_too_many(n)
             return [low + (high - low) * k / (n - 1) for k in range(n)]
         return [float(each) for each in text.split(",")]
+    except InputError:
+        raise
     except ValueError as error:
         message = (
             f"{text!r} names no speeds: write first:last:count with a count of at least 2, for example 0:100:21, or 10,20,50."

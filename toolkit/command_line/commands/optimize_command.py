@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import StudyFile
+from toolkit.command_line.arguments import StudyFile, with_options
 from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.optimum_tables import print_optimum
 from toolkit.command_line.printed.printing import print_answer
@@ -43,7 +43,7 @@ def optimize(
     given = {"method": method, "starts": starts, "evaluations": evaluations}
     changed = {key: value for key, value in given.items() if value is not None}
     if changed:
-        search = Search.model_validate({**described.search.model_dump(), **_checked(changed)})
+        search = with_options("search", Search, {**described.search.model_dump(), **_checked(changed)})
         described = described.model_copy(update={"search": search})
     with naming_study_lines(study):
         problem = problem_of(described)

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import Dask, Jobs, StudyFile
+from toolkit.command_line.arguments import Dask, Jobs, StudyFile, with_options
 from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.pictures import save_drawing
 from toolkit.command_line.printed.printing import WIDE, print_answer, table
@@ -68,10 +68,6 @@ def _changed(study: Study, given: dict[str, Any]) -> Study:
     InputError
         They contradict each other.
     """
-    from pydantic import ValidationError
-
-    from toolkit.description.validation_messages import messages
-    from toolkit.foundation.errors import InputError
     from toolkit.studies.study.sweep_options import Sweep
 
     changed = {key: value for key, value in given.items() if value is not None}
@@ -80,13 +76,7 @@ def _changed(study: Study, given: dict[str, Any]) -> Study:
     known = study.sweep.model_dump(exclude_none=True)
     if "points" in changed or "file" in changed:
         known = {key: known[key] for key in ("responses", "gradients") if key in known}
-    wanted = {**known, **changed}
-    try:
-        sweep = Sweep.model_validate(wanted)
-    except ValidationError as error:
-        reasons = " ".join(messages(error, Sweep, wanted, "", {}))
-        raise InputError(f"the options of the command line and the study's [sweep]: {reasons}") from error
-    return study.model_copy(update={"sweep": sweep})
+    return study.model_copy(update={"sweep": with_options("sweep", Sweep, {**known, **changed})})
 
 
 def _keep(found: Swept, record: dict[str, Any], folder: Path, pictures: bool, quiet: bool) -> None:

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import Dask, Jobs, StudyFile
+from toolkit.command_line.arguments import Dask, Jobs, StudyFile, with_options
 from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.pictures import save_drawing
 from toolkit.command_line.printed.printing import WIDE, print_answer, table
@@ -37,6 +37,7 @@ def uncertainty(
     quiet: Quiet = False,
 ) -> None:
     """Find mean, spread, shares of variables, quantiles and probabilities of uncertain responses. What was interrupted goes on."""
+    from toolkit.studies.distributions.uncertain_numbers import Uncertainty
     from toolkit.studies.places.place import Place
     from toolkit.studies.study.study_reader import naming_study_lines, read_study
     from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
@@ -45,7 +46,8 @@ def uncertainty(
     place, described = Place(processes=jobs, dask=dask), read_study(study)
     given = {key: value for key, value in {"runs": runs, "monte_carlo": monte_carlo}.items() if value is not None}
     if given:
-        described = described.model_copy(update={"uncertainty": described.uncertainty.model_copy(update=given)})
+        wanted = {**described.uncertainty.model_dump(), **given}
+        described = described.model_copy(update={"uncertainty": with_options("uncertainty", Uncertainty, wanted)})
     with naming_study_lines(study):
         checked = uncertain_study(described)
     folder = prepare_folder(output, "uncertainty.json", "uncertainty.png", "uncertainty.svg")

@@ -13,7 +13,7 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Inputs
-from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError, retold
 from toolkit.foundation.near_ties import first_largest
 from toolkit.solvers.spin.axis import Spin, refuse_acceleration, spin_of
 from toolkit.solvers.spin.generator import Generator
@@ -106,8 +106,9 @@ def _from_rest(
         except (ConvergenceError, SingularSystemError) as error:
             step /= 2
             if step < SMALLEST:
-                raise type(error)(
-                    f"there is no steady spin beyond {100 * reached:.4g} % of the load and of the square of the speed: {error}"
+                raise retold(
+                    error,
+                    f"there is no steady spin beyond {100 * reached:.4g} % of the load and of the square of the speed: {error}",
                 ) from error
             continue
         reached, steps, iterations = part, steps + 1, iterations + count

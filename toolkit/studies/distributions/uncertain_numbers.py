@@ -109,12 +109,12 @@ class Uncertainty(Description):
         means. By default half as many again as a polynomial of degree 2 has coefficients; more points take a higher degree.
     """
 
-    runs: Annotated[int, Field(strict=True, ge=2)] = 20
+    runs: Annotated[int, Field(strict=True, ge=2, le=1_000_000)] = 20
     degree: Count | None = None
     correlations: tuple[Correlation, ...] = ()
     quantiles: tuple[Share, ...] = (0.01, 0.05, 0.5, 0.95, 0.99)
     responses: tuple[str, ...] | None = Field(default=None, min_length=1)
-    monte_carlo: Annotated[int, Field(strict=True, ge=0)] = 0
+    monte_carlo: Annotated[int, Field(strict=True, ge=0, le=1_000_000)] = 0
     warm_starts: bool = False
     seed: Seed = 0
     points: Annotated[int | None, Field(strict=True, ge=3, le=10_000)] = None

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from toolkit.description.description import Description, NotNegative, Number, Pair, Positive, Registered
+from toolkit.description.description import Description, FileName, NotNegative, Number, Pair, Positive, Registered
 from toolkit.description.design import check_shares
 from toolkit.description.quantity import Quantity
 from toolkit.studies.distributions.uncertain_numbers import Uncertain, Uncertainty
@@ -193,7 +193,7 @@ class Study(Description):
         Folder that the scene's path starts from; for a study file its own.
     """
 
-    scene: str
+    scene: FileName
     analysis: Literal["statics", "motion", "modes"] = "statics"
     variables: dict[str, StudyVariable] = Field(default_factory=dict)
     uncertain: dict[str, Uncertain] = Field(default_factory=dict)

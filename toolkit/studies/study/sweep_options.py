@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from toolkit.description.description import Description
+from toolkit.description.description import Description, FileName
 from toolkit.description.run_options import Count, Seed
 
 Levels = Annotated[int, Field(strict=True, ge=1)]
@@ -38,7 +38,7 @@ class Sweep(Description):
     levels: Levels | dict[str, Levels] | None = None
     count: Count | None = None
     seed: Seed | None = None
-    file: str | None = None
+    file: FileName | None = None
     responses: tuple[str, ...] | None = Field(default=None, min_length=1)
     gradients: bool = True
 
