@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from preprocessing.basis.basis_choice import BasisChoice
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.meant_path import file_name
 from toolkit.foundation.units import LARGEST
 
 
@@ -29,6 +30,7 @@ def interface_name(name: str) -> str:
     return name
 
 
+FileName = Annotated[str, AfterValidator(file_name)]
 InterfaceName = Annotated[str, AfterValidator(interface_name)]
 
 

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.meant_path import file_name
 from toolkit.foundation.units import LARGEST, SMALLEST
 
 
@@ -18,19 +19,6 @@ def _ordinary(value: float) -> float:
             f"{value:g} cannot be meant: numbers are zero or from {SMALLEST:g} to {LARGEST:g}; fix the exponent or the units"
         )
     return value
-
-
-def file_name(name: str) -> str:
-    """The name as it is.
-
-    Raises
-    ------
-    ValueError
-        No file of any system can have it.
-    """
-    if "\0" in name:
-        raise ValueError("a file name cannot hold a zero byte; write the path of the file")
-    return name
 
 
 _NUMBER: dict[str, Any] = {"strict": True, "allow_inf_nan": False}

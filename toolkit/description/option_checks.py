@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from toolkit.description.description import file_name
+from toolkit.foundation.files.meant_path import file_name
 
 if TYPE_CHECKING:
     from toolkit.description.run_options import RunOptions

@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field, FiniteFloat, model_validator
 
 from preprocessing.recipes.skin.shape_mode_name import mode_name
-from preprocessing.recipes.tables import NonNegative, Positive, Table, interface_name
-from toolkit.description.description import FileName
+from preprocessing.recipes.tables import FileName, NonNegative, Positive, Table, interface_name
 
 
 def _group_name(name: str) -> str:

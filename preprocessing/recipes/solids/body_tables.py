@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
-from preprocessing.recipes.tables import Positive, Table
-from toolkit.description.description import FileName
+from preprocessing.recipes.tables import FileName, Positive, Table
 
 NodeNumber = Annotated[int, Field(ge=0)]
 Coordinates = Annotated[list[FiniteFloat], Field(min_length=2, max_length=3)]

@@ -1,4 +1,4 @@
-"""What was probably meant by a path that leads nowhere."""
+"""Names of files that somebody wrote: those that no file can have, and what was probably meant by a path that leads nowhere."""
 
 from __future__ import annotations
 
@@ -9,6 +9,19 @@ from toolkit.foundation.listed_names import meant
 
 MOST = 1000
 """Names of a folder that are looked at."""
+
+
+def file_name(name: str) -> str:
+    """The name as it is.
+
+    Raises
+    ------
+    ValueError
+        No file of any system can have it.
+    """
+    if "\0" in name:
+        raise ValueError("a file name cannot hold a zero byte; write the path of the file")
+    return name
 
 
 def meant_path(path: Path, error: OSError) -> str:
