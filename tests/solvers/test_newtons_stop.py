@@ -28,7 +28,7 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.solvers.transient.first_guess.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
 from toolkit.solvers.transient.first_guess.fitted_trend import HIGHEST, fit_trend
 from toolkit.solvers.transient.newton import SINGULAR
-from toolkit.solvers.transient.run import Run, allocate_history, failure, prepare_run, take_steps
+from toolkit.solvers.transient.run import Run, allocate_history, failure_of_step, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.solvers.transient.step_memory import ITERATIONS, LAST
 from toolkit.system.solution import Solution
@@ -245,4 +245,4 @@ def test_a_singular_step_is_blamed_on_the_joints_at_the_start_alone(step, iterat
     run = SimpleNamespace(
         outcome=outcome, times=times, lengths=np.diff(times), system=SimpleNamespace(numbering=scene), options=RunOptions()
     )
-    assert said in str(failure(run))  # type: ignore[arg-type]
+    assert said in str(failure_of_step(run))  # type: ignore[arg-type]

@@ -333,8 +333,8 @@ def test_joints_that_statics_closes_are_told():
     gap = abs(np.hypot(0.9, 0.3) - 0.9)
     assert caution.code == "assembled"
     assert "distance of joint 'bar'" in caution.text
-    # the law of a distance is (d . d / L - L) / 2, which is the gap to first order
-    assert float(caution.text.split(" by ")[1].split(",")[0]) == pytest.approx(gap, rel=0.1)
+    told, unit = caution.text.split(" by ")[1].split(",")[0].split()
+    assert (float(told), unit) == (pytest.approx(gap, rel=1e-2), "m")  # three digits are told
 
 
 def test_velocities_of_a_run_without_inertia_are_told_to_have_no_effect():

@@ -129,7 +129,7 @@ NEARBY = 0.05
 def failure(run: Run, q: np.ndarray) -> Exception:
     """The error that a failed step deserves, from the coordinates (n,) before it."""
     step = int(run.outcome.counts[STEP])
-    return at_limit_position(run, q, float(run.times[step]), float(run.lengths[step]), _failure(run))
+    return at_limit_position(run, q, float(run.times[step]), float(run.lengths[step]), failure_of_step(run))
 
 
 def at_limit_position(run: Run, q: np.ndarray, time: float, step_length: float, error: Exception) -> Exception:
@@ -142,8 +142,8 @@ def at_limit_position(run: Run, q: np.ndarray, time: float, step_length: float, 
     return LimitPositionError(told_limit(system, lambda at: system.inputs(at, LEVELS), limit, end, where))
 
 
-def _failure(run: Run) -> Exception:
-    """The same by what the step itself tells."""
+def failure_of_step(run: Run) -> Exception:
+    """The error that a failed step deserves by what the step itself tells."""
     status, step, iterations, worst, _ = (int(count) for count in run.outcome.counts)
     name, time, tolerance = run.system.numbering.names[worst], run.times[step + 1], run.options.tolerance
     step_length = run.lengths[step]
