@@ -90,10 +90,11 @@ def _times_of_derivatives(solution: Solution, state: StiffenedState) -> float:
 def _too_large(solution: Solution, found: TooLarge) -> str:
     when = f" at t = {solution.times[found.state.instant]:.4g}" if solution.steps else ""
     why = "its own deflection, between what holds it, pulls at" if found.by_itself else "tension pulls at"
-    stiffer = 1 + found.state.largest()
+    times = 1 / (1 - found.part) if found.part < 1 else np.inf
+    stiffer = float(np.fmax(1 + found.state.largest(), times))  # a state that loses its stability elsewhere tells no largest one
     return (
         f"{why} {found.body}{when} and stiffens it across itself, which these equations do not know: its largest displacement is "
-        f"{_times(1 / (1 - found.part) if found.part < 1 else np.inf)} as large as it should be, stresses and whatever depends on it are "
+        f"{_times(times)} as large as it should be, stresses and whatever depends on it are "
         f"off as much, derivatives by what bends it are up to {_times(stiffer)} as large, and frequencies across it up to "
         f"{1 - 1 / np.sqrt(stiffer):.0%} too low. {_remedy(solution, found.body, stiffer - 1)}"
     )
