@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from preprocessing.foreign_files.bounds import LARGEST_FILE
 from preprocessing.foreign_files.contents import MeshContents
 from preprocessing.foreign_files.gmsh import version_2, version_4
 from preprocessing.foreign_files.gmsh.groups import names_of_groups
@@ -18,7 +19,8 @@ from preprocessing.foreign_files.gmsh.sections import (
     TextNumbers,
     sections,
 )
-from preprocessing.foreign_files.meshes.wrong_file import content_of, refuse_leave_out, wrong_file
+from preprocessing.foreign_files.meshes.wrong_file import refuse_leave_out, wrong_file
+from toolkit.foundation.files.regular_file import read_whole
 
 FORMAT = re.compile(rb"\s*\$MeshFormat[ \t\r]*\n[ \t]*(\d)(?:\.(\d))?[ \t]+([01])[ \t]+(\d)[ \t\r]*\n")
 ONCE = {"PhysicalNames", "Entities", "PartitionedEntities", "Nodes", "ParametricNodes", "Elements", "NOD", "ELM"}
@@ -46,7 +48,7 @@ def gmsh_mesh(path: Path, leave_out: frozenset[str]) -> MeshContents:
         The file is of another version than 1, 2 or 4.1, or is not whole; or its sections contradict each other.
     """
     refuse_leave_out(path, leave_out, "elements that are parts of curves, surfaces or points name groups only")
-    content = content_of(path)
+    content = read_whole(path, LARGEST_FILE)
     kind = _format(path, content)
     found = sections(path, content, kind.binary)
     by_name = {section.name: section for section in found if section.name in ONCE}

@@ -9,11 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
+from preprocessing.foreign_files.bounds import LARGEST_FILE
 from preprocessing.foreign_files.contents import Elements, LeftOut, MeshContents
 from preprocessing.foreign_files.meshes.ansys_kinds import PLANES, REMEDY, USED, element_name, shapes
 from preprocessing.foreign_files.meshes.numbers_of_text import numbers_of_text, whole_numbers
-from preprocessing.foreign_files.meshes.wrong_file import Labels, content_of, wrong_file
+from preprocessing.foreign_files.meshes.wrong_file import Labels, wrong_file
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.regular_file import read_whole
 
 FORM = re.compile(
     rb"\s*\(\s*(\d{1,2})i(\d{1,2})(?:\s*,\s*(\d)[eEgG](\d{1,2})\.\d+(?:[eE]\d)?)?(?:,\d+a\d+)?\s*\)\s*", re.IGNORECASE
@@ -85,7 +87,7 @@ def ansys_mesh(path: Path, leave_out: frozenset[str]) -> MeshContents:
     InputError
         The file is no archive or not whole, changes its mesh by commands, or has elements or ties that are not read here.
     """
-    archive = Archive(path, content_of(path).replace(b"\r", b"").split(b"\n"))
+    archive = Archive(path, read_whole(path, LARGEST_FILE).replace(b"\r", b"").split(b"\n"))
     while archive.at < len(archive.lines):
         _command(archive)
     if not archive.nodes or not archive.elements:

@@ -6,7 +6,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from preprocessing.foreign_files.meshes.wrong_file import content_of
+from preprocessing.foreign_files.bounds import LARGEST_FILE
+from toolkit.foundation.files.regular_file import read_start, read_whole
 
 MEDIT = rb"^[ \t]*(?:Edges|Triangles|Quadrilaterals|Tetrahedra|Pyramids|Prisms|Pentahedra|Hexahedra|Hexaedra)\s+(\d{1,18})"
 NETGEN = rb"^[ \t]*(?:pointelements|edgesegments\w*|surfaceelements\w*|volumeelements)[ \t\r]*\n\s*(\d{1,18})"
@@ -18,7 +19,7 @@ def _sums(nodes: bytes, elements: bytes) -> Callable[[Path], Counts]:
     """Sums of all numbers that stand behind certain words."""
 
     def count(path: Path) -> Counts:
-        content = content_of(path)
+        content = read_whole(path, LARGEST_FILE)
         found = [re.findall(each, content, re.MULTILINE | re.IGNORECASE) for each in (nodes, elements)]
         sums = [sum(map(int, each)) if each else None for each in found]
         return sums[0], sums[1]
@@ -28,7 +29,7 @@ def _sums(nodes: bytes, elements: bytes) -> Callable[[Path], Counts]:
 
 def _first_line(path: Path, columns: tuple[int, ...]) -> list[int] | None:
     """Numbers of the first line that is no comment, at the given places."""
-    for line in content_of(path).split(b"\n"):
+    for line in read_whole(path, LARGEST_FILE).split(b"\n"):
         words = line.partition(b"#")[0].split()
         if words:
             wanted = [words[k] for k in columns if k < len(words)]
@@ -48,7 +49,7 @@ def _tetgen(path: Path) -> Counts:
 
 def _ugrid(path: Path) -> Counts:
     """Seven numbers at the beginning of a text: nodes, and elements of six kinds."""
-    words = content_of(path)[:200].split()[:7] if len(path.suffixes) < 2 else []
+    words = read_start(path, 200).split()[:7] if len(path.suffixes) < 2 else []
     if len(words) < 7 or not all(word.isdigit() for word in words):
         return None, None
     return int(words[0]), sum(map(int, words[1:]))
@@ -56,7 +57,7 @@ def _ugrid(path: Path) -> Counts:
 
 def _dolfin(path: Path) -> Counts:
     """Entries of the lists, as meshio makes room for as many as the lists say and leaves it as it was where one is missing."""
-    content = content_of(path)
+    content = read_whole(path, LARGEST_FILE)
     entries = (rb"<vertex\s", rb"<(?:interval|triangle|tetrahedron|quadrilateral|hexahedron)\s")
     nodes, elements = (len(re.findall(each, content)) for each in entries)
     return nodes, elements

@@ -8,11 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from preprocessing.foreign_files.bounds import LARGEST_FILE
 from preprocessing.foreign_files.contents import Elements, LeftOut, MeshContents
 from preprocessing.foreign_files.meshes.numbers_of_text import alike_rows, numbers_of_text, whole_numbers
 from preprocessing.foreign_files.meshes.universal_kinds import BEAMS, KINDS, NODES, ORDERS, OTHERS, UNITS
-from preprocessing.foreign_files.meshes.wrong_file import Labels, content_of, wrong_file
+from preprocessing.foreign_files.meshes.wrong_file import Labels, wrong_file
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.regular_file import read_whole
 
 REMEDY = "Export it again as a universal file with the datasets 2411, 2412 and 2467, or as gmsh .msh."
 NODE_SETS, ELEMENT_SETS, GROUP_SETS = (2411, 781), (2412,), (2467, 2477, 2452, 2435)
@@ -62,7 +64,7 @@ def universal_mesh(path: Path, leave_out: frozenset[str]) -> MeshContents:
     InputError
         The file is not whole, holds its mesh in older datasets or coordinate systems of its own, or elements that are none of the body's.
     """
-    datasets = _datasets(path, content_of(path))
+    datasets = _datasets(path, read_whole(path, LARGEST_FILE))
     old = [each for each in datasets if each.number in REFUSED]
     if old:
         what = f"its {REFUSED[old[0].number]} are in dataset {old[0].number}, which is not read"

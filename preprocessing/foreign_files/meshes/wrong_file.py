@@ -1,4 +1,4 @@
-"""Mesh files as bytes, and the errors of those that cannot be read as they are."""
+"""Errors of mesh files that cannot be read as they are, and the numbers that they give nodes and elements."""
 
 from __future__ import annotations
 
@@ -7,12 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.regular_file import read_start, size_of
-
-
-def content_of(path: Path) -> bytes:
-    """All bytes of a file, whose size the caller has bounded; no more memory is asked for than they take."""
-    return read_start(path, size_of(path))
 
 
 def wrong_file(path: Path, what: str, remedy: str, line: int = 0) -> InputError:

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from preprocessing.foreign_files.bounds import LARGEST_FILE
 from preprocessing.foreign_files.contents import MeshContents
 from preprocessing.foreign_files.meshes.numbers_of_text import numbers_of_text, whole_numbers
-from preprocessing.foreign_files.meshes.wrong_file import content_of, refuse_leave_out, wrong_file
+from preprocessing.foreign_files.meshes.wrong_file import refuse_leave_out, wrong_file
 from preprocessing.foreign_files.vtk.cells import REMEDY, cells_by_type, grid_cells, hidden
+from toolkit.foundation.files.regular_file import read_whole
 
 HEAD = re.compile(rb"# vtk DataFile Version (\d)\.(\d)[ \t\r]*\n.*\n[ \t]*(ASCII|BINARY)[ \t\r]*\n", re.IGNORECASE)
 WORD = re.compile(rb"^[ \t]*[A-Za-z_]", re.MULTILINE)
@@ -88,7 +90,7 @@ def legacy_vtk(path: Path, leave_out: frozenset[str]) -> MeshContents:
         It holds no such grid, or is not whole; or a cell is of a type that is no element here.
     """
     refuse_leave_out(path, leave_out, "VTK names nothing that could be")
-    file = LegacyFile(path, content_of(path))
+    file = LegacyFile(path, read_whole(path, LARGEST_FILE))
     words = file.words()
     grid = words[1].upper() if len(words) == 2 and words[0].upper() == "DATASET" else ""
     if grid not in GRIDS:

@@ -14,10 +14,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from preprocessing.foreign_files.bounds import LARGEST_FILE
 from preprocessing.foreign_files.contents import Elements, MeshContents
 from preprocessing.foreign_files.meshes.numbers_of_text import numbers_of_text, whole_numbers
-from preprocessing.foreign_files.meshes.wrong_file import content_of, refuse_leave_out, wrong_file
+from preprocessing.foreign_files.meshes.wrong_file import refuse_leave_out, wrong_file
 from preprocessing.foreign_files.vtk.cells import REMEDY, cells_by_type, hidden
+from toolkit.foundation.files.regular_file import read_whole
 
 RAW = re.compile(rb"<AppendedData\s[^>]*encoding\s*=\s*[\"']raw[\"'][^>]*>\s*_", re.DOTALL)
 NUMBERS = {f"{name}{bits}": f"{code}{bits // 8}" for name, code in (("Int", "i"), ("UInt", "u")) for bits in (8, 16, 32, 64)}
@@ -72,7 +74,7 @@ def xml_vtk(path: Path, leave_out: frozenset[str]) -> MeshContents:
 
 def _opened(path: Path) -> XmlFile:
     """The XML of a file, from which numbers that are no XML are cut out."""
-    content = content_of(path)
+    content = read_whole(path, LARGEST_FILE)
     raw = RAW.search(content)
     end = content.rfind(b"</AppendedData>") if raw else -1
     if raw and end < raw.end():
