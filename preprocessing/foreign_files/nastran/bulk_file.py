@@ -55,6 +55,7 @@ def read_bulk(path: Path, leave_out: frozenset[str]) -> MeshContents:
     lines, which = bulk_lines(path)
     cards = Cards.of(lines, which)
     _refuse_unknown(cards, leave_out)
+    _refuse_absent(cards, leave_out)
     masses = given_masses(cards, leave_out)
     grid = grid_of(cards, systems_of(masses))
     found = _body(cards, grid, leave_out)
@@ -80,6 +81,15 @@ def _refuse_unknown(cards: Cards, leave_out: frozenset[str]) -> None:
         raise cards.lines.error(
             min(card.line for card in unknown),
             "this card is not known here, and may carry mass or stiffness. Take it out of the file, or name it in leave_out of [mesh].",
+        )
+
+
+def _refuse_absent(cards: Cards, leave_out: frozenset[str]) -> None:
+    """Refuse names of leave_out that no card has: a wrong spelling would leave nothing out."""
+    if absent := sorted(leave_out - set(cards.by_name)):
+        raise InputError(
+            f"leave_out in [mesh] names {', '.join(map(repr, absent))}, and {str(cards.lines.main)!r} has no card of this name. "
+            "Take it out of leave_out, or fix its spelling."
         )
 
 
