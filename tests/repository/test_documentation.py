@@ -18,6 +18,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from docs.generators import doubts
 from docs.generators.comments import meanings, trailing_comment
 from docs.generators.formats import PAGE, PLACE, TABLES, fill, for_the_site, kinds
 from docs.generators.formulas import FENCE, REFERENCE, TAG, hide_formulas
@@ -26,6 +27,7 @@ from docs.generators.house_picture import WIDE, house, layers, needed, picture, 
 from docs.generators.rooms import page, rooms
 from docs.generators.worked_pages import GALLERY
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.verdict import REGISTRY, codes
 from toolkit.responses.stress.stress import design_rates
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare, solve
@@ -138,6 +140,32 @@ def test_the_page_on_file_formats_links_to_the_reference_on_the_site():
     assert "### revolute { #joints-revolute }\n" in site
     assert "In the reference: [`Revolute`][toolkit.joints.planar.revolute.Revolute]." in site
     assert "<a id" not in site
+
+
+def test_every_code_that_a_caution_has_in_the_sources_is_registered_and_no_other():
+    said = {code for code, _ in doubts.literal_codes()}
+    assert sorted(said - set(codes())) == [], f"add a line to {REGISTRY.name}, and run: python -m docs.generators.doubts"
+    assert sorted(set(codes()) - said) == [], f"no check has these codes any more: take their lines out of {REGISTRY.name}"
+
+
+def test_codes_that_are_no_literals_are_those_of_other_cautions_or_begin_like_one_that_is():
+    for code in doubts.other_codes():
+        begins = code.values[0].value if isinstance(code, ast.JoinedStr) else None
+        assert re.fullmatch(r"\w+\.code|each\['code'\]", ast.unparse(code)) or any(each.startswith(begins) for each in codes())
+
+
+def test_every_code_has_a_line_of_sentences_in_the_order_of_the_alphabet():
+    assert [*codes()] == sorted(codes())
+    for code, each in codes().items():
+        assert each.means.endswith("."), code
+        assert each.remedy.endswith("."), code
+        assert each.limit, code
+
+
+def test_the_page_of_doubts_is_the_registry_as_it_is():
+    page = doubts.PAGE.read_text(encoding="utf-8")
+    assert doubts.fill(page) == page, "run: python -m docs.generators.doubts"
+    assert re.findall(r'^\| <a id="([\w-]+)"></a>', page, re.MULTILINE) == [*codes()]
 
 
 def test_every_table_that_a_table_points_to_has_its_section():

@@ -63,8 +63,10 @@ def test_python_json_and_the_terminal_say_the_same_about_a_wrong_pendulum():
     assert record["energy_balance"]["created"] > 0.5
     assert {"drift", "newton_correction", "estimated_error"} <= set(record)
     assert set(record["estimated_error"]["responses"]) == set(found.values)
-    for text in (done.stderr, CliRunner().invoke(app, ["simulate", str(PENDULUM), *changes]).stdout):
-        assert all(reason in text for reason in found.verdict.reasons)
+    table = CliRunner().invoke(app, ["simulate", str(PENDULUM), *changes]).stdout
+    assert all(reason in text for text in (done.stderr, table) for reason in found.verdict.reasons)
+    assert f"Codes: {', '.join(found.verdict.codes)}. What they mean: docs/doubts.md." in table
+    assert "4 %" in found.verdict.explained["energy"].limit
 
 
 def test_a_motion_that_its_steps_resolve_is_trusted():

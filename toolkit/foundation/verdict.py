@@ -5,7 +5,41 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
 from typing import Any
+
+PAGE = "docs/doubts.md"
+"""The page with all codes of cautions."""
+REGISTRY = Path(__file__).with_name("codes.toml")
+"""What that page is made from: one line for each code."""
+
+
+@dataclass(frozen=True)
+class Code:
+    """What a code of cautions stands for.
+
+    Attributes
+    ----------
+    means
+        What was found where a caution has this code.
+    limit
+        From which size on it is said.
+    remedy
+        What helps.
+    """
+
+    means: str
+    limit: str
+    remedy: str
+
+
+@cache
+def codes() -> Mapping[str, Code]:
+    """All codes that cautions can have, and what each stands for."""
+    import tomllib
+
+    return {code: Code(**row) for code, row in tomllib.loads(REGISTRY.read_text(encoding="utf-8")).items()}
 
 
 @dataclass(frozen=True)
@@ -15,7 +49,7 @@ class Caution:
     Attributes
     ----------
     code
-        Its short name, the same in every version, for example "energy".
+        Its short name, the same in every version, for example "energy"; docs/doubts.md has all of them.
     text
         What was found, with its numbers, and what to do next.
     doubt
@@ -71,8 +105,13 @@ class Verdict:
 
     @property
     def codes(self) -> tuple[str, ...]:
-        """Short names of all cautions, each once."""
+        """Short names of all cautions, each once; docs/doubts.md and `explained` say what they mean, from which size on, and what helps."""
         return tuple(dict.fromkeys(each.code for each in self.warnings))
+
+    @property
+    def explained(self) -> dict[str, Code]:
+        """Code of each caution -> what it means, from which size on it is said, and what helps."""
+        return {code: codes()[code] for code in self.codes if code in codes()}
 
     def record(self) -> dict[str, Any]:
         """Keys of a JSON object: what was measured, `verdict` and `warnings`; a number that does not exist is None."""

@@ -24,8 +24,11 @@ LEFT = ("unit", "by", "why")
 
 
 def print_verdict(verdict: Verdict) -> None:
-    """Whether the numbers can be trusted, and all that has to be known about them."""
-    Console(width=WIDE, highlight=False).print(str(verdict), markup=False)
+    """Whether the numbers can be trusted, all that has to be known about them, and where their codes are explained."""
+    from toolkit.foundation.verdict import PAGE
+
+    said = [str(verdict), *([f"Codes: {', '.join(verdict.codes)}. What they mean: {PAGE}."] if verdict.codes else [])]
+    Console(width=WIDE, highlight=False).print("\n".join(said), markup=False)
 
 
 def warn(verdict: Verdict, quiet: bool = False) -> None:

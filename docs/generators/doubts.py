@@ -1,0 +1,76 @@
+"""The page of all codes of cautions, made from their registry, `toolkit/foundation/codes.toml`.
+
+`python -m docs.generators.doubts` writes the table into docs/doubts.md, so that the page is read in the repository as it is.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from docs.generators.house import HALVES, files, tree
+from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.verdict import codes
+
+PAGE = Path(__file__).parents[1] / "doubts.md"
+PLACE = re.compile(r"^<!-- codes -->\n(?:.*?^<!-- end of codes -->\n)?", re.MULTILINE | re.DOTALL)
+"""Where the page wants the table, with the table if it is there."""
+
+
+def fill(markdown: str) -> str:
+    """The page with its table as it is now."""
+    return PLACE.sub(lambda _: f"<!-- codes -->\n\n{table()}\n\n<!-- end of codes -->\n", markdown)
+
+
+def table() -> str:
+    """A row for every code, in the order of the alphabet."""
+    said = kinds()
+    rows = [
+        f'| <a id="{code}"></a>`{code}` | {said.get(code, "")} | {each.means} | {each.limit} | {each.remedy} |'
+        for code, each in sorted(codes().items())
+    ]
+    return "\n".join(["| code | kind | what it means | limit | what helps |", "|---|---|---|---|---|", *rows])
+
+
+def kinds() -> dict[str, str]:
+    """Code -> whether it is a doubt, a remark, or either, by the places in the sources that say it."""
+    found: dict[str, set[str]] = {}
+    for code, doubt in literal_codes():
+        found.setdefault(code, set()).add(doubt)
+    return {code: said.pop() if len(said) == 1 else "either" for code, said in found.items()}
+
+
+def literal_codes() -> Iterator[tuple[str, str]]:
+    """Every code that stands in a source where a caution is made, and "doubt", "remark" or "either"."""
+    for call in _calls():
+        if isinstance(call.args[0], ast.Constant):
+            yield str(call.args[0].value), _doubt(call)
+
+
+def other_codes() -> Iterator[ast.expr]:
+    """What stands for a code where it is no literal."""
+    for call in _calls():
+        if not isinstance(call.args[0], ast.Constant):
+            yield call.args[0]
+
+
+def _calls() -> Iterator[ast.Call]:
+    for half in HALVES:
+        for path in files(half).values():
+            for node in ast.walk(tree(path)):
+                if isinstance(node, ast.Call) and ast.unparse(node.func) == "Caution":
+                    yield node
+
+
+def _doubt(call: ast.Call) -> str:
+    stated = [each.value for each in call.keywords if each.arg == "doubt"] or call.args[2:3]
+    if not stated or (isinstance(stated[0], ast.Constant) and stated[0].value is True):
+        return "doubt"
+    return "remark" if isinstance(stated[0], ast.Constant) else "either"
+
+
+if __name__ == "__main__":
+    write_whole(PAGE, fill(PAGE.read_text(encoding="utf-8")).encode())
+    print(f"{PAGE} written.")
