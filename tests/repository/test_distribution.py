@@ -57,9 +57,13 @@ def test_the_source_archive_holds_all_of_the_project(shipped):
 def test_the_wheel_holds_both_halves_with_what_they_read_models_and_schemas(shipped):
     _, installed = shipped
     assert files(installed, "toolkit", "preprocessing") == files(ROOT, "toolkit", "preprocessing")
-    assert {"toolkit/py.typed", "preprocessing/py.typed", "toolkit/report/page.html", "toolkit/report/viewer.html"} <= files(
-        installed, "toolkit", "preprocessing"
-    )
+    assert {
+        "toolkit/py.typed",
+        "preprocessing/py.typed",
+        "toolkit/foundation/codes.toml",
+        "toolkit/report/page.html",
+        "toolkit/report/viewer.html",
+    } <= files(installed, "toolkit", "preprocessing")
     (data,) = installed.glob("*.data")
     share = data / "data" / "share" / "ffrf-toolkit"
     assert files(share, "models") == files(ROOT, "models")

@@ -181,6 +181,43 @@ def test_a_motion_is_optimised_too_and_its_price_is_that_of_differences(tmp_path
     assert price.price == pytest.approx(-ratio, rel=1e-3)  # what the residual leaves
 
 
+BESIDE = {
+    "[bodies]\n": """Q = [2.0, 0.0]
+W = [3.0, 0.0]
+[bodies]
+ball = { type = "rigid", mass = 1.0, inertia = 1.0, center = "Q", velocity = [1.0, 0.0, 0.0] }
+""",
+    "[joints]\n": """[joints]
+guide = { type = "slider", bodies = ["ball", "ground"], point = "Q", axis = [1.0, 0.0], lock_rotation = true }
+""",
+    "[loads]\n": """[loads]
+spring = { type = "spring-damper", bodies = ["ball", "ground"], points = ["Q", "W"], stiffness = 900.0, length = 1.0 }
+""",
+    "[responses]\n": """[responses]
+ball_x = { type = "displacement", body = "ball", point = "Q", component = "x" }
+""",
+    "end_time = 10.0": "end_time = 0.4",
+    "step = 0.0005": "step = STEP",
+}
+"""A mass on a spring beside the pendulum: sin(30 t) / 30."""
+
+
+@pytest.mark.parametrize(("step", "wrong"), [("0.01", True), ("0.0025", False)])
+def test_an_optimum_is_trusted_where_its_own_simulation_is(tmp_path, step, wrong):
+    """Steps half as long, with which it is solved again, resolve what the scene's own do not."""
+    text = (Path(__file__).parents[2] / "models" / "pendulum" / "scene.toml").read_text()
+    for old, new in BESIDE.items():
+        text = text.replace(old, new.replace("STEP", step))
+    (tmp_path / "scene.toml").write_text(text)
+    (tmp_path / "study.toml").write_text(FALL)
+    found = ffrf.optimize(tmp_path / "study.toml")
+    run = ffrf.compile(found.scene).simulate()
+    assert (abs(run.values["ball_x"] - np.sin(12.0) / 30) > 0.05 / 30) == wrong
+    assert run.verdict.codes == (("steps",) if wrong else ())
+    assert found.success
+    assert (found.verdict.codes, found.verdict.trusted) == (run.verdict.codes, run.verdict.trusted)
+
+
 @pytest.mark.parametrize(
     "objective",
     [

@@ -10,7 +10,7 @@ from toolkit.description.point import Point
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.balancing_forces import balancing_forces
+from toolkit.validity.motion.balancing_forces import balancing_forces, balancing_forces_of
 
 RODS = 100
 WEIGHT = 7800.0 * 1e-4 * 9.81
@@ -42,3 +42,19 @@ def test_every_joint_of_a_hanging_chain_carries_the_rods_below_it():
 def test_a_chain_that_would_fall_has_the_forces_of_dense_least_squares():
     forces, dense = found(1.0)
     assert np.abs(forces - dense).max() <= 1e-9 * np.abs(dense).max()
+
+
+@pytest.mark.parametrize("twice", [False, True])
+def test_states_that_are_looked_at_together_have_the_forces_of_least_squares_each(twice):
+    """Also where a joint stands there twice, so that only the sum of two forces is known, and the least ones are taken."""
+    scene = chain(4)
+    joints = {**scene.joints, **({"again": scene.joints["J1"]} if twice else {})}
+    solver = scene.solver.model_copy(update={"redundant": "least-squares" if twice else scene.solver.redundant})
+    system = compile_scene(scene.model_copy(update={"joints": joints, "solver": solver}))
+    (q, v, *_), rest = system.start(), np.zeros(system.n)
+    inputs, n_q, weights = system.inputs(0.0, LEVELS), system.n_q, system.weights[: system.n_q]
+    terms = [system.evaluate(inputs, q + turn * np.sin(np.arange(system.n)), v, rest) for turn in (0.0, 0.3, 0.7)]
+    for each, found in zip(terms, balancing_forces_of(system, terms), strict=True):
+        ties = system.dense(each.I_acc)[:n_q, n_q:] / weights[:, None]
+        exact = np.linalg.pinv(ties) @ (-(each.inertial + each.applied)[:n_q] / weights)
+        np.testing.assert_allclose(found, exact, atol=1e-11 * np.abs(exact).max())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,7 @@ from toolkit.validity.bodies.coarse_vibrations import resolved_frequency
 from toolkit.validity.bodies.deformation import LIMIT
 
 E, RHO, WIDTH, G = 210e9, 7800.0, 0.02, 9.81
-BETA = np.array([1.8751040687, 4.6940911330, 7.8547574382])
+BETA = np.array([1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349])
 """Roots of cos cosh = -1 (Blevins, Formulas for Natural Frequency and Mode Shape, 1979)."""
 SCENE = """units = "m-kg-s"
 [points]
@@ -114,7 +116,26 @@ def test_a_frequency_that_elements_are_too_long_for_is_doubted(elements, far, tm
     modes = ffrf.compile(scene).modes(count=3)
     third = modes.frequencies[2] / (BETA[2] ** 2 * waves / (2 * np.pi)) - 1
     doubts = [each.doubt for each in modes.verdict.warnings if each.code == "coarse-vibrations"]
-    assert doubts == [False] * int(third > LIMIT)  # a note: the slow ones of a table are right
+    assert doubts == [True] * int(third > LIMIT)
+
+
+@pytest.mark.parametrize("elements", [1, 2, 3])
+def test_modes_and_statics_doubt_the_same_frequencies_by_their_errors(elements, tmp_path):
+    """Each by its number, within a factor of 1.5 of its error against the closed form where only bending is there; modes that are right
+    are trusted."""
+    scene = cantilever(tmp_path, elements, responses=("f1", "f2"))
+    model, waves = ffrf.compile(scene), np.sqrt(E * 0.02**2 / 12 / RHO)
+    exact = BETA[:4] ** 2 * waves / (2 * np.pi)
+    for count in (2, min(2 * elements, 4)):
+        found = model.modes(count=count)
+        off = found.frequencies / exact[:count] - 1
+        told = [each for each in found.verdict.warnings if each.code == "coarse-vibrations"]
+        assert [each.doubt for each in told] == [True] * int(off.max() > LIMIT)
+        sizes = {int(k): float(size) / 100 for each in told for k, size in re.findall(r"mode (\d) by about ([\d.]+)%", each.text)}
+        assert sorted(sizes) == [k + 1 for k in range(count) if off[k] > LIMIT]
+        assert all(1 / 1.5 < size / off[k - 1] < 1.5 for k, size in sizes.items())
+        if count == 2:
+            assert bool(said(model.statics(), "coarse-vibrations")) == bool(told)
 
 
 @pytest.mark.parametrize(("factor", "said"), [(1.0, "1.1 times"), (1.02, "1.1 times"), (1.21, "1.3 times"), (5.0, "5 times")])

@@ -72,7 +72,7 @@ def test_frequencies_are_too_high_by_no_more_than_is_told(tmp_path, body, more):
         worst = max(worst, float((true[told < 3] / told[told < 3]).max()))
         (caution,) = said(found.verdict)
         assert f"from {known.slowest:.4g} 1/s on" in caution.text
-        assert not caution.doubt  # of a list of all modes
+        assert not caution.doubt  # of all modes that there are
     assert worst > 0.5
 
 
@@ -84,6 +84,15 @@ def test_the_second_frequency_of_a_cantilever_without_modes_is_a_doubt(tmp_path)
     assert caution.doubt
     assert "f1 by up to 1.2%, f2 by up to" in caution.text
     assert not said(full.verdict)
+
+
+def test_a_list_of_modes_is_doubted_as_responses_are_and_names_each_that_is_wrong(tmp_path):
+    model = ffrf.compile(scene(tmp_path, BasisChoice("craig-bampton", count=0), ', frame = "grounded"'))
+    first, two = (model.modes(count=count).verdict for count in (1, 2))
+    (response,), (listed,) = (said(each) for each in (model.statics().verdict, two))
+    assert not any(each.doubt for each in said(first))  # 1.2 % at most
+    assert listed.doubt
+    assert listed.text == response.text.replace("f1 by", "mode 1 by").replace("f2 by", "mode 2 by")
 
 
 def test_eigenmodes_are_exact_alone_and_not_known_where_joints_pull(tmp_path):

@@ -67,7 +67,7 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
     damped = cautions_of_damping(dense["A_v"][:n_b, :n_b], mass, squares[:count], shapes[:, :count])
-    raised = cautions_of_modes(solution, frequencies[:count])
+    raised = cautions_of_modes(solution, frequencies[:count], count)
     found = Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised])
     return Modes(frequencies[:count], np.pad(shapes[:, :count], ((0, n_q - n_b), (0, 0))), found)
 

@@ -108,7 +108,7 @@ def spinning_modes(solution: Solution, count: int | None = None) -> Modes:
     frequencies, ratios = np.insert(frequencies, place, [0.0] * zeros), np.insert(ratios, place, [0.0] * zeros)
     columns = [_scaled(shapes[k], system.weights[:n_q]) for k in order]
     columns[place:place] = [np.zeros(n_q)] * zeros
-    cautions = [*_cautions(np.array(roots)), *cautions_of_modes(solution, frequencies[:count])]
+    cautions = [*_cautions(np.array(roots)), *cautions_of_modes(solution, frequencies[:count], count)]
     return Modes(frequencies[:count], np.column_stack(columns)[:, :count], Verdict.of(cautions), ratios[:count])
 
 

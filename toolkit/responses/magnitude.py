@@ -43,7 +43,7 @@ def _size_of_kind(response: Response, solution: Solution) -> float:
     system, (m, k, t) = solution.system, response.physical_dimension
     if not (m or k or t):
         return float(response.unit_quantity == "angle")
-    lengths, n_q = system.scene.size, system.n_q
+    lengths, n_q = system.placed.size, system.n_q
     speeds, changes, forces = (
         float(np.abs(np.real(each) * by).max(initial=0.0))
         for each, by in (

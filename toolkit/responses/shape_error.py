@@ -86,13 +86,20 @@ def moving(solution: Solution, body: str) -> slice:
 
 def _gaps_of_cut(solution: Solution, body: str, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     scene = solution.system.scene
-    target = target_shape(scene, body).target
+    target = target_shape(solution.system.placed, body).target
     places, slopes = zip(*(cut_positions(scene, body, state) for state in q), strict=True)
     return np.stack(places) - target, np.stack(slopes)
 
 
 def _rates_of_cut(solution: Solution, body: str, q: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """By a complex step through what makes the shapes of the parts."""
+    moved_scenes = solution.system.placed.once(("moved shapes", body), lambda: [*_moved_shapes(solution, body)])
+    for x, moved, target in moved_scenes:
+        yield x, np.imag([cut_positions(moved, body, state)[0] - target for state in np.real(q)]) / STEP
+
+
+def _moved_shapes(solution: Solution, body: str) -> Iterator[tuple[int, Scene, np.ndarray]]:
+    """Number of every variable that moves shapes of a cut body or its target, the scene with a complex step in it, and the target there."""
     scene = solution.system.scene
     for x, variable in enumerate(solution.system.design):
         if any(path.startswith(f"bodies.{body}.") for path in variable.paths):
@@ -104,7 +111,7 @@ def _rates_of_cut(solution: Solution, body: str, q: np.ndarray) -> Iterator[tupl
                 and not np.any(np.imag(target))
             ):
                 continue  # a section: its effect is that of the state
-            yield x, np.imag([cut_positions(moved, body, state)[0] - target for state in np.real(q)]) / STEP
+            yield x, moved, target
 
 
 def shape_error(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:

@@ -86,7 +86,9 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
                 break
         assert again is not None
     first = next(iter(store.of(0)), None)
-    cautions = [*_cautions(problem, chosen, again, searches), *_idle(problem, store), *_cases(problem), *said_of_runs(again)]
+    cautions = [*_cautions(problem, chosen, again, searches), *_idle(problem, store), *_cases(problem)]
+    if chosen.best is not None:
+        cautions += said_of_runs(problem, chosen.best, again)
     if options.certify and not again.refusal and chosen.best is not None:
         cautions += certified(problem, chosen.best, again)
     robust: list[Compared] = []

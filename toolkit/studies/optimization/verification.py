@@ -13,7 +13,8 @@ from toolkit.foundation.verdict import Caution
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.certificate import certify
-from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.direct import direct, values_alone
 from toolkit.sensitivity.result import Result
 from toolkit.studies.evaluation.case_run import CaseRun
 from toolkit.studies.evaluation.evaluation import Evaluation
@@ -22,6 +23,7 @@ from toolkit.studies.evaluation.solved_design import load_margin, scene_at, solv
 from toolkit.studies.study.problem import FAR, Problem, by_case
 from toolkit.studies.study.study_file import LOAD_MARGIN
 from toolkit.studies.study.wanted import norm_of
+from toolkit.validity.bodies.physics import critical_loads
 
 ANOTHER = 1e-5
 """Change of a response, in parts of its size, by which an equilibrium is another one than that of the search: finer load steps and a warm
@@ -180,7 +182,25 @@ def _in(where: str, caution: Caution) -> Caution:
     return Caution(caution.code, f"{where}{caution.text}", caution.doubt)
 
 
-def said_of_runs(again: Again) -> Iterator[Caution]:
-    """What the runs at the optimum say about themselves."""
-    for case, result in again.results.items():
-        yield from (_in(f"{case}: " if case else "", each) for each in result.verdict.warnings)
+def said_of_runs(problem: Problem, found: Evaluation, again: Again) -> Iterator[Caution]:
+    """What runs at the optimum say about themselves: that which an analysis of its scene is, and the one with finer steps where that says
+    something else."""
+    for case, finer_run in again.results.items():
+        where = f"{case}: " if case else ""
+        own = [*_said_as_it_stands(problem, case, found)]
+        told = {each.code for each in own}
+        yield from (_in(where, each) for each in own)
+        yield from (_in(where, each) for each in finer_run.verdict.warnings if each.code not in told)
+
+
+def _said_as_it_stands(problem: Problem, case: str, found: Evaluation) -> Iterator[Caution]:
+    """What `statics` or `simulate` says of the scene at a design; load margins, which stand beside it here, feel what bends it, too."""
+    try:
+        run = values_alone(Compiled(scene_at(problem, case, found.design)), problem.kind)
+    except ToolkitError as error:
+        yield Caution("not-found-again", f"with the steps of the scene: {error}")
+        return
+    asked = LOAD_MARGIN in problem.responses or any(isinstance(each, LoadMargin) for each in problem.scene.responses.values())
+    yield from (each for each in run.verdict.warnings if not (asked and each.code == "critical-load"))
+    if asked:
+        yield from critical_loads(run.solution, lateral=True)

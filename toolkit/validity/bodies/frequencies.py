@@ -30,10 +30,14 @@ def cautions_of_frequencies(scene: Scene, frequencies: Mapping[str, float], doub
     yield from cautions_of_few_shapes(scene, frequencies, doubt)
 
 
-def cautions_of_modes(solution: Solution, frequencies: np.ndarray) -> Iterator[Caution]:
-    """Of a list of the lowest modes about the last state, in cycles per time; parts that keep few modes are compared with all of theirs."""
+def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | None) -> Iterator[Caution]:
+    """Of a list of the lowest modes about the last state, in cycles per time; parts that keep few modes are compared with all of theirs.
+
+    Frequencies that are asked for by their `count` are doubted as those of responses are. Of all that there are, where None is asked for,
+    the fastest are those of the elements, and no doubt.
+    """
     yield from cautions_of_raised(solution, frequencies)
     yield from critical_loads(solution, lateral=True)
     yield from tension_of_vibrations(solution, {f"mode {k + 1}": k + 1 for k in range(len(frequencies))})
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
-    yield from cautions_of_frequencies(solution.system.scene, named, doubt=False)
+    yield from cautions_of_frequencies(solution.system.scene, named, doubt=count is not None)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy
 
@@ -10,6 +12,9 @@ from toolkit.linear.linear_solver import TRUSTED_REFINEMENT
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.stability.static_array import largest_entry
 from toolkit.system.system import System
+
+DEPENDENT = 1e-10
+"""Part of the largest entry of a triangle's diagonal below which columns may depend on each other: then singular values have to tell."""
 
 
 def balancing_forces(system: System, terms: Terms) -> np.ndarray:
@@ -29,6 +34,24 @@ def balancing_forces(system: System, terms: Terms) -> np.ndarray:
             return found
     forces: np.ndarray = np.linalg.lstsq(system.dense(terms.I_acc)[:n_q, n_q:] / weights[:, None], wanted)[0]
     return forces
+
+
+def balancing_forces_of(system: System, terms: Sequence[Terms]) -> np.ndarray:
+    """The same of several states of a scene that is not large, (k, n_lam), by one factorisation Q R of all their ties at once."""
+    n_q, weights = system.n_q, system.weights[: system.n_q]
+    wanted = np.stack([-(each.inertial + each.applied)[:n_q] / weights for each in terms])
+    ties = np.stack([system.dense(each.I_acc)[:n_q, n_q:] for each in terms]) / weights[:, None]
+    rows, columns = ties.shape[1:]
+    if not 0 < columns <= rows:
+        return np.stack([np.linalg.lstsq(each, aim)[0] for each, aim in zip(ties, wanted, strict=True)])
+    Q, R = np.linalg.qr(ties)
+    sizes = np.abs(np.diagonal(R, axis1=1, axis2=2))
+    known = sizes.min(axis=1) > DEPENDENT * sizes.max(axis=1)
+    R[~known] = np.eye(columns)
+    found: np.ndarray = np.linalg.solve(R, np.einsum("kij,ki->kj", Q, wanted)[..., None])[..., 0]
+    for k in np.flatnonzero(~known):
+        found[k] = np.linalg.lstsq(ties[k], wanted[k])[0]
+    return found
 
 
 def _least_squares(ties: scipy.sparse.csc_array, wanted: np.ndarray) -> np.ndarray | None:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
+import scipy
 
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.verdict import Caution
+from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.static.stability.critical_state import has_negative_stiffness, softest_motion
-from toolkit.solvers.static.stability.saddle import balance, balanced, factorised, free_count
+from toolkit.solvers.static.stability.saddle import are_positive, balance, balanced, factorised, free_count
 from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, scaled_by, static_array
 from toolkit.system.solution import Solution
-from toolkit.validity.motion.balancing_forces import balancing_forces
+from toolkit.validity.motion.balancing_forces import balancing_forces, balancing_forces_of
 from toolkit.validity.motion.dead_inertia import dead_inertia
 
 LOOKED_AT, AMONG = 50, 5000
@@ -27,6 +31,11 @@ NEAR = 0.1
 """Part of the scene's size (or rad) by which the first equilibrium is away, below which the run begins near it."""
 NONE = 1e-12
 """Part of the largest stiffness below which another is none: a free mechanism."""
+TOGETHER = 120_000
+"""Entries of the matrices of states that are looked at together: 1 MB, so that they stay near the processor."""
+
+State: TypeAlias = "tuple[np.ndarray, StaticArray, np.ndarray]"
+"""Residual (n,), static matrix (n, n) and [0; lam]."""
 
 
 def snap_through(solution: Solution) -> Caution | None:
@@ -39,11 +48,25 @@ def snap_through(solution: Solution) -> Caution | None:
     system = solution.system
     if not (system.compiled and solution.steps and free_count(system) and _begins_at_rest(solution)):
         return None
-    low, places = 0.0, _places(solution)
-    for high, inputs in zip(places, _inputs(solution, places), strict=True):
-        if _is_unstable(solution, high, inputs):
-            return _caution(solution, *_first_loss(solution, low, high))
-        low = high
+    places = _places(solution)
+    first = _first_unstable(solution, places)
+    return (
+        None if first is None else _caution(solution, *_first_loss(solution, places[first - 1] if first else 0.0, places[first]))
+    )
+
+
+def _first_unstable(solution: Solution, places: list[float]) -> int | None:
+    """Number of the first of some states that is unstable; those of scenes that are not large are looked at together."""
+    system, inputs = solution.system, _inputs(solution, places)
+    together = max(TOGETHER // system.n**2, 1) if system.n < MANY else 1
+    for begin in range(0, len(places), together):
+        some = range(begin, min(begin + together, len(places)))
+        states = _statics(solution, [places[k] for k in some], [inputs[k] for k in some])
+        if len(states) > 1 and are_positive(system, np.stack([matrix for _, matrix, _ in states])):
+            continue
+        for k, (_, matrix, forces) in zip(some, states, strict=True):
+            if has_negative_stiffness(system, matrix, forces):
+                return k
     return None
 
 
@@ -97,19 +120,35 @@ def _inputs(solution: Solution, places: list[float]) -> list[Inputs]:
     return [Inputs(*each, 1.0, LEVELS, True, False) for each in zip(curves, curves_x, strict=True)]
 
 
-def _static(solution: Solution, place: float, inputs: Inputs | None = None) -> tuple[np.ndarray, StaticArray, np.ndarray]:
+def _static(solution: Solution, place: float) -> State:
     """Residual (n,), static matrix (n, n) and [0; lam] of a state as if it were at rest."""
+    return _statics(solution, [place], _inputs(solution, [place]))[0]
+
+
+def _statics(solution: Solution, places: list[float], inputs: list[Inputs]) -> list[State]:
+    """The same of several states, with what acts at each."""
     system, n_q = solution.system, solution.system.n_q
-    time, found = _state(solution, place)
-    inputs = inputs or system.inputs(time, LEVELS)
-    q, forces, rest = np.append(found, np.zeros(system.n - n_q)), np.zeros(system.n), np.zeros(system.n)
-    terms = system.evaluate(inputs, q, rest, forces)
-    forces[n_q:] = balancing_forces(system, terms)
-    terms = system.evaluate(inputs, q, rest, forces)
-    residual, matrix = terms.inertial + terms.applied, static_array(system, terms)
-    if (held := dead_inertia(system, q, residual)) is not None:
-        matrix = matrix + (held.toarray() if isinstance(matrix, np.ndarray) else held.tocsr())
-    return residual, matrix, forces
+    q, forces, rest = np.zeros((len(places), system.n)), np.zeros((len(places), system.n)), np.zeros(system.n)
+    q[:, :n_q] = [_state(solution, place)[1] for place in places]
+    terms = [system.evaluate(*each, rest, rest) for each in zip(inputs, q, strict=True)]
+    alone = system.n >= MANY or len(places) == 1
+    forces[:, n_q:] = balancing_forces(system, terms[0]) if alone else balancing_forces_of(system, terms)
+    terms = [system.evaluate(each, state, rest, force) for each, state, force in zip(inputs, q, forces, strict=True)]
+    residuals = np.stack([each.inertial + each.applied for each in terms])
+    held = dead_inertia(system, q, residuals)
+    matrices = [_with_entries(static_array(system, each), held, k) for k, each in enumerate(terms)]
+    return list(zip(residuals, matrices, forces, strict=True))
+
+
+def _with_entries(matrix: StaticArray, held: tuple[np.ndarray, np.ndarray, np.ndarray] | None, k: int) -> StaticArray:
+    """A matrix (n, n) with the values of the k-th state added at rows and columns."""
+    if held is None:
+        return matrix
+    rows, columns, values = held
+    if isinstance(matrix, np.ndarray):
+        matrix[rows, columns] += values[k]
+        return matrix
+    return matrix + scipy.sparse.coo_array((values[k], (rows, columns)), shape=matrix.shape).tocsr()
 
 
 def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
@@ -120,8 +159,8 @@ def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
     return float(time), (1 - part) * solution.q[n] + part * solution.q[n + 1]
 
 
-def _is_unstable(solution: Solution, place: float, inputs: Inputs | None = None) -> bool:
-    _, matrix, forces = _static(solution, place, inputs)
+def _is_unstable(solution: Solution, place: float) -> bool:
+    _, matrix, forces = _static(solution, place)
     return has_negative_stiffness(solution.system, matrix, forces)
 
 

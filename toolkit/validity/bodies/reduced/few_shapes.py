@@ -25,7 +25,7 @@ from toolkit.loads.load import Load
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.validity.bodies.deformation import whole_bodies
-from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD
+from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD, listed_parts
 
 ENOUGH = float(np.sqrt((1 + TOLD) ** 2 - 1))
 """Frequency in parts of the slowest one that is left out, which may be too high by `TOLD`."""
@@ -57,14 +57,12 @@ def cautions_of_few_shapes(scene: Scene, frequencies: Mapping[str, float], doubt
     parts = {name: raised_at_most(value, least.slowest) for name, value in vibrating.items()}
     high = {name: part for name, part in parts.items() if part > TOLD}
     if high:
-        first, most = min(high, key=lambda name: high[name]), max(high, key=lambda name: high[name])
-        words = f"{first} by up to {high[first]:.1%}" + (f", {most} by up to {high[most]:.0%}" if most != first else "")
         yield Caution(
             "left-out-shapes",
-            f"frequencies may be too high where {least.body} vibrates, {words}: its basis leaves out shapes that vibrate from "
-            f"{least.slowest:.4g} {label} on. Build it with more modes, or in more pieces: what is left out from "
+            f"frequencies may be too high where {least.body} vibrates, {listed_parts(high, 'up to')}: its basis leaves out shapes that "
+            f"vibrate from {least.slowest:.4g} {label} on. Build it with more modes, or in more pieces: what is left out from "
             f"{1 / ENOUGH:.0f} times a frequency on makes it {TOLD:.0%}.",
-            doubt and high[most] > DOUBTFUL,
+            doubt and max(high.values()) > DOUBTFUL,
         )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import scipy
@@ -16,6 +16,8 @@ from toolkit.validity.bodies.reduced.richer_pencil import richer_pencil
 
 TOLD, DOUBTFUL = 0.01, 0.05
 """Parts of a frequency by which it may be too high without a word, and without a doubt."""
+NAMED = 10
+"""So many frequencies are named one by one; of a longer list the one that is off most is named besides."""
 
 
 def raised_frequencies(solution: Solution, frequencies: np.ndarray) -> np.ndarray:
@@ -38,16 +40,22 @@ def raised_frequencies(solution: Solution, frequencies: np.ndarray) -> np.ndarra
 
 
 def cautions_of_raised(solution: Solution, frequencies: np.ndarray) -> Iterator[Caution]:
-    """The first of the frequencies that are too high, and the one that is so most."""
-    parts = raised_frequencies(solution, frequencies)
-    high = np.flatnonzero(np.abs(parts) > TOLD)
-    if not high.size:
-        return
-    first, most = int(high[0]), int(np.argmax(np.abs(parts)))
-    yield Caution(
-        "left-out-shapes",
-        "the parts of cut bodies keep some of their modes (modes_per_frame), so that frequencies are too high, or missing: number "
-        f"{first + 1} by about {parts[first]:.1%}, {'which is the most' if most == first else f'number {most + 1} by {parts[most]:.0%}'}. "
-        f"Those before number {first + 1} are so by less than {TOLD:.0%}. Write larger numbers, or leave them out.",
-        doubt=bool(abs(parts[most]) > DOUBTFUL),
-    )
+    """All of the frequencies that are too high."""
+    parts = {f"number {k + 1}": float(part) for k, part in enumerate(raised_frequencies(solution, frequencies))}
+    high = {name: part for name, part in parts.items() if abs(part) > TOLD}
+    if high:
+        yield Caution(
+            "left-out-shapes",
+            "the parts of cut bodies keep some of their modes (modes_per_frame), so that frequencies are too high, or missing: "
+            f"{listed_parts(high, 'about')}. Those before {next(iter(high))} are so by less than {TOLD:.0%}. Write larger numbers, or "
+            "leave them out.",
+            doubt=max(map(abs, high.values())) > DOUBTFUL,
+        )
+
+
+def listed_parts(parts: Mapping[str, float], word: str) -> str:
+    """Frequencies, by what they are called, and the parts by which they are too high, in words."""
+    first, most = list(parts)[:NAMED], max(parts, key=lambda name: abs(parts[name]))
+    told = [f"{name} by {word} {parts[name]:.1%}" for name in (*first, *({most} - {*first}))]
+    more = len(parts) - len(told)
+    return ", ".join(told) + (f", and {more} more" if more else "")
