@@ -12,7 +12,7 @@ be wrong; then a run with steps half as long (r = 1/2) says how wrong. If it den
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
+from toolkit.sensitivity.errors.lost_vibrations import LostVibrations, steps_that_keep
 from toolkit.system.solution import Solution
 
 Values = Mapping[str, Any]
@@ -37,6 +38,10 @@ LENIENT = 2.0
 """Derivatives may be off by so many times more than values."""
 NOTHING = 1e-6
 """Part of the largest magnitude in the motion below which a number is taken for zero."""
+MOST_STEPS, MOST_NUMBERS = 50_000, 3_000_000
+"""Steps, and numbers in all their states with their derivatives, up to which a run that keeps vibrations is affordable: some seconds."""
+SAMPLED = 20
+"""Steps in a period of a vibration that is to last."""
 SURE = 0.01
 """Estimated error by longer steps up to which no shorter ones are asked: it was never too small by more than a factor of four in 200
 random scenes (`tests.benchmarks.random_scenes`)."""
@@ -60,6 +65,10 @@ class StepError:
         What the run with the other steps found.
     order
         Order of the scheme that the estimate supposes.
+    vibrations
+        Those that the steps take out and the comparison has, in words.
+    step
+        Length of the steps that keep them.
     """
 
     how: str
@@ -70,6 +79,8 @@ class StepError:
     other_values: Values
     other_gradients: Gradients
     order: int
+    vibrations: str = ""
+    step: float | None = None
 
     @property
     def largest(self) -> float:
@@ -95,6 +106,7 @@ def step_error(
     slope_scales: Gradients,
     repeat: Repeat,
     suspicious: bool = False,
+    lost: LostVibrations | None = None,
 ) -> StepError | None:
     """The estimate for a motion; None if no other steps work.
 
@@ -104,9 +116,13 @@ def step_error(
         Response -> its largest magnitude in the motion.
     slope_scales : dict
         Response -> variable -> what an error of the derivative is to be compared with, if that is larger than the derivative.
+    lost : LostVibrations
+        What the steps have taken out of it, if that counts: then a run with steps that keep it decides, where it is affordable.
     """
     options = solution.options or solution.system.scene.solver
     known = Known(values, gradients, scales, slope_scales, 1 if _first_order(options) else 2)
+    if lost is not None and (resolved := _resolved(known, lost, solution, repeat)) is not None:
+        return resolved
     longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
     found = _estimate(known, longer) if longer else None
     if found is None or suspicious or not found.largest <= SURE:
@@ -116,7 +132,35 @@ def step_error(
         if found and half and found.largest > CONTRADICTED >= half.largest:
             half = _estimate(known, shorter + _tried(repeat, wanted[1:]))
         found = half or found
-    return found
+    return found if lost is None or found is None else _with_lost(found, known, lost, options)
+
+
+def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Repeat) -> StepError | None:
+    """By a run with steps that keep what others take out; None if that takes too many."""
+    options, variables = solution.options or solution.system.scene.solver, len(next(iter(known.gradients.values()), {}))
+    most = min(MOST_STEPS, MOST_NUMBERS // (solution.system.n * (1 + variables)))
+    steps = steps_that_keep(lost, options, most)
+    if steps is None:
+        return None
+    finer = options.model_copy(update={"step": options.end_time / steps, "local_error": None, "times": None})
+    how = f"with {steps} steps, which keep {lost.told}"
+    found = _tried(repeat, [(solution.steps / steps, how, finer)])
+    return replace(_estimate(known, found), vibrations=lost.told, step=options.end_time / steps) if found else None
+
+
+def _with_lost(found: StepError, known: Known, lost: LostVibrations, options: RunOptions) -> StepError:
+    """An estimate that the linear motion of what is lost completes."""
+    more = {f: error for f, error in lost.errors.items() if error > found.values.get(f, 0.0)}
+    own = {f: _own(error, known.values[f], known.scales[f]) for f, error in more.items()}
+    return replace(
+        found,
+        how=f"with {lost.told}",
+        values={**found.values, **more},
+        own_values={**found.own_values, **own},
+        other_values={**found.other_values, **{f: lost.values[f] for f in more}},
+        vibrations=lost.told,
+        step=2 * np.pi / (lost.vibrations[0].rate * SAMPLED),
+    )
 
 
 class Known(NamedTuple):
