@@ -38,6 +38,8 @@ class ExcitedModes(NamedTuple):
         Damping ratios, (m,).
     shapes
         Of coordinates, (n_q, m).
+    resisted
+        Stiffness times shapes, (n_q, m).
     forces
         Of multipliers, (n_lam, m), while the mode is at its largest.
     pushes
@@ -47,6 +49,7 @@ class ExcitedModes(NamedTuple):
     rates: np.ndarray
     damping: np.ndarray
     shapes: np.ndarray
+    resisted: np.ndarray
     forces: np.ndarray
     pushes: np.ndarray
 
@@ -68,15 +71,16 @@ def excited_modes(system: System, terms: Terms, jumps: np.ndarray, shift: float)
     of_multiplier = system.plan.indices >= system.n_q
     shifted = stiffness + shift**2 * (mass + system.unit_of_states)
     saddle = factorised(system, whole_array(system, np.where(of_multiplier, terms.I_acc, shifted)))
-    pushed = _forces(system, stiffness, jumps)
-    basis = _ritz_vectors(system, saddle, mass, pushed)
-    reduced = basis.T @ system.times(stiffness, basis)
+    basis = _ritz_vectors(system, saddle, mass, _forces(system, stiffness, jumps))
+    reduced = basis.T @ _forces(system, stiffness, basis)
     squares, turned = scipy.linalg.eigh((reduced + reduced.T) / 2)
     kept = squares > (NOTHING * shift) ** 2
     rates, shapes = np.sqrt(squares[kept]), basis @ turned[:, kept]
     damped = np.einsum("im,im->m", shapes, system.times(_of_coordinates(system, terms.A_v), shapes))
     held = saddle.solve(_forces(system, mass, shapes))[system.n_q :] * (rates**2 + shift**2)
-    return ExcitedModes(rates, damped / (2 * rates), shapes[: system.n_q], held, (pushed.T @ shapes) / rates**2)
+    n_q, resisted = system.n_q, _forces(system, stiffness, shapes)
+    pushes = jumps.T @ resisted / rates**2
+    return ExcitedModes(rates, damped / (2 * rates), shapes[:n_q], resisted[:n_q], held, pushes)
 
 
 def _of_coordinates(system: System, values: np.ndarray) -> np.ndarray:

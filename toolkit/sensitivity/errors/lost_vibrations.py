@@ -13,18 +13,23 @@ states of the run, what is lost gives the responses as they would be with it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.spread import spread
+from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.response import Response
+from toolkit.responses.stress.stress import StressResponse
+from toolkit.responses.windows import steps_seen
 from toolkit.sensitivity.errors.excited_modes import ExcitedModes, excited_modes
 from toolkit.sensitivity.errors.kicks import FORCES, Kick, kicks, padded
+from toolkit.sensitivity.errors.lost_derivatives import derivatives_of_modes
 from toolkit.sensitivity.errors.numerical_damping import error_after, part_left
 from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.system.solution import Solution
@@ -35,8 +40,8 @@ LOOKED_AT = 120
 """States in which responses are looked at with what is lost."""
 FELT = 1e-3
 """Part of the motion of a body, or of its deformation, of velocities and of joint forces below which a vibration changes no response."""
-WRONG = 0.3
-"""Part of what is lost that a run which keeps it may be wrong by, so that its size is right to a factor of two."""
+WRONG = 0.1
+"""Part of what is lost that a run which keeps it may be wrong by: 0.1 rad of its phase."""
 MODES = 6
 """So many modes are looked at alone, the largest."""
 COUNTS = 0.02
@@ -48,6 +53,8 @@ class Lost(NamedTuple):
 
     Attributes
     ----------
+    kick
+        What excites it.
     modes
         Those that it excites.
     cosines, sines
@@ -58,6 +65,7 @@ class Lost(NamedTuple):
         Part of the amplitude that is lost, (n_t, m): nothing before the kick.
     """
 
+    kick: Kick
     modes: ExcitedModes
     cosines: np.ndarray
     sines: np.ndarray
@@ -105,12 +113,15 @@ class LostVibrations(NamedTuple):
         Response -> the same whatever their phase is.
     vibrations
         Those that count, the slowest first.
+    gradients
+        Finds response -> variable -> what they add to the derivative; None where derivatives of the states are not known.
     """
 
     values: dict[str, float]
     errors: dict[str, float]
     swings: dict[str, float]
     vibrations: list[Vibration]
+    gradients: Callable[[], dict[str, dict[str, float]] | None]
 
     @property
     def told(self) -> str:
@@ -134,19 +145,20 @@ def lost_vibrations(solution: Solution, responses: Mapping[str, Response], scale
     if options.quasi_static or solution.run_times is not None or not solution.system.compiled or solution.steps < 2:
         return None
     try:
-        seen = _looked_at(solution)
+        seen = _looked_at(solution, responses)
         lost = [found for kick in kicks(solution) if (found := _lost(solution, kick, seen.times)) is not None]
-        return _of_responses(seen, lost, responses, scales) if lost else None
+        return _of_responses(solution, seen, lost, responses, scales) if lost else None
     except (ToolkitError, np.linalg.LinAlgError):
         return None
 
 
-def _looked_at(solution: Solution) -> Solution:
-    """The motion at some of its times, the first ones among them."""
+def _looked_at(solution: Solution, responses: Mapping[str, Response]) -> Solution:
+    """The motion at some of its times, among them the first ones and those that responses name."""
     last = len(solution.times) - 1
     if last <= LOOKED_AT:
         return solution
-    steps = np.union1d(np.arange(LOOKED_AT // 4), np.array(spread(last, LOOKED_AT)))
+    named = [step for each in responses.values() for step in steps_seen(each, solution.times)]
+    steps = np.unique([*range(LOOKED_AT // 4), *spread(last, LOOKED_AT), *named])
     names = ("times", "q", "v", "a", "multipliers", "dq", "dv", "da", "dmultipliers")
     return replace(solution, **{name: getattr(solution, name)[steps] for name in names})
 
@@ -167,11 +179,11 @@ def _lost(solution: Solution, kick: Kick, times: np.ndarray) -> Lost | None:
     left = np.where(after[:, None] > 0, 1 - kept[np.maximum(after, 0)], 0.0)
     fading = np.exp(-np.outer(passed, w * np.minimum(modes.damping, 1.0)))
     vibrates = np.where(modes.damping < 1, 1.0, 0.0)
-    return Lost(modes, third / w**4 - first / w**2, -second / w**3, passed, left * fading * vibrates)
+    return Lost(kick, modes, third / w**4 - first / w**2, -second / w**3, passed, left * fading * vibrates)
 
 
 def _of_responses(
-    seen: Solution, lost: list[Lost], responses: Mapping[str, Response], scales: Mapping[str, float]
+    solution: Solution, seen: Solution, lost: list[Lost], responses: Mapping[str, Response], scales: Mapping[str, float]
 ) -> LostVibrations | None:
     """What is lost of every response; None if none of it counts."""
     sizes = [_sizes(seen, each) for each in lost]
@@ -200,7 +212,7 @@ def _of_responses(
         share = max(swings(only).values())
         if share > COUNTS / 4:
             found.append(Vibration(float(lost[k].modes.rates[i]), share, _lasts(seen, lost[k], i)))
-    return LostVibrations(values, errors, swung, sorted(found))
+    return LostVibrations(values, errors, swung, sorted(found), partial(_gradients, solution, seen, lost, responses))
 
 
 def _sizes(seen: Solution, lost: Lost) -> np.ndarray:
@@ -246,6 +258,36 @@ def _with(seen: Solution, lost: list[Lost], turned: float, only: list[np.ndarray
         more = each.states(turned, wanted)
         q, v, a, multipliers = q + more[0], v + more[1], a + more[2], multipliers + more[3]
     return replace(seen, q=q, v=v, a=a, multipliers=multipliers)
+
+
+def _gradients(
+    solution: Solution, seen: Solution, lost: list[Lost], responses: Mapping[str, Response]
+) -> dict[str, dict[str, float]] | None:
+    """What is lost of derivatives; None where the run has none of its states."""
+    if not solution.system.n_x or solution.dq.shape[-1] != solution.system.n_x:
+        return None
+    states = _with(seen, lost, 0.0, [np.ones(len(each.modes.rates)) for each in lost])
+    vibrating = [replace(states, **_derivatives(solution, seen, lost, at_peaks)) for at_peaks in (False, True)]
+    names = solution.system.design.names
+    slopes = {f: each.evaluate(vibrating[_is_extreme(each)])[1] - each.evaluate(seen)[1] for f, each in responses.items()}
+    return {f: dict(zip(names, map(float, each), strict=True)) for f, each in slopes.items()}
+
+
+def _is_extreme(response: Response) -> bool:
+    """Whether it looks for a peak over time."""
+    return isinstance(response, TimeMax | TimeMin | TimeKS) or (isinstance(response, StressResponse) and response.when == "all")
+
+
+def _derivatives(solution: Solution, seen: Solution, lost: list[Lost], at_peaks: bool) -> dict[str, Any]:
+    """Derivatives of the states with what is lost."""
+    found = {name: getattr(seen, name) for name in ("dq", "dv", "da", "dmultipliers")}
+    for each in lost:
+        changes = derivatives_of_modes(solution, each.kick, each.modes, each.passed, at_peaks)
+        dq, dv, da = (change * each.part[..., None] for change in changes)
+        shapes, forces = each.modes.shapes, each.modes.forces
+        for name, basis, change in (("dq", shapes, dq), ("dv", shapes, dv), ("da", shapes, da), ("dmultipliers", forces, dq)):
+            found[name] = found[name] + np.einsum("qm,tmx->tqx", basis, change)
+    return found
 
 
 def steps_that_keep(lost: LostVibrations, options: RunOptions, most: int) -> int | None:

@@ -152,6 +152,7 @@ def _with_lost(found: StepError, known: Known, lost: LostVibrations, options: Ru
     """An estimate that the linear motion of what is lost completes."""
     more = {f: error for f, error in lost.errors.items() if error > found.values.get(f, 0.0)}
     own = {f: _own(error, known.values[f], known.scales[f]) for f, error in more.items()}
+    found = _with_lost_slopes(found, known, lost)
     return replace(
         found,
         how=f"with {lost.told}",
@@ -161,6 +162,21 @@ def _with_lost(found: StepError, known: Known, lost: LostVibrations, options: Ru
         vibrations=lost.told,
         step=2 * np.pi / (lost.vibrations[0].rate * SAMPLED),
     )
+
+
+def _with_lost_slopes(found: StepError, known: Known, lost: LostVibrations) -> StepError:
+    """The same with derivatives; unknown ones, nan, where the run has no derivatives of its states."""
+    added = lost.gradients() if known.gradients else {}
+    errors = {f: dict(each) for f, each in found.gradients.items()}
+    others, own = ({f: dict(each) for f, each in of.items()} for of in (found.other_gradients, found.own_gradients))
+    for f, slopes in known.gradients.items():
+        for x, slope in slopes.items() if lost.swings.get(f, 0.0) > 0 else ():
+            more = np.nan if added is None else added[f][x]
+            scale = max(abs(slope), known.slope_scales[f][x])
+            error = _relative(abs(more), scale)
+            if not error <= errors[f][x]:
+                errors[f][x], own[f][x], others[f][x] = error, _own(error, slope, scale), slope + more
+    return replace(found, gradients=errors, own_gradients=own, other_gradients=others)
 
 
 class Known(NamedTuple):
