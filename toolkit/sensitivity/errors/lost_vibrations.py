@@ -15,13 +15,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.spread import spread
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.response import Response
@@ -36,12 +37,16 @@ from toolkit.system.solution import Solution
 
 SLOW = 0.5
 """Angular frequency times step from which on the scheme begins to take out what vibrates."""
-LOOKED_AT = 120
-"""States in which responses are looked at with what is lost."""
+GONE = 0.5
+"""Part of an amplitude that is left at the end, from which on runs with other steps tell the difference."""
+FEW, LOOKED_AT = 40, 120
+"""States in which responses are looked at with what is lost: whether it counts, and how much it is."""
+LASTING = 3.0
+"""Decays, of the logarithm of the amplitude, that a vibration lasts."""
 FELT = 1e-3
 """Part of the motion of a body, or of its deformation, of velocities and of joint forces below which a vibration changes no response."""
-WRONG = 0.1
-"""Part of what is lost that a run which keeps it may be wrong by: 0.1 rad of its phase."""
+WRONG = 0.05
+"""Part of what is lost that a run which keeps it may be wrong by: 0.05 rad of its phase."""
 MODES = 6
 """So many modes are looked at alone, the largest."""
 COUNTS = 0.02
@@ -80,6 +85,10 @@ class Lost(NamedTuple):
         q, v = swing * self.part * only, rate * self.part * only
         shapes = self.modes.shapes.T
         return q @ shapes, v @ shapes, -(q * self.modes.rates**2) @ shapes, q @ self.modes.forces.T
+
+    def at(self, steps: np.ndarray) -> Lost:
+        """The same at some of the times."""
+        return self._replace(passed=self.passed[steps], part=self.part[steps])
 
 
 class Vibration(NamedTuple):
@@ -133,6 +142,7 @@ class LostVibrations(NamedTuple):
         return many
 
 
+@one_thread()
 def lost_vibrations(solution: Solution, responses: Mapping[str, Response], scales: Mapping[str, float]) -> LostVibrations | None:
     """What a motion has lost; None if that is nothing which counts in any response, or is not known.
 
@@ -144,21 +154,33 @@ def lost_vibrations(solution: Solution, responses: Mapping[str, Response], scale
     options = solution.options or solution.system.scene.solver
     if options.quasi_static or solution.run_times is not None or not solution.system.compiled or solution.steps < 2:
         return None
+    looked = {name: each for name, each in responses.items() if scales.get(name, 0.0) > 0}
     try:
-        seen = _looked_at(solution, responses)
+        seen = _at(solution, _looked_at(solution, looked, LOOKED_AT))
         lost = [found for kick in kicks(solution) if (found := _lost(solution, kick, seen.times)) is not None]
-        return _of_responses(solution, seen, lost, responses, scales) if lost else None
+        sizes = [_sizes(seen, each) for each in lost]
+        if not max((float(each.max(initial=0.0)) for each in sizes), default=0.0) > FELT:
+            return None
+        few = _looked_at(seen, looked, FEW)
+        first = Comparison(_at(seen, few), [each.at(few) for each in lost], looked, scales)
+        return _found(solution, Comparison(seen, lost, looked, scales), sizes) if first.counts else None
     except (ToolkitError, np.linalg.LinAlgError):
         return None
 
 
-def _looked_at(solution: Solution, responses: Mapping[str, Response]) -> Solution:
-    """The motion at some of its times, among them the first ones and those that responses name."""
+def _looked_at(solution: Solution, responses: Mapping[str, Response], count: int) -> np.ndarray:
+    """Numbers of some states of a motion, among them the first ones and those that responses name."""
     last = len(solution.times) - 1
-    if last <= LOOKED_AT:
-        return solution
+    if last <= count:
+        return np.arange(last + 1)
     named = [step for each in responses.values() for step in steps_seen(each, solution.times)]
-    steps = np.unique([*range(LOOKED_AT // 4), *spread(last, LOOKED_AT), *named])
+    return np.unique([*range(count // 4), *spread(last, count), *named])
+
+
+def _at(solution: Solution, steps: np.ndarray) -> Solution:
+    """The motion at some of its times."""
+    if len(steps) == len(solution.times):
+        return solution
     names = ("times", "q", "v", "a", "multipliers", "dq", "dv", "da", "dmultipliers")
     return replace(solution, **{name: getattr(solution, name)[steps] for name in names})
 
@@ -178,41 +200,88 @@ def _lost(solution: Solution, kick: Kick, times: np.ndarray) -> Lost | None:
     after = np.searchsorted(solution.times, times) - kick.state
     left = np.where(after[:, None] > 0, 1 - kept[np.maximum(after, 0)], 0.0)
     fading = np.exp(-np.outer(passed, w * np.minimum(modes.damping, 1.0)))
-    vibrates = np.where(modes.damping < 1, 1.0, 0.0)
-    return Lost(kick, modes, third / w**4 - first / w**2, -second / w**3, passed, left * fading * vibrates)
+    counting = np.where((modes.damping < 1) & (kept[-1] < GONE), 1.0, 0.0)
+    return Lost(kick, modes, third / w**4 - first / w**2, -second / w**3, passed, left * fading * counting)
 
 
-def _of_responses(
-    solution: Solution, seen: Solution, lost: list[Lost], responses: Mapping[str, Response], scales: Mapping[str, float]
-) -> LostVibrations | None:
-    """What is lost of every response; None if none of it counts."""
-    sizes = [_sizes(seen, each) for each in lost]
-    if not max((float(each.max(initial=0.0)) for each in sizes), default=0.0) > FELT:
-        return None
-    names = [name for name in responses if scales.get(name, 0.0) > 0]
-    own = _values(seen, responses, names)
+class Comparison:
+    """Responses of a motion with what it has lost, and without.
 
-    def changes(turned: float, only: list[np.ndarray]) -> tuple[dict[str, float], dict[str, float]]:
-        values = _values(_with(seen, lost, turned, only), responses, names)
-        return values, {f: abs(values[f] - own[f]) / scales[f] for f in names}
+    Parameters
+    ----------
+    seen : Solution
+        The motion at some of its times.
+    lost : list
+        What it has lost, at the same times.
+    responses, scales : dict
+        As of `lost_vibrations`.
+    """
 
-    def swings(only: list[np.ndarray]) -> dict[str, float]:
-        (_, one), (_, other) = changes(0.0, only), changes(np.pi / 2, only)
-        return {f: float(np.hypot(one[f], other[f])) for f in names}
+    def __init__(self, seen: Solution, lost: list[Lost], responses: Mapping[str, Response], scales: Mapping[str, float]) -> None:
+        self.seen, self.lost, self.responses, self.scales = seen, lost, responses, scales
+        self.everything = [np.ones(len(each.modes.rates)) for each in lost]
+        self.own = self.values(seen)
 
-    everything = [np.ones(len(each)) for each in sizes]
-    values, errors = changes(0.0, everything)
-    swung = swings(everything)
-    if not max(swung.values(), default=0.0) > COUNTS:
+    def values(self, solution: Solution) -> dict[str, float]:
+        """Those of the responses."""
+        return {name: float(np.real(each.value(solution))) for name, each in self.responses.items()}
+
+    def errors(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Changes of the responses, parts of their largest magnitudes."""
+        return {f: abs(value - self.own[f]) / self.scales[f] for f, value in values.items()}
+
+    def vibrating(self, turned: float, only: list[np.ndarray]) -> Solution:
+        """The motion with what is lost in some modes, by a phase later."""
+        q, v, a, multipliers = self.seen.q, self.seen.v, self.seen.a, self.seen.multipliers
+        for each, wanted in zip(self.lost, only, strict=True):
+            more = each.states(turned, wanted)
+            q, v, a, multipliers = q + more[0], v + more[1], a + more[2], multipliers + more[3]
+        return replace(self.seen, q=q, v=v, a=a, multipliers=multipliers)
+
+    @cached_property
+    def with_all(self) -> dict[str, float]:
+        """Values with all that is lost."""
+        return self.values(self.vibrating(0.0, self.everything))
+
+    @cached_property
+    def swings(self) -> dict[str, float]:
+        """Errors whatever the phase is."""
+        return self._swings(self.errors(self.with_all), self.everything)
+
+    def swing(self, kick: int, mode: int) -> float:
+        """The largest that one mode makes."""
+        only = [np.zeros_like(each) for each in self.everything]
+        only[kick][mode] = 1.0
+        return max(self._swings(self.errors(self.values(self.vibrating(0.0, only))), only).values())
+
+    def _swings(self, errors: Mapping[str, float], only: list[np.ndarray]) -> dict[str, float]:
+        turned = self.errors(self.values(self.vibrating(np.pi / 2, only)))
+        return {f: float(np.hypot(errors[f], turned[f])) for f in errors}
+
+    @property
+    def counts(self) -> bool:
+        """Whether any response is changed by what counts."""
+        return max(self.swings.values(), default=0.0) > COUNTS
+
+
+def _found(solution: Solution, compared: Comparison, sizes: list[np.ndarray]) -> LostVibrations | None:
+    """What counts; None if nothing does."""
+    if not compared.counts:
         return None
     largest = sorted(((size, k, i) for k, each in enumerate(sizes) for i, size in enumerate(each)), reverse=True)[:MODES]
-    found = []
+    vibrations = []
     for _, k, i in largest:
-        only = [np.where((np.arange(len(each)) == i) & (n == k), 1.0, 0.0) for n, each in enumerate(sizes)]
-        share = max(swings(only).values())
+        each, share = compared.lost[k], compared.swing(k, i)
         if share > COUNTS / 4:
-            found.append(Vibration(float(lost[k].modes.rates[i]), share, _lasts(seen, lost[k], i)))
-    return LostVibrations(values, errors, swung, sorted(found), partial(_gradients, solution, seen, lost, responses))
+            fading = float(each.modes.damping[i] * each.modes.rates[i])
+            lasts = min(float(each.passed[-1]), LASTING / fading if fading > 0 else np.inf)
+            vibrations.append(Vibration(float(each.modes.rates[i]), share, lasts))
+    errors = compared.errors(compared.with_all)
+    return (
+        LostVibrations(compared.with_all, errors, compared.swings, sorted(vibrations), partial(_gradients, solution, compared))
+        if vibrations
+        else None
+    )
 
 
 def _sizes(seen: Solution, lost: Lost) -> np.ndarray:
@@ -241,36 +310,17 @@ def _groups(solution: Solution) -> Iterator[tuple[int, np.ndarray | slice]]:
         yield 2, slice(None)
 
 
-def _lasts(seen: Solution, lost: Lost, mode: int) -> float:
-    """Time that a vibration lasts: until the end, or until a twentieth is left."""
-    fading = float(lost.modes.damping[mode] * lost.modes.rates[mode])
-    return min(float(lost.passed[-1]), 3 / fading if fading > 0 else np.inf)
-
-
-def _values(solution: Solution, responses: Mapping[str, Response], names: list[str]) -> dict[str, float]:
-    return {name: float(np.real(responses[name].value(solution))) for name in names}
-
-
-def _with(seen: Solution, lost: list[Lost], turned: float, only: list[np.ndarray]) -> Solution:
-    """The motion with what is lost."""
-    q, v, a, multipliers = seen.q, seen.v, seen.a, seen.multipliers
-    for each, wanted in zip(lost, only, strict=True):
-        more = each.states(turned, wanted)
-        q, v, a, multipliers = q + more[0], v + more[1], a + more[2], multipliers + more[3]
-    return replace(seen, q=q, v=v, a=a, multipliers=multipliers)
-
-
-def _gradients(
-    solution: Solution, seen: Solution, lost: list[Lost], responses: Mapping[str, Response]
-) -> dict[str, dict[str, float]] | None:
+def _gradients(solution: Solution, compared: Comparison) -> dict[str, dict[str, float]] | None:
     """What is lost of derivatives; None where the run has none of its states."""
     if not solution.system.n_x or solution.dq.shape[-1] != solution.system.n_x:
         return None
-    states = _with(seen, lost, 0.0, [np.ones(len(each.modes.rates)) for each in lost])
-    vibrating = [replace(states, **_derivatives(solution, seen, lost, at_peaks)) for at_peaks in (False, True)]
-    names = solution.system.design.names
-    slopes = {f: each.evaluate(vibrating[_is_extreme(each)])[1] - each.evaluate(seen)[1] for f, each in responses.items()}
-    return {f: dict(zip(names, map(float, each), strict=True)) for f, each in slopes.items()}
+    states = compared.vibrating(0.0, compared.everything)
+    vibrating = [replace(states, **_derivatives(solution, compared, at_peaks)) for at_peaks in (False, True)]
+    names, found = solution.system.design.names, {}
+    for f, each in compared.responses.items():
+        slopes = each.evaluate(vibrating[_is_extreme(each)])[1] - each.evaluate(compared.seen)[1]
+        found[f] = dict(zip(names, map(float, slopes), strict=True))
+    return found
 
 
 def _is_extreme(response: Response) -> bool:
@@ -278,10 +328,10 @@ def _is_extreme(response: Response) -> bool:
     return isinstance(response, TimeMax | TimeMin | TimeKS) or (isinstance(response, StressResponse) and response.when == "all")
 
 
-def _derivatives(solution: Solution, seen: Solution, lost: list[Lost], at_peaks: bool) -> dict[str, Any]:
+def _derivatives(solution: Solution, compared: Comparison, at_peaks: bool) -> dict[str, Any]:
     """Derivatives of the states with what is lost."""
-    found = {name: getattr(seen, name) for name in ("dq", "dv", "da", "dmultipliers")}
-    for each in lost:
+    found = {name: getattr(compared.seen, name) for name in ("dq", "dv", "da", "dmultipliers")}
+    for each in compared.lost:
         changes = derivatives_of_modes(solution, each.kick, each.modes, each.passed, at_peaks)
         dq, dv, da = (change * each.part[..., None] for change in changes)
         shapes, forces = each.modes.shapes, each.modes.forces
@@ -290,10 +340,10 @@ def _derivatives(solution: Solution, seen: Solution, lost: list[Lost], at_peaks:
     return found
 
 
-def steps_that_keep(lost: LostVibrations, options: RunOptions, most: int) -> int | None:
-    """So many steps keep most of what is lost, with its phase; None if that takes more than `most`."""
+def steps_that_keep(lost: LostVibrations, options: RunOptions, least: int, most: int) -> int | None:
+    """So many steps, `least` or more, keep most of what is lost, with its phase; None if that takes more than `most`."""
     scheme, total = generalized_alpha(options.scheme, options.rho_inf), sum(each.share for each in lost.vibrations)
-    steps = 2 * int(np.ceil(options.end_time / options.step))
+    steps = least
     while steps <= most:
         step = options.end_time / steps
         wrong = sum(each.share * error_after(scheme, each.rate, step, each.lasts) for each in lost.vibrations)

@@ -40,6 +40,8 @@ NOTHING = 1e-6
 """Part of the largest magnitude in the motion below which a number is taken for zero."""
 MOST_STEPS, MOST_NUMBERS = 50_000, 3_000_000
 """Steps, and numbers in all their states with their derivatives, up to which a run that keeps vibrations is affordable: some seconds."""
+LOST = 0.5
+"""Error of a value half of which vibrations must explain, or half of all that is larger, to be told as theirs."""
 SAMPLED = 20
 """Steps in a period of a vibration that is to last."""
 SURE = 0.01
@@ -139,13 +141,17 @@ def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Re
     """By a run with steps that keep what others take out; None if that takes too many."""
     options, variables = solution.options or solution.system.scene.solver, len(next(iter(known.gradients.values()), {}))
     most = min(MOST_STEPS, MOST_NUMBERS // (solution.system.n * (1 + variables)))
-    steps = steps_that_keep(lost, options, most)
+    steps = steps_that_keep(lost, options, 2 * solution.steps, most)
     if steps is None:
         return None
     finer = options.model_copy(update={"step": options.end_time / steps, "local_error": None, "times": None})
     how = f"with {steps} steps, which keep {lost.told}"
     found = _tried(repeat, [(solution.steps / steps, how, finer)])
-    return replace(_estimate(known, found), vibrations=lost.told, step=options.end_time / steps) if found else None
+    if not found:
+        return None
+    estimate = _estimate(known, found)
+    its_doing = max(lost.swings.values()) >= min(LOST, max(estimate.values.values())) / 2
+    return replace(estimate, vibrations=lost.told, step=options.end_time / steps) if its_doing else estimate
 
 
 def _with_lost(found: StepError, known: Known, lost: LostVibrations, options: RunOptions) -> StepError:
