@@ -1,63 +1,70 @@
-"""What sets a motion vibrating: the start where forces are not in balance, and jumps of the curves of loads and drivers."""
+"""What sets a motion vibrating: the start where forces are not in balance, and the curves of loads and drivers."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.curves.curve import Curve
 from toolkit.equations.equations import Inputs
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.system.solution import Solution
 
 QUIET = 1e-7
 """Part of the scene's size (or rad) by which a jump of accelerations moves anything in a step, below which it excites nothing."""
-MOST_KICKS, MOST_CORNERS = 4, 12
-"""So many of them are looked at, the largest, from so many corners of curves."""
+MOST_KICKS = 6
+"""So many of them are looked at, the largest."""
 FORCES, ACCELERATIONS = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 """Levels of the joints: their gaps, as statics closes them, and their accelerations alone."""
-SAME = 1e-9
-"""Part of a curve's numbers by which the two sides of a corner may differ by round-off."""
-BY_VALUE = np.array([1.0, 0.0, 0.0])
+SAMPLES, MOST_SAMPLES, LEAST = 16, 20_000, 2
+"""Instants of a step at which curves are looked at, in how many instants at most, and in how many of a step at least."""
+
+
+class History(NamedTuple):
+    """What a curve does over time: instants (k,), with both sides of every corner, and its numbers there (k,)."""
+
+    times: np.ndarray
+    values: np.ndarray
 
 
 class Kick(NamedTuple):
-    """Jumps of the accelerations and of their two next derivatives by time.
+    """What accelerates a motion out of what it follows.
 
     Attributes
     ----------
     time
-        When.
+        When, or when most.
     state
         Number of the last state of the motion before it.
     jumps
-        Shape (n, 3).
+        Accelerations that set in, and their rates, (n, 2).
     changes
-        Their derivatives by the design, (3, n, n_x).
+        Their derivatives by the design, (2, n, n_x).
+    history
+        Of the curve that multiplies them; None of the start, where they are there at once.
     """
 
     time: float
     state: int
     jumps: np.ndarray
     changes: np.ndarray
-
-
-class Corner(NamedTuple):
-    """A time at which curves jump: their numbers before, and the jumps of f, of f' and of f'', each (n_curves, 3)."""
-
-    time: float
-    before: np.ndarray
-    jumps: tuple[np.ndarray, np.ndarray, np.ndarray]
+    history: History | None = None
 
 
 def kicks(solution: Solution) -> list[Kick]:
-    """The start, and what the curves of loads and drivers do at their corners, where it moves something within a step."""
-    found = [_start(solution), *(_kick(solution, corner) for corner in _corners(solution))]
+    """The start, and what the curves of loads and drivers do, as far as it moves something within a step."""
+    found = [_start(solution), *_of_curves(solution)]
     system, longest = solution.system, float(np.diff(solution.times).max())
-    spans = system.weights[: system.n_b, None] * longest ** np.array([2.0, 3.0, 4.0])
-    sizes = [float((np.abs(kick.jumps[: system.n_b]) * spans).max(initial=0.0)) for kick in found]
+    spans = system.weights[: system.n_b, None] * longest ** np.array([2.0, 3.0])
+    sizes = [float((np.abs(kick.jumps[: system.n_b]) * spans).max(initial=0.0)) * _variation(kick.history) for kick in found]
     order = sorted(range(len(found)), key=lambda n: -sizes[n])[:MOST_KICKS]
     return [found[n] for n in sorted(order) if sizes[n] > QUIET]
+
+
+def _variation(history: History | None) -> float:
+    return 1.0 if history is None else float(np.ptp(history.values))
 
 
 def padded(solution: Solution, state: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -75,76 +82,64 @@ def _start(solution: Solution) -> Kick:
     rate = system.times(terms.I_q + terms.A_q, v[:, None]) + system.times(terms.A_v, a[:, None])
     rate[system.n_b :] = 0
     mass = terms.I_acc + system.unit_of_states
-    jumps = np.column_stack([a, _accelerated(solution, mass, rate)[:, 0], np.zeros(system.n)])
-    changes = np.zeros((3, system.n, system.n_x))
+    changes = np.zeros((2, system.n, system.n_x))
     if solution.da.shape[-1]:
         changes[0, : system.n_q] = solution.da[0]
-    return Kick(float(solution.times[0]), 0, jumps, changes)
+    return Kick(float(solution.times[0]), 0, np.column_stack([a, _accelerated(solution, mass, rate)[:, 0]]), changes)
 
 
 def _accelerated(solution: Solution, mass: np.ndarray, residuals: np.ndarray) -> np.ndarray:
     """Accelerations (n, k) by residuals (n, k) and a mass matrix with joints on the pattern, with nothing for multipliers."""
-    system = solution.system
-    found = solve_linear(system, mass, -residuals, "accelerations")
-    found[system.n_b :] = 0
+    found = solve_linear(solution.system, mass, -residuals, "accelerations")
+    found[solution.system.n_b :] = 0
     return found
 
 
-def _corners(solution: Solution) -> list[Corner]:
-    """Those at which the curves jump most, and the start, at which they begin."""
-    times, curves = solution.times, solution.system.values.curves.values()
-    moving = [curve for curve in curves if not curve.is_constant]
-    if not moving:
-        return []
-    places = {float(np.real(t)) for curve in moving for t in curve.corners()}
-    found = [_corner(solution, times[0]), *(_corner(solution, t) for t in places if times[0] < t < times[-1])]
-    step = float(np.diff(times).max())
-    sizes = [_size(corner, step) for corner in found]
-    order = sorted(range(len(found)), key=lambda n: (-sizes[n], found[n].time))[:MOST_CORNERS]
-    return [found[n] for n in order if sizes[n] > SAME]
+def _of_curves(solution: Solution) -> Iterator[Kick]:
+    """Curves act by their value as loads, and by their second derivative as drivers."""
+    for c, curve in enumerate(solution.system.values.curves.values()):
+        if curve.is_constant:
+            continue
+        times = _instants(solution, curve)
+        numbers = np.real(curve.evaluate(times))
+        for column in (0, 2):
+            history = History(times, numbers[:, column])
+            if np.ptp(history.values) > 0 and (kick := _kick(solution, c, column, history)) is not None:
+                yield kick
 
 
-def _corner(solution: Solution, time: float) -> Corner:
-    """Of the start, before which nothing changes, all rates are jumps."""
-    after = _curves(solution, np.nextafter(time, np.inf))
-    if time == solution.times[0]:
-        before = _curves(solution, time)
-        slopes, bends = after[:, [1]], after[:, [2]]
-    else:
-        before = _curves(solution, np.nextafter(time, -np.inf))
-        slopes, bends = (after - before)[:, [1]], (after - before)[:, [2]]
-    return Corner(time, before, (after - before, slopes * BY_VALUE, bends * BY_VALUE))
+def _instants(solution: Solution, curve: Curve) -> np.ndarray:
+    """Some in every step, and both sides of every corner."""
+    times = solution.times
+    count = min(max(MOST_SAMPLES // len(times), LEAST), SAMPLES)
+    parts = times[:-1, None] + np.diff(times)[:, None] * np.arange(count) / count
+    corners = np.array([float(np.real(t)) for t in curve.corners()])
+    corners = corners[(corners >= times[0]) & (corners < times[-1])]
+    before = corners[corners > times[0]]
+    return np.unique([*parts.ravel(), times[-1], *np.nextafter(before, -np.inf), *np.nextafter(corners, np.inf)])
 
 
-def _size(corner: Corner, step: float) -> float:
-    """The largest jump within a step, a part of the curve's numbers."""
-    level = np.abs(corner.before[:, 0]) + np.abs(corner.before[:, 0] + corner.jumps[0][:, 0])
-    jumped = sum(np.abs(jump[:, 0]) * step**k for k, jump in enumerate(corner.jumps)) + np.abs(corner.jumps[0][:, 2]) * step**2
-    return float(np.divide(jumped, level, out=np.where(jumped > 0, 1.0, 0.0), where=level > jumped).max(initial=0.0))
-
-
-def _curves(solution: Solution, time: float) -> np.ndarray:
-    """f, f', f'' of all curves, (n_curves, 3)."""
-    return np.array([np.real(curve.evaluate(np.array([time]))[0]) for curve in solution.system.values.curves.values()])
-
-
-def _kick(solution: Solution, corner: Corner) -> Kick:
-    """Accelerations by jumps of the curves, as if their loads grew by the jump, with time and with its square."""
-    system = solution.system
-    state = max(int(np.searchsorted(solution.times, corner.time, "left")) - 1, 0)
+def _kick(solution: Solution, curve: int, column: int, history: History) -> Kick | None:
+    """Accelerations by a curve that grows by one, about where it changes most in a step; None if there are none."""
+    system, times = solution.system, solution.times
+    in_step = np.abs(np.diff(np.interp(times, *history)))
+    state = int(np.argmax(in_step))
     q, v, _ = padded(solution, state)
-    inputs = system.inputs(solution.times[state], ACCELERATIONS)
-    rest = np.zeros(system.n)
+    inputs, rest = system.inputs(times[state], ACCELERATIONS), np.zeros(system.n)
     mass = system.evaluate(inputs, q, v, rest).I_acc + system.unit_of_states
-    before, before_x = _residual(solution, inputs._replace(curves=corner.before), q, v, rest)
-    jumps, changes = [], []
-    for jump in corner.jumps:
-        there = inputs._replace(curves=corner.before + jump)
-        after, _ = _residual(solution, there, q, v, rest)
-        jumps.append(_accelerated(solution, mass, (after - before)[:, None])[:, 0])
-        _, after_x = _residual(solution, there, q, v, jumps[-1])
-        changes.append(_accelerated(solution, mass, after_x - before_x) if system.n_x else after_x)
-    return Kick(corner.time, state, np.stack(jumps, axis=1), np.array(changes))
+    size, moved = float(np.ptp(history.values)), inputs.curves.copy()
+    moved[curve, column] += size
+    there = inputs._replace(curves=moved)
+    (before, before_x), (after, _) = (_residual(solution, each, q, v, rest) for each in (inputs, there))
+    if np.array_equal(before, after):
+        return None
+    acceleration = _accelerated(solution, mass, (after - before)[:, None])
+    changes = np.zeros((2, system.n, system.n_x))
+    if system.n_x:
+        _, after_x = _residual(solution, there, q, v, acceleration[:, 0])
+        changes[0] = _accelerated(solution, mass, after_x - before_x) / size
+    jumps = np.column_stack([acceleration[:, 0] / size, np.zeros(system.n)])
+    return Kick(float(times[state]), state, jumps, changes, history)
 
 
 def _residual(solution: Solution, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -17,6 +17,7 @@ import scipy
 from toolkit.equations.equations import Inputs
 from toolkit.sensitivity.errors.excited_modes import ExcitedModes
 from toolkit.sensitivity.errors.kicks import FORCES, Kick, padded
+from toolkit.sensitivity.errors.lost_motion import Lost, swing
 from toolkit.system.solution import Solution
 
 FAR = 1e-4
@@ -26,7 +27,7 @@ TURNED = 1e-3
 
 
 class Reduced(NamedTuple):
-    """Stiffness and mass (m, m) in the basis of the modes, and modal accelerations by the jumps (3, m)."""
+    """Stiffness and mass (m, m) in the basis of the modes, and modal accelerations by the jumps (2, m)."""
 
     stiffness: np.ndarray
     mass: np.ndarray
@@ -36,36 +37,34 @@ class Reduced(NamedTuple):
         """Another design."""
         return Reduced(*(own + by * each for own, each in zip(self, change, strict=True)))
 
-    def motion(self, passed: np.ndarray, rates: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What vibrates, its velocities and its accelerations, at times since the kick, each (n_t, m) in the basis; with the phases of
-        other `rates` (m,) if there are some."""
+    def motion(self, lost: Lost, rates: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What vibrates, its velocities and its accelerations, each (n_t, m) in the basis; with the phases of other `rates` (m,) if there
+        are some."""
         squares, turned = scipy.linalg.eigh(self.stiffness, self.mass)
-        w, (first, second, third) = np.sqrt(squares), self.pushes @ turned
-        phase = np.outer(passed, w if rates is None else rates)
-        cosine, sine = third / w**4 - first / w**2, -second / w**3
-        swing, rate = cosine * np.cos(phase) + sine * np.sin(phase), w * (sine * np.cos(phase) - cosine * np.sin(phase))
-        return swing @ turned.T, rate @ turned.T, -(swing * w**2) @ turned.T
+        w = np.sqrt(squares)
+        phases = np.exp(1j * np.outer(lost.passed, w if rates is None else rates))
+        swung = lost.history * swing(w, *(self.pushes @ turned)) * phases
+        q, v = np.real(swung), np.real(1j * w * swung)
+        return q @ turned.T, v @ turned.T, -(q * w**2) @ turned.T
 
 
-def derivatives_of_modes(
-    solution: Solution, kick: Kick, modes: ExcitedModes, passed: np.ndarray, at_peaks: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def derivatives_of_modes(solution: Solution, lost: Lost, at_peaks: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Derivatives of the modal coordinates, velocities and accelerations of what a kick excites, each (n_t, m, n_x).
 
     Parameters
     ----------
-    passed : (n_t,)
-        Times since the kick.
     at_peaks : bool
         Whether phases stay what they are: a peak, at whatever time it is, does not feel them.
     """
+    modes, n_x = lost.modes, solution.system.n_x
     own = Reduced(np.diag(modes.rates**2), np.eye(len(modes.rates)), modes.pushes)
-    changes, found = _changes(solution, kick, modes), np.zeros((3, len(passed), len(modes.rates), solution.system.n_x))
-    for x in range(solution.system.n_x):
+    changes, found = _changes(solution, lost.kick, modes), np.zeros((3, *lost.swings.shape, n_x))
+    for x in range(n_x):
         change = Reduced(*(each[..., x] for each in changes))
-        step = _step(own, change, float(passed.max(initial=0.0)))
+        step = _step(own, change, float(np.abs(lost.passed).max(initial=0.0)))
         if step > 0:
-            there, back = (own.moved(change, side * step).motion(passed, modes.rates if at_peaks else None) for side in (1, -1))
+            rates = modes.rates if at_peaks else None
+            there, back = (own.moved(change, side * step).motion(lost, rates) for side in (1, -1))
             found[..., x] = (np.array(there) - np.array(back)) / (2 * step)
     return found[0], found[1], found[2]
 
@@ -81,7 +80,7 @@ def _step(own: Reduced, change: Reduced, time: float) -> float:
 
 
 def _changes(solution: Solution, kick: Kick, modes: ExcitedModes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Derivatives of stiffness and mass (m, m, n_x), and of the modal accelerations (3, m, n_x), all in the basis of the modes."""
+    """Derivatives of stiffness and mass (m, m, n_x), and of the modal accelerations (2, m, n_x), all in the basis of the modes."""
     system, shapes = solution.system, modes.shapes
     q = padded(solution, kick.state)[0]
     inputs, rest, n_q = system.inputs(solution.times[kick.state], FORCES), np.zeros(system.n), system.n_q

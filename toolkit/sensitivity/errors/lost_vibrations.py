@@ -1,19 +1,13 @@
 """Vibrations that a load or the start excites and that the steps take out before they have lasted: what they would do to the responses.
 
 Steps longer than about a third of a period keep the mean of a vibration and annihilate the rest within few steps, with every other long
-step alike, so that runs with other steps agree about what they all have lost. The linearised motion tells it instead: a jump of the
-accelerations by a, of their rate by a' or of a'' leaves in the mode i, of the angular frequency w and unit mass, beside what follows the
-load
-
-    -(a_i / w^2) cos w t,   -(a'_i / w^3) sin w t,   (a''_i / w^4) cos w t,     each times exp(-zeta w t),
-
-of which the scheme keeps the part rho^n after n steps, rho being the spectral radius of its amplification matrix at w h. Added to the
-states of the run, what is lost gives the responses as they would be with it.
+step alike, so that runs with other steps agree about what they all have lost. The linearised motion tells it instead (`lost_motion`): added
+to the states of the run, it gives the responses as they would be.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -28,17 +22,13 @@ from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.response import Response
 from toolkit.responses.stress.stress import StressResponse
 from toolkit.responses.windows import steps_seen
-from toolkit.sensitivity.errors.excited_modes import ExcitedModes, excited_modes
-from toolkit.sensitivity.errors.kicks import FORCES, Kick, kicks, padded
+from toolkit.sensitivity.errors.kicks import kicks
 from toolkit.sensitivity.errors.lost_derivatives import derivatives_of_modes
-from toolkit.sensitivity.errors.numerical_damping import error_after, part_left
+from toolkit.sensitivity.errors.lost_motion import Lost, lost_motion, sizes_in_motion
+from toolkit.sensitivity.errors.numerical_damping import error_after
 from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.system.solution import Solution
 
-SLOW = 0.5
-"""Angular frequency times step from which on the scheme begins to take out what vibrates."""
-GONE = 0.5
-"""Part of an amplitude that is left at the end, from which on runs with other steps tell the difference."""
 FEW, LOOKED_AT = 40, 120
 """States in which responses are looked at with what is lost: whether it counts, and how much it is."""
 LASTING = 3.0
@@ -51,44 +41,6 @@ MODES = 6
 """So many modes are looked at alone, the largest."""
 COUNTS = 0.02
 """Part of the largest magnitude from which on what is lost of a response counts."""
-
-
-class Lost(NamedTuple):
-    """What one kick excites and steps take out, at some times: in every mode a cosine and a sine.
-
-    Attributes
-    ----------
-    kick
-        What excites it.
-    modes
-        Those that it excites.
-    cosines, sines
-        Modal amplitudes, (m,).
-    passed
-        Time since the kick, (n_t,).
-    part
-        Part of the amplitude that is lost, (n_t, m): nothing before the kick.
-    """
-
-    kick: Kick
-    modes: ExcitedModes
-    cosines: np.ndarray
-    sines: np.ndarray
-    passed: np.ndarray
-    part: np.ndarray
-
-    def states(self, turned: float, only: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Its q, v, a and multipliers, by the modes that `only` (m,) names, `turned` by a phase."""
-        phase = np.outer(self.passed, self.modes.rates) + turned
-        swing = self.cosines * np.cos(phase) + self.sines * np.sin(phase)
-        rate = self.modes.rates * (self.sines * np.cos(phase) - self.cosines * np.sin(phase))
-        q, v = swing * self.part * only, rate * self.part * only
-        shapes = self.modes.shapes.T
-        return q @ shapes, v @ shapes, -(q * self.modes.rates**2) @ shapes, q @ self.modes.forces.T
-
-    def at(self, steps: np.ndarray) -> Lost:
-        """The same at some of the times."""
-        return self._replace(passed=self.passed[steps], part=self.part[steps])
 
 
 class Vibration(NamedTuple):
@@ -132,14 +84,12 @@ class LostVibrations(NamedTuple):
     vibrations: list[Vibration]
     gradients: Callable[[], dict[str, dict[str, float]] | None]
 
-    @property
-    def told(self) -> str:
-        """Them in words."""
-        first = self.vibrations[0].rate / (2 * np.pi)
-        many = (
-            f"vibrations of {first:.4g} and more in a unit of time" if len(self.vibrations) > 1 else f"a vibration of {first:.4g}"
-        )
-        return many
+    def told(self, unit: str) -> str:
+        """Them in words, with frequencies in a unit."""
+        frequencies = [f"{each.rate / (2 * np.pi):.4g}" for each in self.vibrations]
+        if len(frequencies) == 1:
+            return f"a vibration of {frequencies[0]} {unit}"
+        return f"vibrations of {frequencies[0]} to {frequencies[-1]} {unit}"
 
 
 @one_thread()
@@ -157,8 +107,8 @@ def lost_vibrations(solution: Solution, responses: Mapping[str, Response], scale
     looked = {name: each for name, each in responses.items() if scales.get(name, 0.0) > 0}
     try:
         seen = _at(solution, _looked_at(solution, looked, LOOKED_AT))
-        lost = [found for kick in kicks(solution) if (found := _lost(solution, kick, seen.times)) is not None]
-        sizes = [_sizes(seen, each) for each in lost]
+        lost = [found for kick in kicks(solution) if (found := lost_motion(solution, kick, seen.times)) is not None]
+        sizes = [sizes_in_motion(seen, each) for each in lost]
         if not max((float(each.max(initial=0.0)) for each in sizes), default=0.0) > FELT:
             return None
         few = _looked_at(seen, looked, FEW)
@@ -183,25 +133,6 @@ def _at(solution: Solution, steps: np.ndarray) -> Solution:
         return solution
     names = ("times", "q", "v", "a", "multipliers", "dq", "dv", "da", "dmultipliers")
     return replace(solution, **{name: getattr(solution, name)[steps] for name in names})
-
-
-def _lost(solution: Solution, kick: Kick, times: np.ndarray) -> Lost | None:
-    """What a kick excites, and what steps leave of it at some times; None if nothing vibrates."""
-    system, options = solution.system, solution.options or solution.system.scene.solver
-    q, v, _ = padded(solution, kick.state)
-    terms = system.evaluate(system.inputs(solution.times[kick.state], FORCES), q, v, np.zeros(system.n))
-    lengths = np.diff(solution.times)
-    modes = excited_modes(system, terms, kick.jumps, SLOW / float(lengths[kick.state]))
-    if not np.any(modes.damping < 1):
-        return None
-    w, (first, second, third) = modes.rates, modes.pushes
-    kept = part_left(generalized_alpha(options.scheme, options.rho_inf), w, lengths[kick.state :])
-    passed = np.maximum(times - kick.time, 0.0)
-    after = np.searchsorted(solution.times, times) - kick.state
-    left = np.where(after[:, None] > 0, 1 - kept[np.maximum(after, 0)], 0.0)
-    fading = np.exp(-np.outer(passed, w * np.minimum(modes.damping, 1.0)))
-    counting = np.where((modes.damping < 1) & (kept[-1] < GONE), 1.0, 0.0)
-    return Lost(kick, modes, third / w**4 - first / w**2, -second / w**3, passed, left * fading * counting)
 
 
 class Comparison:
@@ -284,32 +215,6 @@ def _found(solution: Solution, compared: Comparison, sizes: list[np.ndarray]) ->
     )
 
 
-def _sizes(seen: Solution, lost: Lost) -> np.ndarray:
-    """How far each mode moves at most what it moves, (m,), in parts of how far the run moves coordinates of that kind, or is loaded."""
-    ours = (seen.q - seen.q[0], seen.v, seen.multipliers)
-    amplitude = np.hypot(lost.cosines, lost.sines) * lost.part.max(axis=0)
-    theirs = (lost.modes.shapes * amplitude, lost.modes.shapes * amplitude * lost.modes.rates, lost.modes.forces * amplitude)
-    found = np.zeros(len(amplitude))
-    for group, place in _groups(seen):
-        own, other = np.abs(ours[group][:, place]).max(initial=0.0), np.abs(theirs[group][place]).max(axis=0, initial=0.0)
-        found = np.maximum(found, other / own if own > 0 else np.where(other > 0, np.inf, 0.0))
-    return found
-
-
-def _groups(solution: Solution) -> Iterator[tuple[int, np.ndarray | slice]]:
-    """Which of q, v and multipliers, and the numbers of some: of every body the coordinates of its frame and those of its deformation."""
-    system = solution.system
-    for name, body in system.scene.all_bodies().items():
-        first = system.numbering.first[name]
-        last = min((start for start in system.numbering.first.values() if start > first), default=system.n_b)
-        for place in (slice(first, first + body.frame_size), slice(first + body.frame_size, last)):
-            if place.start < place.stop:
-                yield 0, place
-                yield 1, place
-    if system.n > system.n_q:
-        yield 2, slice(None)
-
-
 def _gradients(solution: Solution, compared: Comparison) -> dict[str, dict[str, float]] | None:
     """What is lost of derivatives; None where the run has none of its states."""
     if not solution.system.n_x or solution.dq.shape[-1] != solution.system.n_x:
@@ -332,8 +237,7 @@ def _derivatives(solution: Solution, compared: Comparison, at_peaks: bool) -> di
     """Derivatives of the states with what is lost."""
     found = {name: getattr(compared.seen, name) for name in ("dq", "dv", "da", "dmultipliers")}
     for each in compared.lost:
-        changes = derivatives_of_modes(solution, each.kick, each.modes, each.passed, at_peaks)
-        dq, dv, da = (change * each.part[..., None] for change in changes)
+        dq, dv, da = derivatives_of_modes(solution, each, at_peaks)
         shapes, forces = each.modes.shapes, each.modes.forces
         for name, basis, change in (("dq", shapes, dq), ("dv", shapes, dv), ("da", shapes, da), ("dmultipliers", forces, dq)):
             found[name] = found[name] + np.einsum("qm,tmx->tqx", basis, change)

@@ -7,11 +7,10 @@ import numpy as np
 from toolkit.solvers.transient.scheme import Scheme
 
 
-def part_left(scheme: Scheme, rates: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-    """Part of the amplitude of modes that is left after 0, 1, ... steps of these lengths, (n + 1, m)."""
+def part_kept(scheme: Scheme, rates: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Part of the amplitude of modes (m,) that each step of some lengths (n,) keeps, (n, m)."""
     different, which = np.unique(lengths.round(15), return_inverse=True)
-    radii = np.array([[spectral_radius(scheme, w * h) for w in rates] for h in different])
-    return np.vstack([np.ones(len(rates)), np.cumprod(radii[which], axis=0)])
+    return np.array([[spectral_radius(scheme, w * h) for w in rates] for h in different])[which]
 
 
 def amplification(scheme: Scheme, phase: float) -> np.ndarray:

@@ -20,6 +20,7 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.units import unit
 from toolkit.sensitivity.errors.lost_vibrations import LostVibrations, steps_that_keep
 from toolkit.system.solution import Solution
 
@@ -134,7 +135,7 @@ def step_error(
         if found and half and found.largest > CONTRADICTED >= half.largest:
             half = _estimate(known, shorter + _tried(repeat, wanted[1:]))
         found = half or found
-    return found if lost is None or found is None else _with_lost(found, known, lost, options)
+    return found if lost is None or found is None else _with_lost(found, known, lost, solution)
 
 
 def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Repeat) -> StepError | None:
@@ -145,27 +146,29 @@ def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Re
     if steps is None:
         return None
     finer = options.model_copy(update={"step": options.end_time / steps, "local_error": None, "times": None})
-    how = f"with {steps} steps, which keep {lost.told}"
+    vibrations = lost.told(unit(solution.system.scene.units, "rate"))
+    how = f"with {steps} steps, which keep {vibrations}"
     found = _tried(repeat, [(solution.steps / steps, how, finer)])
     if not found:
         return None
     estimate = _estimate(known, found)
     its_doing = max(lost.swings.values()) >= min(LOST, max(estimate.values.values())) / 2
-    return replace(estimate, vibrations=lost.told, step=options.end_time / steps) if its_doing else estimate
+    return replace(estimate, vibrations=vibrations, step=options.end_time / steps) if its_doing else estimate
 
 
-def _with_lost(found: StepError, known: Known, lost: LostVibrations, options: RunOptions) -> StepError:
+def _with_lost(found: StepError, known: Known, lost: LostVibrations, solution: Solution) -> StepError:
     """An estimate that the linear motion of what is lost completes."""
     more = {f: error for f, error in lost.errors.items() if error > found.values.get(f, 0.0)}
     own = {f: _own(error, known.values[f], known.scales[f]) for f, error in more.items()}
     found = _with_lost_slopes(found, known, lost)
+    vibrations = lost.told(unit(solution.system.scene.units, "rate"))
     return replace(
         found,
-        how=f"with {lost.told}",
+        how=f"with {vibrations}",
         values={**found.values, **more},
         own_values={**found.own_values, **own},
         other_values={**found.other_values, **{f: lost.values[f] for f in more}},
-        vibrations=lost.told,
+        vibrations=vibrations,
         step=2 * np.pi / (lost.vibrations[0].rate * SAMPLED),
     )
 
