@@ -91,15 +91,14 @@ def _parts(solution: Solution, kick: Kick, modes: ExcitedModes) -> tuple[np.ndar
     lengths = np.diff(times)
     keeps = part_kept(generalized_alpha(options.scheme, options.rho_inf), modes.rates, lengths)
     fades = np.exp(-np.outer(lengths, modes.rates * np.minimum(modes.damping, 1.0)))
-    grown = np.zeros((len(times), len(modes.rates)), complex)
     if kick.history is None:
-        grown[0] = 1
-    else:
-        grown[1:] = _grown(kick.history, kick.time, times, modes.rates)
-    there, kept = grown.copy(), grown.copy()
-    for n in range(1, len(times)):
-        there[n] += fades[n - 1] * there[n - 1]
-        kept[n] += fades[n - 1] * keeps[n - 1] * kept[n - 1]
+        there, kept = (np.vstack([np.ones(len(modes.rates)), np.cumprod(each, axis=0)]) for each in (fades, fades * keeps))
+        return keeps.prod(axis=0), (there - kept).astype(complex)
+    there = np.zeros((len(times), len(modes.rates)), complex)
+    kept = there.copy()
+    for n, grown in enumerate(_grown(kick.history, kick.time, times, modes.rates)):
+        there[n + 1] = grown + fades[n] * there[n]
+        kept[n + 1] = grown + fades[n] * keeps[n] * kept[n]
     return keeps.prod(axis=0), there - kept
 
 

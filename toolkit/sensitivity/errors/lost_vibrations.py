@@ -92,7 +92,6 @@ class LostVibrations(NamedTuple):
         return f"vibrations of {frequencies[0]} to {frequencies[-1]} {unit}"
 
 
-@one_thread()
 def lost_vibrations(solution: Solution, responses: Mapping[str, Response], scales: Mapping[str, float]) -> LostVibrations | None:
     """What a motion has lost; None if that is nothing which counts in any response, or is not known.
 
@@ -104,18 +103,25 @@ def lost_vibrations(solution: Solution, responses: Mapping[str, Response], scale
     options = solution.options or solution.system.scene.solver
     if options.quasi_static or solution.run_times is not None or not solution.system.compiled or solution.steps < 2:
         return None
-    looked = {name: each for name, each in responses.items() if scales.get(name, 0.0) > 0}
     try:
-        seen = _at(solution, _looked_at(solution, looked, LOOKED_AT))
-        lost = [found for kick in kicks(solution) if (found := lost_motion(solution, kick, seen.times)) is not None]
-        sizes = [sizes_in_motion(seen, each) for each in lost]
-        if not max((float(each.max(initial=0.0)) for each in sizes), default=0.0) > FELT:
-            return None
-        few = _looked_at(seen, looked, FEW)
-        first = Comparison(_at(seen, few), [each.at(few) for each in lost], looked, scales)
-        return _found(solution, Comparison(seen, lost, looked, scales), sizes) if first.counts else None
+        return _lost_by_kicks(solution, {f: each for f, each in responses.items() if scales.get(f, 0.0) > 0}, scales)
     except (ToolkitError, np.linalg.LinAlgError):
         return None
+
+
+@one_thread()
+def _lost_by_kicks(solution: Solution, looked: Mapping[str, Response], scales: Mapping[str, float]) -> LostVibrations | None:
+    """The same of a motion with inertia."""
+    if not (found := kicks(solution)):
+        return None
+    seen = _at(solution, _looked_at(solution, looked, LOOKED_AT))
+    lost = [each for kick in found if (each := lost_motion(solution, kick, seen.times)) is not None]
+    sizes = [sizes_in_motion(seen, each) for each in lost]
+    if not max((float(each.max(initial=0.0)) for each in sizes), default=0.0) > FELT:
+        return None
+    few = _looked_at(seen, looked, FEW)
+    first = Comparison(_at(seen, few), [each.at(few) for each in lost], looked, scales)
+    return _found(solution, Comparison(seen, lost, looked, scales), sizes) if first.counts else None
 
 
 def _looked_at(solution: Solution, responses: Mapping[str, Response], count: int) -> np.ndarray:
