@@ -9,6 +9,7 @@ import numpy as np
 
 from toolkit.curves.curve import Curve
 from toolkit.equations.equations import Inputs
+from toolkit.sensitivity.errors.lost_parts import History, shakes
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.system.solution import Solution
 
@@ -20,13 +21,6 @@ FORCES, ACCELERATIONS = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 """Levels of the joints: their gaps, as statics closes them, and their accelerations alone."""
 SAMPLES, MOST_SAMPLES, LEAST = 16, 20_000, 2
 """Instants of a step at which curves are looked at, in how many instants at most, and in how many of a step at least."""
-
-
-class History(NamedTuple):
-    """What a curve does over time: instants (k,), with both sides of every corner, and its numbers there (k,)."""
-
-    times: np.ndarray
-    values: np.ndarray
 
 
 class Kick(NamedTuple):
@@ -104,7 +98,7 @@ def _of_curves(solution: Solution) -> Iterator[Kick]:
         numbers = np.real(curve.evaluate(times))
         for column in (0, 2):
             history = History(times, numbers[:, column])
-            if np.ptp(history.values) > 0 and (kick := _kick(solution, c, column, history)) is not None:
+            if shakes(solution, history) and (kick := _kick(solution, c, column, history)) is not None:
                 yield kick
 
 

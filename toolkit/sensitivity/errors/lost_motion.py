@@ -16,15 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.sensitivity.errors.excited_modes import ExcitedModes, excited_modes
-from toolkit.sensitivity.errors.kicks import FORCES, History, Kick, padded
-from toolkit.sensitivity.errors.numerical_damping import part_kept
-from toolkit.solvers.transient.scheme import generalized_alpha
+from toolkit.sensitivity.errors.kicks import FORCES, Kick, padded
+from toolkit.sensitivity.errors.lost_parts import lost_parts
 from toolkit.system.solution import Solution
 
 SLOW = 0.5
 """Angular frequency times step from which on the scheme begins to take out what vibrates."""
-GONE = 0.5
-"""Part of an amplitude that is left at the end, from which on runs with other steps tell the difference."""
 
 
 class Lost(NamedTuple):
@@ -71,8 +68,8 @@ def lost_motion(solution: Solution, kick: Kick, times: np.ndarray) -> Lost | Non
     if not np.any(modes.damping < 1):
         return None
     first, second = modes.pushes
-    left, lost = _parts(solution, kick, modes)
-    counting = (modes.damping < 1) & (left < GONE)
+    lost = lost_parts(solution, kick.history, kick.time, modes.rates, modes.damping)
+    counting = modes.damping < 1
     history = lost[np.searchsorted(solution.times, times)] * counting
     return Lost(kick, modes, times - kick.time, history * swing(modes.rates, first, second), history)
 
@@ -80,37 +77,6 @@ def lost_motion(solution: Solution, kick: Kick, times: np.ndarray) -> Lost | Non
 def swing(rates: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Complex amplitudes (m,) by modal accelerations and their rates (m,) that set in."""
     return -first / rates**2 + 1j * second / rates**3
-
-
-def _parts(solution: Solution, kick: Kick, modes: ExcitedModes) -> tuple[np.ndarray, np.ndarray]:
-    """Part of an amplitude that is left at the end of one at the start, (m,), and what is lost at all times (n_t, m), complex.
-
-    Every growth dg of the curve within a step leaves a vibration that is a part dg of what a sudden one would, with its phase.
-    """
-    options, times = solution.options or solution.system.scene.solver, solution.times
-    lengths = np.diff(times)
-    keeps = part_kept(generalized_alpha(options.scheme, options.rho_inf), modes.rates, lengths)
-    fades = np.exp(-np.outer(lengths, modes.rates * np.minimum(modes.damping, 1.0)))
-    if kick.history is None:
-        there, kept = (np.vstack([np.ones(len(modes.rates)), np.cumprod(each, axis=0)]) for each in (fades, fades * keeps))
-        return keeps.prod(axis=0), (there - kept).astype(complex)
-    there = np.zeros((len(times), len(modes.rates)), complex)
-    kept = there.copy()
-    for n, grown in enumerate(_grown(kick.history, kick.time, times, modes.rates)):
-        there[n + 1] = grown + fades[n] * there[n]
-        kept[n + 1] = grown + fades[n] * keeps[n] * kept[n]
-    return keeps.prod(axis=0), there - kept
-
-
-def _grown(history: History, begin: float, times: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """Fourier integrals of a curve's slope over every step, with the phase zero at `begin`, (n_t - 1, m)."""
-    middle, length = (history.times[1:] + history.times[:-1]) / 2, np.diff(history.times)
-    phases = np.outer(middle - begin, rates)
-    growth = np.diff(history.values)[:, None] * np.sinc(np.outer(length, rates) / (2 * np.pi)) * np.exp(-1j * phases)
-    step = np.minimum(np.searchsorted(times, middle), len(times) - 1) - 1
-    found = np.zeros((len(times) - 1, len(rates)), complex)
-    np.add.at(found, step, growth)
-    return found
 
 
 def sizes_in_motion(seen: Solution, lost: Lost) -> np.ndarray:
