@@ -51,8 +51,8 @@ def step_cautions(found: StepError | None, values: Mapping[str, Any], gradients:
     if slopes and not found.vibrations:
         yield Caution("gradient-steps", f"{of_slopes} {_remedy(slopes, found, options)}")
     if (wrong or slopes) and found.vibrations:
-        both = " ".join([*([of_values] if wrong else []), *([of_slopes] if slopes else [])])
-        yield Caution("lost-vibrations", f"{both} {_against_vibrations(found)}")
+        both = " ".join([*([of_values] if wrong else []), *([of_slopes[0].upper() + of_slopes[1:]] if slopes else [])])
+        yield Caution("lost-vibrations" if wrong else "gradient-steps", f"{both} {_against_vibrations(found)}")
     small = {f: error for f, error in found.own_values.items() if f not in wrong and error > VALUES}
     small |= {
         f"the derivative of {f} by {x}": error
@@ -77,7 +77,8 @@ def _worst(errors: Mapping[Any, float]) -> list[tuple[Any, float]]:
 
 def _told(what: str, error: float, ours: float, other: float, how: str) -> str:
     size = f"about {error:.1%}" if error < 1 else "as much as it is large, or more,"
-    return f"{what} is off by {size} because of the length of the steps: {np.real(ours):.5g} as it is, {np.real(other):.5g} {how}"
+    there = f"{np.real(other):.5g}" if np.isfinite(other) else "unknown"
+    return f"{what} is off by {size} because of the length of the steps: {np.real(ours):.5g} as it is, {there} {how}"
 
 
 def _more(errors: Mapping[Any, float]) -> str:

@@ -164,7 +164,7 @@ def _with_lost(found: StepError, known: Known, lost: LostVibrations, solution: S
     vibrations = lost.told(unit(solution.system.scene.units, "rate"))
     return replace(
         found,
-        how=f"with {vibrations}",
+        how=f"with {vibrations} added",
         values={**found.values, **more},
         own_values={**found.own_values, **own},
         other_values={**found.other_values, **{f: lost.values[f] for f in more}},
