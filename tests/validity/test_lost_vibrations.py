@@ -38,7 +38,7 @@ stiffness = 1000.0
 length = 1.0
 damping = {damping}
 """
-RESOLVED, LINEAR = 50_000, 0
+RESOLVED, LINEAR = 10_000, 0
 """Most steps of a run that keeps the vibration: enough, or none, so that the linear motion tells."""
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.units import unit
+from toolkit.responses.stress.stress import StressResponse, stress_rows
 from toolkit.sensitivity.errors.lost_vibrations import LostVibrations, steps_that_keep
 from toolkit.system.solution import Solution
 
@@ -39,8 +40,8 @@ LENIENT = 2.0
 """Derivatives may be off by so many times more than values."""
 NOTHING = 1e-6
 """Part of the largest magnitude in the motion below which a number is taken for zero."""
-MOST_STEPS, MOST_NUMBERS = 50_000, 3_000_000
-"""Steps, and numbers in all their states with their derivatives, up to which a run that keeps vibrations is affordable: some seconds."""
+MOST_STEPS, MOST_NUMBERS = 10_000, 2_000_000
+"""Steps, and numbers in all their states, up to which a run that keeps vibrations is affordable: about a second."""
 LOST = 0.5
 """Error of a value half of which vibrations must explain, or half of all that is larger, to be told as theirs."""
 SAMPLED = 20
@@ -141,7 +142,7 @@ def step_error(
 def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Repeat) -> StepError | None:
     """By a run with steps that keep what others take out; None if that takes too many."""
     options, variables = solution.options or solution.system.scene.solver, len(next(iter(known.gradients.values()), {}))
-    most = min(MOST_STEPS, MOST_NUMBERS // (solution.system.n * (1 + variables)))
+    most = min(MOST_STEPS, MOST_NUMBERS // _numbers_of_a_state(solution, variables))
     steps = steps_that_keep(lost, options, 2 * solution.steps, most)
     if steps is None:
         return None
@@ -154,6 +155,13 @@ def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Re
     estimate = _estimate(known, found)
     its_doing = max(lost.swings.values()) >= min(LOST, max(estimate.values.values())) / 2
     return replace(estimate, vibrations=vibrations, step=options.end_time / steps) if its_doing else estimate
+
+
+def _numbers_of_a_state(solution: Solution, variables: int) -> int:
+    """Coordinates and multipliers with their derivatives, and components of stress that a response looks at at all times."""
+    system = solution.system
+    asked = {each.body for each in system.scene.responses.values() if isinstance(each, StressResponse) and each.when == "all"}
+    return system.n * (1 + variables) + sum(stress_rows(system.placed, body).shape[0] for body in asked)
 
 
 def _with_lost(found: StepError, known: Known, lost: LostVibrations, solution: Solution) -> StepError:
