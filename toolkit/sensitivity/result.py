@@ -20,6 +20,7 @@ from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
+from toolkit.sensitivity.errors.lost_vibrations import lost_vibrations
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
@@ -96,7 +97,8 @@ class Result:
         largest = {name: largest_in(each, solution, self.values[name]) for name, each in responses.items()}
         scales = {name: magnitude_that_counts(each, solution, largest[name]) for name, each in responses.items()}
         slopes = self._slope_scales(scales, largest)
-        return step_error(solution, self.values, self.gradients, scales, slopes, self.repeat, suspicious)
+        lost = lost_vibrations(solution, {name: each for name, each in responses.items() if name in self.values}, scales)
+        return step_error(solution, self.values, self.gradients, scales, slopes, self.repeat, suspicious, lost)
 
     def _slope_scales(self, scales: dict[str, float], found: dict[str, Largest]) -> dict[str, dict[str, float]]:
         """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""

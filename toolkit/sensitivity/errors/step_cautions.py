@@ -37,16 +37,22 @@ def step_cautions(found: StepError | None, values: Mapping[str, Any], gradients:
         )
         return
     wrong = {f: error for f, error in found.values.items() if not error <= VALUES}
-    if wrong:
-        told = [_told(f, error, values[f], found.other_values[f], found.how) for f, error in _worst(wrong)]
-        yield Caution("steps", f"{'; '.join(told)}{_more(wrong)}. {_remedy(wrong, found, options)}")
+    of_values = (
+        f"{'; '.join(_told(f, error, values[f], found.other_values[f], found.how) for f, error in _worst(wrong))}{_more(wrong)}."
+    )
+    if wrong and not found.vibrations:
+        yield Caution("steps", f"{of_values} {_remedy(wrong, found, options)}")
     slopes = {(f, x): error for f, each in found.gradients.items() for x, error in each.items() if not error <= GRADIENTS}
-    if slopes:
-        told = [
-            _told(f"the derivative of {f} by {x}", error, gradients[f][x], found.other_gradients[f][x], found.how)
-            for (f, x), error in _worst(slopes)
-        ]
-        yield Caution("gradient-steps", f"{'; '.join(told)}{_more(slopes)}. {_remedy(slopes, found, options)}")
+    told = [
+        _told(f"the derivative of {f} by {x}", error, gradients[f][x], found.other_gradients[f][x], found.how)
+        for (f, x), error in _worst(slopes)
+    ]
+    of_slopes = f"{'; '.join(told)}{_more(slopes)}."
+    if slopes and not found.vibrations:
+        yield Caution("gradient-steps", f"{of_slopes} {_remedy(slopes, found, options)}")
+    if (wrong or slopes) and found.vibrations:
+        both = " ".join([*([of_values] if wrong else []), *([of_slopes[0].upper() + of_slopes[1:]] if slopes else [])])
+        yield Caution("lost-vibrations" if wrong else "gradient-steps", f"{both} {_against_vibrations(found)}")
     small = {f: error for f, error in found.own_values.items() if f not in wrong and error > VALUES}
     small |= {
         f"the derivative of {f} by {x}": error
@@ -71,7 +77,8 @@ def _worst(errors: Mapping[Any, float]) -> list[tuple[Any, float]]:
 
 def _told(what: str, error: float, ours: float, other: float, how: str) -> str:
     size = f"about {error:.1%}" if error < 1 else "as much as it is large, or more,"
-    return f"{what} is off by {size} because of the length of the steps: {np.real(ours):.5g} as it is, {np.real(other):.5g} {how}"
+    there = f"{np.real(other):.5g}" if np.isfinite(other) else "unknown"
+    return f"{what} is off by {size} because of the length of the steps: {np.real(ours):.5g} as it is, {there} {how}"
 
 
 def _more(errors: Mapping[Any, float]) -> str:
@@ -88,3 +95,12 @@ def _remedy(errors: Mapping[Any, float], found: StepError, options: RunOptions) 
         return f"Try times whose steps are {1 / part:.2g} times shorter."
     first = ' solver.scheme = "arnold-bruels" is of second order and needs fewer steps.' if found.order == 1 else ""
     return f"Try solver.step = {options.step * part:.1g} or less.{first}"
+
+
+def _against_vibrations(found: StepError) -> str:
+    """What excites them, and what helps."""
+    return (
+        f"A load that sets in within few periods, or a start out of balance, excites {found.vibrations}, which the scheme takes out where "
+        f"steps are longer than about a tenth of the period. Try solver.step = {found.step:.1g}; or, if nothing is to vibrate, let the "
+        'load grow slowly, or begin with solver.start = "equilibrium".'
+    )

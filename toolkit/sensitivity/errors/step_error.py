@@ -12,7 +12,7 @@ be wrong; then a run with steps half as long (r = 1/2) says how wrong. If it den
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -20,6 +20,9 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.units import unit
+from toolkit.responses.stress.stress import StressResponse, stress_rows
+from toolkit.sensitivity.errors.lost_vibrations import LostVibrations, steps_that_keep
 from toolkit.system.solution import Solution
 
 Values = Mapping[str, Any]
@@ -37,6 +40,12 @@ LENIENT = 2.0
 """Derivatives may be off by so many times more than values."""
 NOTHING = 1e-6
 """Part of the largest magnitude in the motion below which a number is taken for zero."""
+MOST_STEPS, MOST_NUMBERS = 10_000, 2_000_000
+"""Steps, and numbers in all their states, up to which a run that keeps vibrations is affordable: about a second."""
+LOST = 0.5
+"""Error of a value half of which vibrations must explain, or half of all that is larger, to be told as theirs."""
+SAMPLED = 20
+"""Steps in a period of a vibration that is to last."""
 SURE = 0.01
 """Estimated error by longer steps up to which no shorter ones are asked: it was never too small by more than a factor of four in 200
 random scenes (`tests.benchmarks.random_scenes`)."""
@@ -60,6 +69,10 @@ class StepError:
         What the run with the other steps found.
     order
         Order of the scheme that the estimate supposes.
+    vibrations
+        Those that the steps take out and the comparison has, in words.
+    step
+        Length of the steps that keep them.
     """
 
     how: str
@@ -70,6 +83,8 @@ class StepError:
     other_values: Values
     other_gradients: Gradients
     order: int
+    vibrations: str = ""
+    step: float | None = None
 
     @property
     def largest(self) -> float:
@@ -95,6 +110,7 @@ def step_error(
     slope_scales: Gradients,
     repeat: Repeat,
     suspicious: bool = False,
+    lost: LostVibrations | None = None,
 ) -> StepError | None:
     """The estimate for a motion; None if no other steps work.
 
@@ -104,9 +120,13 @@ def step_error(
         Response -> its largest magnitude in the motion.
     slope_scales : dict
         Response -> variable -> what an error of the derivative is to be compared with, if that is larger than the derivative.
+    lost : LostVibrations
+        What the steps have taken out of it, if that counts: then a run with steps that keep it decides, where it is affordable.
     """
     options = solution.options or solution.system.scene.solver
     known = Known(values, gradients, scales, slope_scales, 1 if _first_order(options) else 2)
+    if lost is not None and (resolved := _resolved(known, lost, solution, repeat)) is not None:
+        return resolved
     longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
     found = _estimate(known, longer) if longer else None
     if found is None or suspicious or not found.largest <= SURE:
@@ -116,7 +136,64 @@ def step_error(
         if found and half and found.largest > CONTRADICTED >= half.largest:
             half = _estimate(known, shorter + _tried(repeat, wanted[1:]))
         found = half or found
-    return found
+    return found if lost is None or found is None else _with_lost(found, known, lost, solution)
+
+
+def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Repeat) -> StepError | None:
+    """By a run with steps that keep what others take out; None if that takes too many."""
+    options, variables = solution.options or solution.system.scene.solver, len(next(iter(known.gradients.values()), {}))
+    most = min(MOST_STEPS, MOST_NUMBERS // _numbers_of_a_state(solution, variables))
+    steps = steps_that_keep(lost, options, 2 * solution.steps, most)
+    if steps is None:
+        return None
+    finer = options.model_copy(update={"step": options.end_time / steps, "local_error": None, "times": None})
+    vibrations = lost.told(unit(solution.system.scene.units, "rate"))
+    how = f"with {steps} steps, which keep {vibrations}"
+    found = _tried(repeat, [(solution.steps / steps, how, finer)])
+    if not found:
+        return None
+    estimate = _estimate(known, found)
+    its_doing = max(lost.swings.values()) >= min(LOST, max(estimate.values.values())) / 2
+    return replace(estimate, vibrations=vibrations, step=options.end_time / steps) if its_doing else estimate
+
+
+def _numbers_of_a_state(solution: Solution, variables: int) -> int:
+    """Coordinates and multipliers with their derivatives, and components of stress that a response looks at at all times."""
+    system = solution.system
+    asked = {each.body for each in system.scene.responses.values() if isinstance(each, StressResponse) and each.when == "all"}
+    return system.n * (1 + variables) + sum(stress_rows(system.placed, body).shape[0] for body in asked)
+
+
+def _with_lost(found: StepError, known: Known, lost: LostVibrations, solution: Solution) -> StepError:
+    """An estimate that the linear motion of what is lost completes."""
+    more = {f: error for f, error in lost.errors.items() if error > found.values.get(f, 0.0)}
+    own = {f: _own(error, known.values[f], known.scales[f]) for f, error in more.items()}
+    found = _with_lost_slopes(found, known, lost)
+    vibrations = lost.told(unit(solution.system.scene.units, "rate"))
+    return replace(
+        found,
+        how=f"with {vibrations} added",
+        values={**found.values, **more},
+        own_values={**found.own_values, **own},
+        other_values={**found.other_values, **{f: lost.values[f] for f in more}},
+        vibrations=vibrations,
+        step=2 * np.pi / (lost.vibrations[0].rate * SAMPLED),
+    )
+
+
+def _with_lost_slopes(found: StepError, known: Known, lost: LostVibrations) -> StepError:
+    """The same with derivatives; unknown ones, nan, where the run has no derivatives of its states."""
+    added = lost.gradients() if known.gradients else {}
+    errors = {f: dict(each) for f, each in found.gradients.items()}
+    others, own = ({f: dict(each) for f, each in of.items()} for of in (found.other_gradients, found.own_gradients))
+    for f, slopes in known.gradients.items():
+        for x, slope in slopes.items() if lost.swings.get(f, 0.0) > 0 else ():
+            more = np.nan if added is None else added[f][x]
+            scale = max(abs(slope), known.slope_scales[f][x])
+            error = _relative(abs(more), scale)
+            if not error <= errors[f][x]:
+                errors[f][x], own[f][x], others[f][x] = error, _own(error, slope, scale), slope + more
+    return replace(found, gradients=errors, own_gradients=own, other_gradients=others)
 
 
 class Known(NamedTuple):

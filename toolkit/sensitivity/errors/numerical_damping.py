@@ -1,0 +1,48 @@
+"""What a scheme makes of a vibration, step by step: how much of it is left, and how far it is behind."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.solvers.transient.scheme import Scheme
+
+
+def part_kept(scheme: Scheme, rates: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Part of the amplitude of modes (m,) that each step of some lengths (n,) keeps, (n, m)."""
+    different, which = np.unique(lengths.round(15), return_inverse=True)
+    return np.array([[spectral_radius(scheme, w * h) for w in rates] for h in different])[which]
+
+
+def amplification(scheme: Scheme, phase: float) -> np.ndarray:
+    """Amplification matrix (4, 4) of the scheme for q'' = -phase^2 q with steps of length 1, of (q, v, a, w)."""
+    s, square = scheme, phase**2
+    after = np.array(
+        [
+            [1, 0, 0, -s.beta],
+            [0, 1, 0, -s.gamma],
+            [0, 0, -s.new, 1],
+            [s.weight_applied * square, 0, s.weight_inertial, 0],
+        ]
+    )
+    before = np.array(
+        [
+            [1, s.keep, 0, s.beta_old],
+            [0, s.keep, 0, s.gamma_old],
+            [0, 0, s.old, -s.carry],
+            [-s.carried_applied * square, 0, -s.carried_inertial, 0],
+        ]
+    )
+    found: np.ndarray = np.linalg.solve(after, before)
+    return found
+
+
+def spectral_radius(scheme: Scheme, phase: float) -> float:
+    """Part of an amplitude that a step keeps."""
+    return float(min(np.abs(np.linalg.eigvals(amplification(scheme, phase))).max(), 1.0))
+
+
+def error_after(scheme: Scheme, rate: float, step: float, time: float) -> float:
+    """Error of a vibration of some angular frequency, by its phase and by what is damped away, after some time; 1 if all is wrong."""
+    values = np.linalg.eigvals(amplification(scheme, rate * step))
+    slowest = values[np.argmin(np.abs(values - np.exp(1j * rate * step)))]
+    return float(min(abs((slowest * np.exp(-1j * rate * step)) ** (time / step) - 1), 1.0))
