@@ -12,9 +12,9 @@ from typing import Any
 
 from preprocessing.basis.basis_choice import BasisChoice
 
-LARGEST_FULL = 1000
-"""Nodal coordinates up to which all are kept: a step of 330 elements in the plane takes a quarter of a millisecond."""
-MORE, MORE_ALONE = 20, 120
+LARGEST_FULL = 900
+"""Nodal coordinates up to which all are kept: with so many the check takes some 4 s, most of it to compile."""
+MORE, MORE_ALONE = 60, 120
 """Modes more than twice those of the frozen basis, beside constraint modes and alone. Errors of too few modes fall with their number at
 least, so that twice as many show half of an error in the worst case."""
 

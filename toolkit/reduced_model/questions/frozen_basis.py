@@ -1,6 +1,7 @@
 """Frozen reduced bases: which parameters turn the shapes that a body needs, and the same body in more shapes, as its file holds it.
 
-A change of scale, K -> a K or M -> b M, leaves the span of modes and constraint modes what it is; all else turns it.
+A change of scale, K -> a K or M -> b M, leaves the span of modes and constraint modes what it is, also where it is another one of
+coordinates that nothing couples to the rest, as those along a straight bar and across it. All else turns it.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import ReducedModel
@@ -24,6 +26,8 @@ RICHER_PARTS = (
 """Parts of a reduced model that hold the body in more shapes."""
 SCALED = 1e-6
 """Part of the derivative of a matrix that is not along the matrix itself, up to which the parameter scales it."""
+COUPLED = 1e-9
+"""Entry of such a matrix, measured by those on its diagonal, up to which it is the round-off of none."""
 STEP = 1e-30
 """Imaginary step of a parameter, in parts of it."""
 
@@ -68,8 +72,16 @@ def turning(model: ReducedModel) -> frozenset[str]:
 def _turns(model: ReducedModel, parameter: str) -> bool:
     value = model.nominal[parameter]
     point = DesignPoint(model, {parameter: value + 1j * STEP * (abs(value) or 1.0)})
-    matrices = (point.value("stiffness"), _elastic_mass(point))
-    return any(not _scaled(np.real(matrix), np.imag(matrix) / STEP) for matrix in matrices)
+    matrices = [point.value("stiffness"), _elastic_mass(point)]
+    alone = _apart([np.real(matrix) for matrix in matrices])
+    return any(not _scaled(np.real(each), np.imag(each) / STEP, alone) for each in matrices)
+
+
+def _apart(matrices: list[np.ndarray]) -> np.ndarray:
+    """Number of the group of each coordinate (n_f,): those of one group have nothing to do with others, as stretching with bending."""
+    coupled = np.any([np.abs(_measured(matrix, matrix)) > COUPLED for matrix in matrices], axis=0)
+    found: np.ndarray = connected_components(coupled)[1]
+    return found
 
 
 def _elastic_mass(point: DesignPoint) -> np.ndarray:
@@ -78,9 +90,16 @@ def _elastic_mass(point: DesignPoint) -> np.ndarray:
     return np.asarray(inv.inertia_about_origin[1:, 1:])
 
 
-def _scaled(matrix: np.ndarray, change: np.ndarray) -> bool:
-    """Whether a change is along the matrix, each coordinate measured by its own entry on the diagonal."""
-    root = np.sqrt(np.diag(matrix))
-    size, moved = matrix / np.outer(root, root), change / np.outer(root, root)
-    along = np.sum(moved * size) / np.sum(size * size) * size
-    return bool(np.linalg.norm(moved - along) <= SCALED * np.linalg.norm(size))
+def _scaled(matrix: np.ndarray, change: np.ndarray, group: np.ndarray) -> bool:
+    """Whether a change is along the matrix in each group of coordinates, and couples none."""
+    size, moved = _measured(matrix, matrix), _measured(change, matrix)
+    for each in np.unique(group):
+        own = np.ix_(group == each, group == each)
+        moved[own] -= np.sum(moved[own] * size[own]) / np.sum(size[own] ** 2) * size[own]
+    return bool(np.linalg.norm(moved) <= SCALED * np.linalg.norm(size))
+
+
+def _measured(matrix: np.ndarray, by: np.ndarray) -> np.ndarray:
+    """A matrix with each coordinate measured by its own entry on the diagonal of another one."""
+    root = np.sqrt(np.diag(by))
+    return np.asarray(matrix / np.outer(root, root))
