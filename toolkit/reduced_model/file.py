@@ -66,6 +66,7 @@ PARTS: dict[str, Any] = {
     "richer_interfaces": InterfacePoint,
     "richer_shape": Shape,
     "richer_spin": Spin,
+    "richer_surface_loads": SurfaceLoad,
 }
 """Groups of the file; those in `NAMED` hold several named objects."""
 SPATIAL_PARTS: dict[str, Any] = {
@@ -75,7 +76,7 @@ SPATIAL_PARTS: dict[str, Any] = {
 }
 """What they hold in space instead."""
 _NAMED = "derivatives affine interfaces surface_loads element_derivatives element_affine piece_loads"
-NAMED = (*_NAMED.split(), "richer_derivatives", "richer_affine", "richer_interfaces")
+NAMED = (*_NAMED.split(), "richer_derivatives", "richer_affine", "richer_interfaces", "richer_surface_loads")
 
 
 def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:

@@ -208,6 +208,7 @@ class ReducedModel:
     richer_interfaces: dict[str, InterfacePoint] | None = None  # the same as `interfaces`
     richer_shape: Shape | None = None  # the same as `shape`
     richer_spin: Spin | None = None  # the same as `spin`
+    richer_surface_loads: dict[str, SurfaceLoad] | None = None  # the same as `surface_loads`
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
     source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
     changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text

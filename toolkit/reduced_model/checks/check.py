@@ -56,7 +56,12 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
 
 
 def _check_richer(model: ReducedModel, path: Path) -> None:
-    """Refuse a body in more shapes that is none."""
+    """Refuse a body in more shapes that is none, or lacks a part."""
+    needed = ("richer_derivatives", "richer_affine", "richer_interfaces")
+    if lacking := [name for name in needed if getattr(model, name) is None]:
+        refuse(path, lacking[0], "is missing beside richer_invariants")
+    if model.interfaces is not None and set(model.interfaces) != set(model.richer_interfaces or {}):
+        refuse(path, "richer_interfaces", "has other interface points than interfaces")
     try:
         check(richer_model(model), path)
     except ModelFileError as error:

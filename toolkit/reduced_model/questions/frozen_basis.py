@@ -22,6 +22,7 @@ RICHER_PARTS = (
     "richer_interfaces",
     "richer_shape",
     "richer_spin",
+    "richer_surface_loads",
 )
 """Parts of a reduced model that hold the body in more shapes."""
 SCALED = 1e-6
