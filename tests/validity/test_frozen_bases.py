@@ -11,9 +11,11 @@ import scipy
 
 import toolkit as ffrf
 from preprocessing import build
+from tests.models.solid_bodies import rectangle, write_body
 from toolkit.reduced_model.conversion import converted_model
+from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
-from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, richer_model
+from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, richer_model, turning
 from toolkit.sensitivity.certificate.fresh_models import Fresh, FreshGradients, doubts_of_fresh
 from toolkit.sensitivity.direct import direct
 
@@ -182,3 +184,24 @@ def test_the_certificate_judges_fresh_models_as_all_else(blade, part):
     fresh = {f: {x: Fresh(each / (1 - part), 0.0) for x, each in row.items()} for f, row in exact.gradients.items()}
     told = [*doubts_of_fresh(FreshGradients(fresh, {}, {"tr": "frozen"}), exact)]
     assert [each.doubt for each in told] == [True] * (part > 0.05)
+
+
+def stress(model, ratio: complex) -> np.ndarray:
+    """Of a solid at all its points under unit forces and a moment at its tip, as its model tells it at a Poisson's ratio."""
+    design = DesignPoint(model, {"poisson_ratio": ratio})
+    tip = design.interface("tip")
+    rows = np.vstack([tip.position[0][:, 1:], tip.rotation[0][1:]])
+    return design.value("stress_operator") @ np.linalg.solve(design.value("stiffness"), rows.T)
+
+
+def test_more_shapes_of_a_solid_follow_poissons_ratio(tmp_path):
+    """Derivatives of the stress in frozen shapes are wrong; in more shapes they are those of all nodes, anew at other ratios."""
+    mesh = rectangle("quad8", (6, 2), 1.0, 0.4)
+    model = build(write_body(tmp_path, mesh, 'kind = "static"\nderivative = "frozen"'))
+    full = write_body(tmp_path, mesh, 'kind = "full"')
+    up, down = (stress(build(full, values={"poisson_ratio": ratio}), ratio) for ratio in (0.3 + 1e-4, 0.3 - 1e-4))
+    slopes = [stress(each, 0.3 + 1e-30j).imag / 1e-30 for each in (model, richer_model(model))]
+    wrong = [np.abs(each - (up - down) / 2e-4).max() / np.abs(up - down).max() * 2e-4 for each in slopes]
+    assert wrong[0] > 0.1
+    assert wrong[1] < 1e-5
+    assert turning(richer_model(model)) == {"poisson_ratio"}
