@@ -31,6 +31,9 @@ class BasisChoice:
     derivative: str = "differentiated"  # or "frozen": the shapes stay what they are when the design changes
     chord: tuple[str, ...] | None = None  # two interface points that the body's frame goes through, instead of a clamp
     spin_stiffening: bool = False  # whether the model tells how a spin of its frame stiffens the body
+    beside_frozen: bool = (
+        False  # whether it stands beside a frozen one, without elements and with all modes where `count` is more than these
+    )
 
     @property
     def followed(self) -> tuple[str, ...] | None:

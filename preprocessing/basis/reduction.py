@@ -160,6 +160,8 @@ def _modes(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str,
 def _count(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str, np.ndarray]) -> int:
     if choice.frequency is not None:
         return count_by_frequency(every, choice.frequency, least=1 if choice.kind == "eigenmodes" else 0)
+    if choice.beside_frozen:
+        return min(choice.count or 0, every.count)
     if choice.static_error is not None:
         rows = np.vstack([np.zeros((0, len(every.shapes))), *interface_rows.values()])
         return count_by_static_error(every, rows, choice.static_error)

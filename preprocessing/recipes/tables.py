@@ -72,6 +72,12 @@ class BasisTable(Table):
         """Parts of a reduced model that are there because they were asked for."""
         return ("spin",) if self.spin_stiffening else ()
 
+    @property
+    def richer_parts(self) -> tuple[str, ...]:
+        """Parts that tell of a frozen body of beams in more shapes."""
+        frozen = self.derivative == "frozen" and self.kind != "full"
+        return ("richer_invariants", "richer_derivatives", "richer_affine", "richer_interfaces") if frozen else ()
+
     def choice(self) -> BasisChoice:
         """The same, as the reduction wants it."""
         return BasisChoice(**{**self.model_dump(), "chord": None if self.chord is None else tuple(self.chord)})

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,13 +20,18 @@ from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.element_sums import element_sums
 from preprocessing.reduction.held_points import with_held_points
 from preprocessing.reduction.line_spin import line_spin
+from preprocessing.reduction.richer_basis import richer_choices
 from preprocessing.reduction.stored_entries import with_more
+from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants
+
+RICHER = ("invariants", "derivatives", "affine", "interfaces", "spin")
+"""What a model holds of its richer basis; of a skin the shape too."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +50,7 @@ class Reduced:
     element_affine: dict[str, Polynomial] | None = None
     spin: Spin | None = None
     composition: dict[str, str | int | float] = field(default_factory=dict)
+    richer: Reduced | None = None  # of a frozen basis: the same body in more shapes
 
     def fields(self, units: str) -> dict[str, Any]:
         """Arguments of `ReducedModel`."""
@@ -59,11 +66,14 @@ class Reduced:
             **{
                 name: getattr(self, name) for name in ("elements", "element_derivatives", "element_affine", "spin", "composition")
             },
+            **({} if self.richer is None else {f"richer_{name}": getattr(self.richer, name) for name in RICHER}),
         }
 
 
 def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> Reduced:
     """Contract the finite elements of a body with a basis, and differentiate everything by all parameters.
+
+    A frozen basis comes with a richer one, see `richer_basis`.
 
     Where the basis does not depend on a parameter by which the matrices are polynomials, the invariants are polynomials too; all
     other dependence is held as derivatives at the nominal design.
@@ -77,6 +87,15 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     InputError
         The basis cannot be had, see `reduced_basis`.
     """
+    found = _reduced(space, choice, clamped_node, clamp)
+    for each in richer_choices(choice, len(found.basis.frequencies), len(found.basis.z)):
+        with suppress(InputError):  # its interface points make no constraint modes
+            return replace(found, richer=_reduced(space, each, clamped_node, clamp))
+    return found
+
+
+def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> Reduced:
+    """With one basis, as `reduce`."""
     space = with_places(space, choice.followed)
     nominal = space.nominal()
     matrices = nominal.parts.at(space.values)
@@ -100,7 +119,7 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     by_monomials = spin.by_monomials(exact) if spin else {}
     found = found._replace(derivatives=with_more(found.derivatives, by_monomials))
     elements: tuple[Any, Any, Any] = (None, None, None)
-    if element_parts(choice.kind):
+    if element_parts(choice.kind) and not choice.beside_frozen:
         sums = element_sums(space, nominal, held)
         elements = (sums.elements, sums.derivatives, sums.affine)
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from typing import NoReturn
 
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
@@ -12,7 +13,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.sensitivity.clock import Progress, once, repeated
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import again, evaluated, values_alone
+from toolkit.sensitivity.direct import again, by_direct, enriched, evaluated, values_alone
 from toolkit.sensitivity.frames_for_gradients import more_frames
 from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method
@@ -80,8 +81,17 @@ def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Ru
         raise InputError("start is a run of a scene with other bodies or joints. Give one of the same scene, at any numbers.")
     refuse_other_run(system, known.system)
     if kind == "static":
-        return Run.of(evaluated(solve_statics(system, progress=progress, start=known), bool(gradients)))
+        found = evaluated(solve_statics(system, progress=progress, start=known), bool(gradients))
+        method = by_direct if gradients else values_alone
+        return Run.of(replace(found, enriched=partial(enriched, compiled, kind, found.solution, method)))
     options = compiled.scene.solver.model_copy(update={"start": "given"})
     q, v, moved = continued_start(system, known.q[-1], known.v[-1], options)
     solution = replace(simulate(system, options, q=q, v=v, progress=progress), start_moved=moved)
-    return Run.of(evaluated(solution, bool(gradients), partial(again, system, q=q, v=v)))
+    return Run.of(replace(evaluated(solution, bool(gradients), partial(again, system, q=q, v=v)), enriched=_not_in_more_shapes))
+
+
+def _not_in_more_shapes() -> NoReturn:
+    """The refusal to begin with more shapes where a run with fewer has ended."""
+    raise InputError(
+        "The motion begins in the last state of a run with the shapes of the frozen basis, which tells no more of them."
+    )

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from toolkit.analyses.campbell import Campbell
 from toolkit.analyses.campbell import campbell as campbell_of
 from toolkit.analyses.modes import solve_modes
@@ -19,6 +21,7 @@ from toolkit.loads.gravity import UniformGravity
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.errors.basis_errors import cautions_of_frozen, frequency_errors
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
 from toolkit.studies.places.place import Place
 from toolkit.system.model_files import refuse_changed
@@ -235,6 +238,18 @@ class Model:
                 "modes are about the given positions or about a steady spin. Leave out one of undeformed and spinning."
             )
         compiled = self.at({} if numbers is None else numbers)._compiled
+        found = self._modes_of(compiled, count, undeformed, spinning, progress)
+
+        def enriched() -> dict[str, float]:
+            return _named(self._modes_of(compiled.enriched(), count, undeformed, spinning).frequencies)
+
+        about_bases = cautions_of_frozen(frequency_errors(compiled.scene, _named(found.frequencies), enriched))
+        return found._replace(verdict=Verdict.of([*about_bases, *found.verdict.warnings]))
+
+    def _modes_of(
+        self, compiled: Compiled, count: int, undeformed: bool, spinning: bool, progress: Progress | None = None
+    ) -> Modes:
+        """Modes without what frozen bases do to them."""
         floating = not (undeformed or spinning) and _floats(self.scene)
         as_given = undeformed or floating
         system = (compiled.of_one_frame() if as_given else compiled.analysed_by("static")).primal
@@ -280,9 +295,14 @@ class Model:
         if isinstance(count, bool) or not isinstance(count, int) or count < 1:
             raise InputError(f"count = {count!r}: give a whole number of modes, at least one.")
         refuse_changed(self._compiled.files)
-        return campbell_of(
-            self.at({} if numbers is None else numbers)._compiled.analysed_by("static").primal, speeds, count, progress
-        )
+        compiled = self.at({} if numbers is None else numbers)._compiled.analysed_by("static")
+        found = campbell_of(compiled.primal, speeds, count, progress)
+
+        def enriched() -> dict[str, float]:
+            return _named_by_speed(campbell_of(compiled.enriched().primal, speeds, count))
+
+        about_bases = cautions_of_frozen(frequency_errors(compiled.scene, _named_by_speed(found), enriched))
+        return found._replace(verdict=Verdict.of([*about_bases, *found.verdict.warnings]))
 
     def map(
         self,
@@ -392,6 +412,17 @@ def kind_of(analysis: str) -> Kind:
     )
     check_kind(found)
     return "static" if found == "static" else "transient"
+
+
+def _named(frequencies: np.ndarray) -> dict[str, float]:
+    """Frequencies by what messages call them."""
+    return {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
+
+
+def _named_by_speed(found: Campbell) -> dict[str, float]:
+    """The same at several speeds of a spin."""
+    rows = zip(found.speeds, found.frequencies, strict=True)
+    return {f"frequency {k + 1} at {speed:g} rad/time": float(each) for speed, row in rows for k, each in enumerate(row)}
 
 
 def _floats(scene: Scene) -> bool:

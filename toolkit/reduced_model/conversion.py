@@ -23,6 +23,7 @@ from toolkit.foundation.units import unit
 from toolkit.reduced_model.checks.shapes import letters_of
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, richer_model
 
 LENGTH, MASS, TIME = LABELLED["length"], LABELLED["mass"], LABELLED["time"]
 ITEMS: dict[str, Dimension] = {
@@ -52,9 +53,20 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
     """
     if model.units == units:
         return model
+    found = _converted(model, units, _moving(model))
+    if model.richer_invariants is None:
+        return found
+    known = richer_model(model)
+    richer = _converted(known, units, np.ones(known.n_f, bool))
+    parts: dict[str, Any] = {name: getattr(richer, name.removeprefix("richer_")) for name in RICHER_PARTS}
+    return replace(found, **parts)
+
+
+def _converted(model: ReducedModel, units: str, moving: np.ndarray) -> ReducedModel:
+    """The model without its richer basis, where the coordinates `moving` (n_f,) move nodes and do not only turn them."""
     dimensions = {name: dimension_of_label(label, model.units) for name, label in model.nominal_units.items()}
     by = {name: factor(dimensions[name], model.units, units) for name in model.nominal}
-    parameter, scale = np.array(list(by.values())), _Scales(model, units)
+    parameter, scale = np.array(list(by.values())), _Scales(model, units, moving)
     return replace(
         model,
         units=units,
@@ -91,10 +103,10 @@ def _label(dimension: Dimension, label: str, source: str, target: str) -> str:
 class _Scales:
     """Factors of all entries of a model's arrays."""
 
-    def __init__(self, model: ReducedModel, units: str) -> None:
+    def __init__(self, model: ReducedModel, units: str, moving: np.ndarray) -> None:
         self.model, self.units = model, units
         self.length = factor(LENGTH, model.units, units)
-        coordinate = np.where(_moving(model), self.length, 1.0)
+        coordinate = np.where(moving, self.length, 1.0)
         local, spatial = np.tile([self.length] * 2 + [1.0], 2), np.tile([self.length] * 3 + [1.0] * 3, 2)
         widths = {"f": coordinate, "u": local, "v": spatial}
         self.per_axis = {letter: 1 / each for letter, each in widths.items()}

@@ -60,11 +60,23 @@ PARTS: dict[str, Any] = {
     "spin": Spin,
     "pieces": Pieces,
     "piece_loads": PieceLoads,
+    "richer_invariants": Invariants,
+    "richer_derivatives": Derivatives,
+    "richer_affine": Polynomial,
+    "richer_interfaces": InterfacePoint,
+    "richer_shape": Shape,
+    "richer_spin": Spin,
+    "richer_surface_loads": SurfaceLoad,
 }
 """Groups of the file; those in `NAMED` hold several named objects."""
-SPATIAL_PARTS: dict[str, Any] = {"invariants": SpatialInvariants, "elements": SpatialElements}
+SPATIAL_PARTS: dict[str, Any] = {
+    "invariants": SpatialInvariants,
+    "elements": SpatialElements,
+    "richer_invariants": SpatialInvariants,
+}
 """What they hold in space instead."""
-NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine", "piece_loads")
+_NAMED = "derivatives affine interfaces surface_loads element_derivatives element_affine piece_loads"
+NAMED = (*_NAMED.split(), "richer_derivatives", "richer_affine", "richer_interfaces", "richer_surface_loads")
 
 
 def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:

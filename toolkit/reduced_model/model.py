@@ -202,6 +202,13 @@ class ReducedModel:
     spin: Spin | None = None  # of bodies whose file asks for it
     pieces: Pieces | None = None  # of solids in pieces, which are `elements`
     piece_loads: dict[str, PieceLoads] | None = None  # of these: the same as `surface_loads`, piece by piece
+    richer_invariants: Invariants | SpatialInvariants | None = None  # of a frozen basis: the same as `invariants`, in more shapes
+    richer_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`
+    richer_affine: dict[str, Polynomial] | None = None  # the same as `affine`
+    richer_interfaces: dict[str, InterfacePoint] | None = None  # the same as `interfaces`
+    richer_shape: Shape | None = None  # the same as `shape`
+    richer_spin: Spin | None = None  # the same as `spin`
+    richer_surface_loads: dict[str, SurfaceLoad] | None = None  # the same as `surface_loads`
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
     source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
     changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text

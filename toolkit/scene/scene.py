@@ -25,6 +25,7 @@ from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import AnyLoad
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel, place_parameter
+from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, RicherModel, richer_model
 from toolkit.scene.design_variables import variables_of
 from toolkit.scene.names import check_design_names, check_dimension, check_names, known
 from toolkit.scene.space import SPACES, Space
@@ -146,7 +147,7 @@ class Scene(Description):
 
         Parameters
         ----------
-        path : of the file, relative to the scene's folder
+        path : of the file, relative to the scene's folder; a `RicherModel` stands for the body in more shapes, as the file holds it
 
         Raises
         ------
@@ -155,12 +156,12 @@ class Scene(Description):
         ModelFileError
             The file cannot be used, see `toolkit.reduced_model.file.load`.
         """
-        full = os.path.join(self.directory, path)
+        full, richer = os.path.join(self.directory, str(path)), isinstance(path, RicherModel)
         try:
             changed = os.stat(full).st_mtime_ns
         except OSError:
             changed = 0
-        model = _load(full, ("interfaces", *parts), changed)
+        model = _load(full, ("interfaces", *parts, *(RICHER_PARTS if richer else ())), changed)
         if model.units != self.units:
             raise InputError(
                 f"reduced model {path!r} is in {model.units}, the scene in {self.units}. "
@@ -171,7 +172,7 @@ class Scene(Description):
                 f"reduced model {path!r} has dimension {model.dimension}, the scene {self.dimension}. "
                 "Build the model for the scene's dimension, or give the scene (`dimension = 2 or 3`) that of its models."
             )
-        return model
+        return richer_model(model) if richer else model
 
     def arc_lengths(self, body: Body) -> dict[str, Any]:
         """Interface points of a body that the scene puts elsewhere along it: name in the reduced model -> arc length.

@@ -15,6 +15,7 @@ from toolkit.sensitivity.preparation import Kind, prepare
 from toolkit.system.model_files import FileStates, file_states
 from toolkit.system.renewal import renewed
 from toolkit.system.system import System
+from toolkit.validity.bodies.reduced.frozen_bases import with_richer_bases
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,10 @@ class Compiled:
     def reframed(self, frames: Mapping[str, Frames]) -> Compiled:
         """The same with other frames in some of its bodies."""
         return self._other(tuple(sorted(frames.items())), lambda scene: with_frames(scene, frames))
+
+    def enriched(self) -> Compiled:
+        """The same with more shapes in bodies whose bases are frozen."""
+        return self._other("more shapes", with_richer_bases)
 
     def _other(self, key: Hashable, change: Callable[[Scene], Scene]) -> Compiled:
         """The same with a changed scene; what that compiles is kept for all other numbers."""

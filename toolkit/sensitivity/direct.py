@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -15,7 +17,7 @@ from toolkit.sensitivity.clock import Clock, Progress, once
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.step_error import Repeat
 from toolkit.sensitivity.evaluation import evaluate_responses, evaluate_with_gradients
-from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
+from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen, solve
 from toolkit.sensitivity.result import Result, result
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -57,13 +59,26 @@ def by_direct(compiled: Compiled, kind: Kind, progress: Progress | None = None, 
         extra = None if primal is None else max(total - primal, 0.0)
     elif primal is None:
         primal = total - extra
-    return evaluated(solution, True, partial(again, compiled.full), primal, extra)
+    found = evaluated(solution, True, partial(again, compiled.full), primal, extra)
+    return replace(found, enriched=partial(enriched, compiled, kind, solution, by_direct))
 
 
 def values_alone(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
     """Responses of a compiled scene without gradients."""
     primal, solution = clock(partial(solve, compiled.primal, kind), progress)
-    return evaluated(solution, False, partial(again, compiled.primal), primal, 0.0)
+    found = evaluated(solution, False, partial(again, compiled.primal), primal, 0.0)
+    return replace(found, enriched=partial(enriched, compiled, kind, solution, values_alone))
+
+
+def enriched(
+    compiled: Compiled, kind: Kind, solution: Solution, method: Callable[[Compiled, Kind], Result]
+) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+    """Values and gradients with more shapes in frozen bodies, and the same steps."""
+    other = compiled.enriched()
+    if kind == "transient" and compiled.scene.solver.local_error is not None:
+        other = Compiled(frozen(other.scene, solution), other.names)
+    found = method(other, kind)
+    return found.values, found.gradients
 
 
 def evaluated(

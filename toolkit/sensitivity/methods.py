@@ -12,7 +12,7 @@ from toolkit.sensitivity.adjoint.adjoint import by_adjoint
 from toolkit.sensitivity.choice import choose
 from toolkit.sensitivity.clock import Clock, Progress, once
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import by_direct
+from toolkit.sensitivity.direct import by_direct, enriched
 from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.sensitivity.numerical import by_repetition
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen
@@ -55,7 +55,11 @@ def by_method(
 ) -> Result:
     """The same of a compiled scene."""
     found = _by_method(method, compiled, kind, progress, keep_states, clock)
-    return replace(found, reframed=partial(_reframed, compiled, kind, found.solution))
+    return replace(
+        found,
+        reframed=partial(_reframed, compiled, kind, found.solution),
+        enriched=partial(enriched, compiled, kind, found.solution, partial(by_method, "auto")),
+    )
 
 
 def _by_method(method: str, compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Result:

@@ -20,17 +20,19 @@ from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
+from toolkit.sensitivity.errors.basis_errors import BasisErrors, Enriched, basis_errors, cautions_of_frozen
 from toolkit.sensitivity.errors.lost_vibrations import lost_vibrations
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
-from toolkit.sensitivity.frames.gradient_errors import FrameErrors, Reframed, doubtful_gradients, frame_errors
+from toolkit.sensitivity.frames.gradient_errors import NONE, FrameErrors, Reframed, doubtful_gradients, frame_errors
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.frequencies import cautions_of_frequencies
 from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
+from toolkit.validity.bodies.reduced.frozen_bases import frozen_bodies
 from toolkit.validity.bodies.tension.tension_cautions import tension
 from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.dead_points.cautions import dead_points_passed
@@ -68,6 +70,8 @@ class Result:
         The same analysis with other options, which `verdict` needs.
     reframed
         The same analysis with other floating frames, which `verdict` needs where there are gradients.
+    enriched
+        The same analysis with more shapes in frozen bodies, which `verdict` needs away from their design and for gradients.
     """
 
     values: dict[str, Any]
@@ -80,6 +84,7 @@ class Result:
     reason: str = ""
     repeat: Repeat | None = field(default=None, compare=False)
     reframed: Reframed | None = field(default=None, compare=False)
+    enriched: Enriched | None = field(default=None, compare=False)
 
     @cached_property
     def measures(self) -> dict[str, Any]:
@@ -89,16 +94,22 @@ class Result:
     @cached_property
     def step_error(self) -> StepError | None:
         """Estimated errors by the length of the steps, measured by the same run with steps of another length when it is first asked for."""
-        scene, solution = self.solution.system.scene, self.solution
+        solution = self.solution
         if self.repeat is None or not moving(solution) or not self.values:
             return None
-        balance, responses = self.measures["energy_balance"], responses_of(scene)
-        suspicious = not max(balance.values(), default=0.0) <= SUSPICIOUS
+        suspicious = not max(self.measures["energy_balance"].values(), default=0.0) <= SUSPICIOUS
+        scales, slopes = self._scales
+        responses = {name: each for name, each in responses_of(solution.system.scene).items() if name in self.values}
+        lost = lost_vibrations(solution, responses, scales)
+        return step_error(solution, self.values, self.gradients, scales, slopes, self.repeat, suspicious, lost)
+
+    @cached_property
+    def _scales(self) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
+        """What errors of values, and of derivatives, of a motion are compared with."""
+        solution, responses = self.solution, responses_of(self.solution.system.scene)
         largest = {name: largest_in(each, solution, self.values[name]) for name, each in responses.items()}
         scales = {name: magnitude_that_counts(each, solution, largest[name]) for name, each in responses.items()}
-        slopes = self._slope_scales(scales, largest)
-        lost = lost_vibrations(solution, {name: each for name, each in responses.items() if name in self.values}, scales)
-        return step_error(solution, self.values, self.gradients, scales, slopes, self.repeat, suspicious, lost)
+        return scales, self._slope_scales(scales, largest)
 
     def _slope_scales(self, scales: dict[str, float], found: dict[str, Largest]) -> dict[str, dict[str, float]]:
         """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
@@ -119,10 +130,37 @@ class Result:
         return frame_errors(self.solution, self.values, self.gradients, self.reframed)
 
     @cached_property
+    def basis_errors(self) -> BasisErrors | None:
+        """Errors by frozen bases, by the same analysis with more shapes when it is first asked for; None where they have none."""
+        if self.enriched is None or not self.values:
+            return None
+        scene, variables = self.solution.system.scene, next(iter(self.gradients.values()), {})
+        bodies = frozen_bodies(scene, variables)
+        if not bodies:
+            return None
+        scales, slopes = self._scales if moving(self.solution) else (self._undecided, {})
+        return basis_errors(
+            bodies,
+            {f: (value, scales[f]) for f, value in self.values.items()},
+            {f: {x: (slope, slopes[f][x] if slopes else 0.0) for x, slope in row.items()} for f, row in self.gradients.items()},
+            variable_sizes(scene, self) if variables else {},
+            self.enriched,
+        )
+
+    @property
+    def _undecided(self) -> dict[str, float]:
+        """What Newton leaves open of the values of a state at rest."""
+        responses = responses_of(self.solution.system.scene, moving=False)
+        return {f: magnitude_that_counts(each, self.solution, NONE) for f, each in responses.items()}
+
+    @cached_property
     def verdict(self) -> Verdict:
         """Whether values and gradients can be trusted, and why not; found out when it is first asked for, at the price of half a run, and
-        of one with more floating frames where there are gradients of bodies that deform far."""
+        of one with more floating frames where there are gradients of bodies that deform far, with more shapes where bases are frozen."""
         found, errors = self._verdict, self.frame_errors
+        if self.basis_errors is not None:
+            about_bases = {**found.measures, "frozen_basis": self.basis_errors.record()}
+            found = Verdict.of([*found.warnings, *cautions_of_frozen(self.basis_errors)], about_bases)
         if errors is None:
             return found
         sizes = variable_sizes(self.solution.system.scene, self)

@@ -33,7 +33,8 @@ class FrameRecipe(Recipe[FrameFile]):
     @property
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
-        own = element_parts(self.file.basis.kind) + self.file.basis.parts
+        basis = self.file.basis
+        own = element_parts(basis.kind) + basis.parts + basis.richer_parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", picture, *own)
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +47,8 @@ class SkinRecipe(Recipe[SkinFile]):
     @property
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
-        own = element_parts(self.file.basis.kind) + self.file.basis.parts
+        basis = self.file.basis
+        own = element_parts(basis.kind) + basis.parts + basis.richer_parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", picture, *own)
 
     def _named(self) -> list[Path]:
@@ -93,7 +95,9 @@ def _airfoil_bytes(path: Path) -> bytes:
 def _shape_and_pictures(found: Reduced, geometry: Geometry) -> dict[str, Any]:
     """In the plane the mesh, in space the surface; the shape is compared in the plane of the section in both."""
     z, mesh, elements = found.basis.z, geometry.mesh, found.space.nominal()
-    shape = Shape(elements.positions(z)[:, :2], geometry.target, geometry.arc_lengths)
+    shapes = {"shape": Shape(elements.positions(z)[:, :2], geometry.target, geometry.arc_lengths)}
+    if found.richer is not None:
+        shapes["richer_shape"] = replace(shapes["shape"], position=elements.positions(found.richer.basis.z)[:, :2])
     if isinstance(elements.element, SpatialBeam):
-        return {"shape": shape, **beam_surface(found, elements.element)}
-    return {"shape": shape, "mesh": Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline)}
+        return {**shapes, **beam_surface(found, elements.element)}
+    return {**shapes, "mesh": Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline)}

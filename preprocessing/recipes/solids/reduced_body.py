@@ -27,9 +27,15 @@ from preprocessing.recipes.solids.solid_spin import SolidSpin, solid_spin
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.held_points import with_held_points
 from preprocessing.reduction.stored_entries import ROUND_OFF
+from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.model import MEAN_AXES, InterfacePoint, Outline, StressPoints
+
+LARGEST_ENRICHED = 200_000
+"""Nodal coordinates of the largest solid that has more shapes beside frozen ones."""
+NEW = 1e-6
+"""Part of a derivative of a shape beyond all shapes, below which it is round-off."""
 
 
 def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str) -> dict[str, Any]:
@@ -37,7 +43,10 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
 
     All shapes stay what they are when modulus, density, width or damping change, because their span does: so the invariants are exact
     polynomials of these. Poisson's ratio turns the shapes, unless they are frozen, and places of nodes change all; these have derivatives.
+    Beside frozen shapes there are those into which they would turn.
     """
+    if _enriched(body, choice):
+        body = replace(body, changes=list(body.changes))
     free = freedom(body.mesh, body.clamped, body.ties)
     matrices = body.parts.at(body.values)
     nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
@@ -49,7 +58,10 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
     interfaces = with_held_points(interfaces, z[:, 1:], body.mesh.size)
     spin = solid_spin(body, matrices, free, z, choice.boundary == "free") if choice.spin_stiffening else None
-    rates = ((name, _rate(body, matrices, name, change, choice, free, shapes, z, spin)) for name, change in body.changes)
+    rates = (
+        (name, _rate(body, name, change, z, _turned(body, matrices, change, choice, free, shapes), spin))
+        for name, change in body.changes
+    )
     found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     if spin and stored:
@@ -67,6 +79,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         "writers": {} if shapes.system is None else shapes.system.writers,
         **_drawn_parts(body, z, list(nominal), coloured=points > 0),
         **mesh_error(body.elastic, mass, stiffness, free, shapes),
+        **_richer(body, matrices, nominal, choice, free, shapes, z),
         "interfaces": interfaces,
         "spin": stored,
         "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
@@ -80,28 +93,78 @@ def _condition(choice: BasisChoice, clamp: str) -> str:
 
 
 def _rate(
+    body: DiscreteBody, name: str, change: BodyChange, z: np.ndarray, turned: np.ndarray | None, spin: SolidSpin | None = None
+) -> Rate:
+    """With dZ = [dxi, dPsi] (n, 1 + n_f), where dPsi is zero if nothing has `turned`."""
+    d_z = np.zeros(z.shape)
+    d_z[:, 0] = change.motion
+    if turned is not None:
+        d_z[:, 1:] = turned
+    more = spin.rates(name, change, change.freedom(body.clamped), d_z) if spin else {}
+    return Rate(change.matrices, d_z, _item_rates(change, z, d_z) | more)
+
+
+def _turned(
+    body: DiscreteBody, matrices: Matrices, change: BodyChange, choice: BasisChoice, free: Freedom, shapes: SolidShapes
+) -> np.ndarray | None:
+    """dPsi (n, n_f), where Psi = T Psi^; None of frozen shapes, which are the same at every design."""
+    if choice.derivative == "frozen":
+        return None
+    stepped = change.freedom(body.clamped)
+    on_independent = change.on(free, stepped, matrices, shapes.averaged)
+    if choice.chord is not None and change.moves:
+        turned = chord_turn(Chord(*choice.chord), shapes.points, change.ties)
+        on_independent = replace(on_independent, turn=rate_of(turned))
+    return np.asarray(free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns)
+
+
+def _richer(
     body: DiscreteBody,
     matrices: Matrices,
-    name: str,
-    change: BodyChange,
+    values: dict[str, Any],
     choice: BasisChoice,
     free: Freedom,
     shapes: SolidShapes,
     z: np.ndarray,
-    spin: SolidSpin | None,
-) -> Rate:
-    """With dZ = [dxi, dPsi] (n, 1 + n_f), where Psi = T Psi^; frozen shapes are the same at every design."""
-    d_z = np.zeros((body.mesh.n, 1 + shapes.columns.shape[1]))
-    d_z[:, 0] = change.motion
-    stepped = change.freedom(body.clamped)
-    if choice.derivative == "differentiated":
-        on_independent = change.on(free, stepped, matrices, shapes.averaged)
-        if choice.chord is not None and change.moves:
-            turned = chord_turn(Chord(*choice.chord), shapes.points, change.ties)
-            on_independent = replace(on_independent, turn=rate_of(turned))
-        d_z[:, 1:] = free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns
-    more = spin.rates(name, change, stepped, d_z) if spin else {}
-    return Rate(change.matrices, d_z, _item_rates(change, z, d_z) | more)
+) -> dict[str, Any]:
+    """The body in its frozen shapes and those into which they would turn: derivatives are then right at the nominal design.
+
+    None where nothing turns them, or modes cannot be followed.
+    """
+    if not _enriched(body, choice) or not body.changes:
+        return {}
+    following = replace(choice, derivative="differentiated")
+    try:
+        turned = [_turned(body, matrices, change, following, free, shapes) for _, change in body.changes]
+    except InputError:  # a cluster of modes is cut
+        return {}
+    richer = np.column_stack([z, _beyond(z[:, 1:], np.column_stack([each for each in turned if each is not None]))])
+    interfaces = {name: _interface(*each.motion(richer), body.mesh.size) for name, each in body.ties.items()}
+    interfaces = with_held_points(interfaces, richer[:, 1:], body.mesh.size)
+    rates = ((name, _rate(body, name, change, richer, None)) for name, change in body.changes)
+    found = contracted(body.parts, matrices, values, richer, rates, interfaces, computed=True)
+    loads = None
+    if body.boundary is not None and not isinstance(body.boundary, BoundaryLines):
+        loads = {name: pressure_on(each.normals(), richer) for name, each in body.pressure_surfaces.items()}
+    parts = {**found._asdict(), "interfaces": interfaces, "surface_loads": loads}
+    return {f"richer_{name}": part for name, part in parts.items()}
+
+
+def _enriched(body: DiscreteBody, choice: BasisChoice) -> bool:
+    """Whether the model may hold frozen shapes with more: what each parameter changes is kept at once then."""
+    frozen = choice.derivative == "frozen" and choice.kind != "full"
+    return frozen and not choice.spin_stiffening and body.mesh.n <= LARGEST_ENRICHED
+
+
+def _beyond(shapes: np.ndarray, more: np.ndarray) -> np.ndarray:
+    """Orthonormal columns (n, k) of what `more` (n, m) has beyond the span of shapes (n, n_f)."""
+    known, _ = np.linalg.qr(shapes / np.linalg.norm(shapes, axis=0))
+    size = np.linalg.norm(more, axis=0)
+    more = more[:, size > 0] / size[size > 0]
+    for _ in range(2):
+        more = more - known @ (known.T @ more)
+    new, parts, _ = np.linalg.svd(more, full_matrices=False)
+    return new[:, parts > NEW]
 
 
 def _drawn_parts(body: DiscreteBody, z: np.ndarray, parameters: Sequence[str], coloured: bool) -> dict[str, Any]:

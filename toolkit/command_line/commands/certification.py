@@ -11,7 +11,7 @@ from rich.console import Console
 
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import Changes, SceneFile, Static, Variables, design_of, read
-from toolkit.command_line.printed.fresh_part import built_afresh, check_afresh, print_afresh, record_afresh
+from toolkit.command_line.printed.fresh_part import built_afresh, check_afresh, print_afresh, record_afresh, with_doubts_afresh
 from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_verdict, table, warn
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet, answered, print_json
@@ -49,9 +49,17 @@ def certify(
     with at_work("comparing", described, kind, names, quiet, "adjoint") as progress:
         found = compare(described, names, kind, progress)
     afresh = built_afresh(frozen(described, found.exact.solution), names, kind, quiet) if fresh else None
+    verdict = with_doubts_afresh(found.verdict, afresh, found.exact)
     if as_json:
-        print_json({**record_of(found), "fresh_preprocessing": record_afresh(afresh), "verified": found.verified(tolerance)})
-        warn(found.verdict, quiet)
+        print_json(
+            {
+                **record_of(found),
+                **verdict.record(),
+                "fresh_preprocessing": record_afresh(afresh),
+                "verified": found.verified(tolerance),
+            }
+        )
+        warn(verdict, quiet)
     else:
         print_certificate(found)
         if fresh:
@@ -63,7 +71,7 @@ def certify(
         check_afresh(afresh, found.exact)
     if not as_json:
         typer.echo(agreement(found, tolerance))
-        print_verdict(found.verdict)
+        print_verdict(verdict)
 
 
 def record_of(found: Certificate) -> dict:

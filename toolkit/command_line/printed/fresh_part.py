@@ -9,6 +9,7 @@ from rich.console import Console
 
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.printed.printing import WIDE, finite_or_none, table
+from toolkit.foundation.verdict import Verdict
 
 if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
@@ -56,6 +57,13 @@ def print_afresh(found: FreshGradients | None, exact: Result) -> None:
         typer.echo(f"{name} is not compared with models built afresh: {reason}.")
     if found.frozen:
         typer.echo(f"{', '.join(found.frozen)}: {next(iter(found.frozen.values()))}.")
+
+
+def with_doubts_afresh(verdict: Verdict, found: FreshGradients | None, exact: Result) -> Verdict:
+    """The verdict with what fresh models say against frozen bases."""
+    from toolkit.sensitivity.certificate.fresh_models import doubts_of_fresh
+
+    return verdict if found is None else Verdict.of([*verdict.warnings, *doubts_of_fresh(found, exact)], verdict.measures)
 
 
 def check_afresh(found: FreshGradients | None, exact: Result) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container
 from pathlib import Path
 
+from toolkit.foundation.errors import ModelFileError
 from toolkit.reduced_model.checks.attributes import check_attributes
 from toolkit.reduced_model.checks.dependences import check_affine, check_derivatives
 from toolkit.reduced_model.checks.indices import check_indices
@@ -13,6 +14,7 @@ from toolkit.reduced_model.checks.refusal import refuse
 from toolkit.reduced_model.checks.shapes import Sizes, fit_all
 from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL
 from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.questions.frozen_basis import richer_model
 from toolkit.reduced_model.spatial_model import PAIRS
 
 
@@ -49,3 +51,18 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
     if model.spin is not None and "spin" not in before:
         check_spin(model.spin.stiffening, 1 if model.dimension == 2 else len(PAIRS), path)
     check_indices(model, path)
+    if model.richer_invariants is not None and "richer_invariants" not in before:
+        _check_richer(model, path)
+
+
+def _check_richer(model: ReducedModel, path: Path) -> None:
+    """Refuse a body in more shapes that is none, or lacks a part."""
+    needed = ("richer_derivatives", "richer_affine", "richer_interfaces")
+    if lacking := [name for name in needed if getattr(model, name) is None]:
+        refuse(path, lacking[0], "is missing beside richer_invariants")
+    if model.interfaces is not None and set(model.interfaces) != set(model.richer_interfaces or {}):
+        refuse(path, "richer_interfaces", "has other interface points than interfaces")
+    try:
+        check(richer_model(model), path)
+    except ModelFileError as error:
+        refuse(path, "richer_invariants", f"or another group of the body in more shapes is wrong ({error})")

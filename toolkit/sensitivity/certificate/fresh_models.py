@@ -20,13 +20,16 @@ import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.design import DesignVariable
+from toolkit.foundation.verdict import Caution
 from toolkit.responses.stress.stress import model_parameter
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.rebuilt_bodies import build_all, given_values, is_built_from, source, with_model
+from toolkit.sensitivity.errors.basis_errors import UNIMPORTANT
 from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.preparation import Kind
 from toolkit.sensitivity.result import Result
-from toolkit.sensitivity.sizes import typical_size
+from toolkit.sensitivity.sizes import typical_size, variable_sizes
+from toolkit.validity.bodies.deformation import LIMIT
 
 RELATIVE_STEP = 1e-3
 """Errors of fourth order are 1e-12 of a smooth response, and the round-off of fresh eigenmodes is magnified to 1.5e-6 at most."""
@@ -83,7 +86,7 @@ class FreshGradients:
 def disagreements(found: FreshGradients, exact: Result) -> Iterator[str]:
     """Gradients that differ from those of fresh models by more than `TOLERANCE` and the uncertainty of these, in words.
 
-    Those of a frozen basis are left out: that they differ is what freezing means.
+    Those of a frozen basis are left out: that they differ is what freezing means, see `doubts_of_fresh`.
     """
     for response, slopes in found.slopes.items():
         for variable, fresh in slopes.items():
@@ -93,6 +96,24 @@ def disagreements(found: FreshGradients, exact: Result) -> Iterator[str]:
                     f"d {response} / d {variable} is {slope:.10g} by the reduced model's derivatives, and {fresh.slope:.10g} by models "
                     "built afresh"
                 )
+
+
+def doubts_of_fresh(found: FreshGradients, exact: Result) -> Iterator[Caution]:
+    """Gradients of frozen bases that fresh models make so different that they are not to be trusted."""
+    sizes, off = variable_sizes(exact.solution.system.scene, exact), []
+    for response, slopes in found.slopes.items():
+        most = max((abs(each.slope) * sizes[x] for x, each in slopes.items()), default=0.0)
+        for x, each in slopes.items():
+            slope = exact.gradients[response][x]
+            error = max(abs(slope - each.slope) - each.uncertainty, 0.0)
+            if x in found.frozen and error > LIMIT * abs(each.slope) and max(error, abs(slope)) * sizes[x] > UNIMPORTANT * most:
+                off.append(f"d {response} / d {x} is {slope:.4g} and not about {each.slope:.4g}")
+    if off:
+        yield Caution(
+            "fresh-models",
+            f"gradients of frozen bases differ from those of models built afresh by more than {LIMIT:.0%}: {', '.join(off)}. Take "
+            'derivative = "differentiated" in [basis], or more shapes.',
+        )
 
 
 def fresh_gradients(scene: Scene, design: list[str], kind: Kind, progress: Callable[[int, int], None]) -> FreshGradients:

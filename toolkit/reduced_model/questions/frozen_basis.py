@@ -1,0 +1,106 @@
+"""Frozen reduced bases: which parameters turn the shapes that a body needs, and the same body in more shapes, as its file holds it.
+
+A change of scale, K -> a K or M -> b M, leaves the span of modes and constraint modes what it is, also where it is another one of
+coordinates that nothing couples to the rest, as those along a straight bar and across it. All else turns it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.model import ReducedModel
+
+RICHER_PARTS = (
+    "richer_invariants",
+    "richer_derivatives",
+    "richer_affine",
+    "richer_interfaces",
+    "richer_shape",
+    "richer_spin",
+    "richer_surface_loads",
+)
+"""Parts of a reduced model that hold the body in more shapes."""
+SCALED = 1e-6
+"""Part of the derivative of a matrix that is not along the matrix itself, up to which the parameter scales it."""
+COUPLED = 1e-9
+"""Entry of such a matrix, measured by those on its diagonal, up to which it is the round-off of none."""
+STEP = 1e-30
+"""Imaginary step of a parameter, in parts of it."""
+
+
+class RicherModel(str):
+    """The file of a reduced model, where the body in more shapes is meant."""
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, RicherModel) and str(self) == str(other)
+
+    def __hash__(self) -> int:
+        return hash((RicherModel, str(self)))
+
+
+def is_frozen(model: ReducedModel) -> bool:
+    """Whether its shapes are fewer than the nodes allow, and stay what they are when the design changes."""
+    return model.basis.startswith("frozen") and not model.keeps_all
+
+
+def richer_model(model: ReducedModel) -> ReducedModel:
+    """The body in more shapes, of a model that was loaded with `RICHER_PARTS`; it has no pictures."""
+    key = ("in more shapes",)
+    if key not in model.told:
+        assert model.richer_invariants is not None
+        changed: dict[str, Any] = dict.fromkeys(("mesh", "outline", "interior", "surface", *RICHER_PARTS))
+        changed |= {name.removeprefix("richer_"): getattr(model, name) for name in RICHER_PARTS}
+        model.told[key] = replace(model, **changed, left_out={})
+    found: ReducedModel = model.told[key]
+    return found
+
+
+def turning(model: ReducedModel) -> frozenset[str]:
+    """Parameters that turn the shapes which the body needs; of a model in more shapes, as few shapes show less of it."""
+    if ("turning",) not in model.told:
+        model.told["turning",] = frozenset(name for name in model.parameters if _turns(model, name))
+    found: frozenset[str] = model.told["turning",]
+    return found
+
+
+def _turns(model: ReducedModel, parameter: str) -> bool:
+    value = model.nominal[parameter]
+    point = DesignPoint(model, {parameter: value + 1j * STEP * (abs(value) or 1.0)})
+    matrices = [point.value("stiffness"), _elastic_mass(point)]
+    alone = _apart([np.real(matrix) for matrix in matrices])
+    return any(not _scaled(np.real(each), np.imag(each) / STEP, alone) for each in matrices)
+
+
+def _apart(matrices: list[np.ndarray]) -> np.ndarray:
+    """Number of the group of each coordinate (n_f,): those of one group have nothing to do with others, as stretching with bending."""
+    coupled = np.any([np.abs(_measured(matrix, matrix)) > COUPLED for matrix in matrices], axis=0)
+    found: np.ndarray = connected_components(coupled)[1]
+    return found
+
+
+def _elastic_mass(point: DesignPoint) -> np.ndarray:
+    """Mass of the elastic coordinates (n_f, n_f)."""
+    inv = point.invariants()
+    return np.asarray(inv.inertia_about_origin[1:, 1:])
+
+
+def _scaled(matrix: np.ndarray, change: np.ndarray, group: np.ndarray) -> bool:
+    """Whether a change is along the matrix in each group of coordinates, and couples none."""
+    size, moved = _measured(matrix, matrix), _measured(change, matrix)
+    for each in np.unique(group):
+        own = np.ix_(group == each, group == each)
+        moved[own] -= np.sum(moved[own] * size[own]) / np.sum(size[own] ** 2) * size[own]
+    return bool(np.linalg.norm(moved) <= SCALED * np.linalg.norm(size))
+
+
+def _measured(matrix: np.ndarray, by: np.ndarray) -> np.ndarray:
+    """A matrix with each coordinate measured by its own entry on the diagonal of another one."""
+    root = np.sqrt(np.diag(by))
+    return np.asarray(matrix / np.outer(root, root))
