@@ -17,6 +17,7 @@ from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_coun
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.missed_peaks import missed_peaks
 from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.vibrations.flutter import UNSTABLE
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
@@ -133,8 +134,9 @@ class Result:
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             folded = folded_equilibria(self.solution) if self.values and not self.solution.steps else ()
+            of_state = [each for each in found.warnings if each.code != UNSTABLE]  # said again by what was asked for
             return Verdict.of(
-                without_false_zeros([*found.warnings, *self._of_vibrations(), *folded, *self._undefined()]), found.measures
+                without_false_zeros([*of_state, *self._of_vibrations(), *folded, *self._undefined()]), found.measures
             )
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)

@@ -7,6 +7,7 @@ from typing import Any
 
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.responses.vibrations.flutter import unstable_vibrations
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, sheared
 from toolkit.validity.bodies.bent_pieces import bent_pieces
@@ -50,7 +51,8 @@ def judge(solution: Solution) -> Verdict:
         Of `simulate` or `solve_statics`, with real numbers.
     """
     found = measures(solution)
-    return Verdict.of([*cautions(solution, found), *(_of_states(solution, found) if solution.steps else ())], found)
+    about_states = _of_states(solution, found) if solution.steps else unstable_vibrations(solution)
+    return Verdict.of([*cautions(solution, found), *about_states], found)
 
 
 def _of_states(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
@@ -66,7 +68,7 @@ def measures(solution: Solution) -> dict[str, Any]:
 
 
 def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
-    """All cautions but those of coarse steps and of noisy forces: a result knows what they do to what it was asked for."""
+    """All cautions but those of coarse steps, noisy forces and growing vibrations: a result knows what they do to its numbers."""
     scene = solution.system.scene
     if solution.steps:
         yield from unbalanced_energy(solution, found["energy_balance"])
