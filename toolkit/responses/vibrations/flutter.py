@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from toolkit.equations.equations import Terms
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.vibrations.pencil import Pencil, pencil_of, real_pencil
 from toolkit.responses.vibrations.roots import SAME, free_pencil
@@ -27,6 +26,7 @@ from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.static.stability.saddle import free_count
 from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, whole_array
 from toolkit.system.solution import Solution
+from toolkit.system.system import System
 
 UNSTABLE = "unstable-vibration"
 """Code of what is told."""
@@ -70,35 +70,34 @@ def unstable_vibrations(solution: Solution, doubt: bool = True) -> Iterator[Caut
 def fastest_growth(solution: Solution) -> Growth | None:
     """The motion about an equilibrium at rest that grows fastest for its size |s|; None if none grows, or if none can."""
     if Growth not in solution.known:
-        solution.known[Growth] = _growth(solution) if _may_grow(solution) else None
+        solution.known[Growth] = growth_of(solution, real_pencil(pencil_of(solution))) if may_grow(solution) else None
     found: Growth | None = solution.known[Growth]
     return found
 
 
-def _may_grow(solution: Solution) -> bool:
+def may_grow(solution: Solution) -> bool:
     """Whether the stiffness is unsymmetric, or dampers may give energy: quick, and of sparse matrices where they are large."""
+    if may_grow not in solution.known:
+        solution.known[may_grow] = free_count(solution.system) > 0 and not _is_conservative(solution)
+    found: bool = solution.known[may_grow]
+    return found
+
+
+def _is_conservative(solution: Solution) -> bool:
     system = solution.system
-    if free_count(system) <= 0:
-        return False
     q, acc = np.zeros(system.n), np.zeros(system.n)
     q[: system.n_q], acc[system.n_q :] = np.real(solution.q[-1]), np.real(solution.multipliers[-1])
     terms = system.evaluate(system.inputs(solution.times[-1], LEVELS), q, np.zeros(system.n), acc)
-    return not (
-        is_symmetric_everywhere(_of_coordinates(solution, terms.I_q + terms.A_q)) and _takes_energy(_damping(solution, terms))
-    )
+    stiffness, damping = (_of_coordinates(system, each) for each in (terms.I_q + terms.A_q, terms.A_v))
+    return is_symmetric_everywhere(stiffness) and _takes_energy(damping)
 
 
-def _damping(solution: Solution, terms: Terms) -> StaticArray:
-    return _of_coordinates(solution, terms.A_v)
-
-
-def _of_coordinates(solution: Solution, values: np.ndarray) -> StaticArray:
-    n_q = solution.system.n_q
-    return whole_array(solution.system, np.real(values))[:n_q, :n_q]
+def _of_coordinates(system: System, values: np.ndarray) -> StaticArray:
+    return whole_array(system, np.real(values))[: system.n_q, : system.n_q]
 
 
 def _takes_energy(damping: StaticArray) -> bool:
-    """Whether no motion gets energy from the dampers."""
+    """Whether no motion gets energy from the dampers; many of them are judged by the diagonal alone."""
     largest = largest_entry(damping)
     if largest == 0:
         return True
@@ -110,9 +109,9 @@ def _takes_energy(damping: StaticArray) -> bool:
     return bool(np.linalg.eigvalsh(damping / np.outer(size, size))[0] > -UNSYMMETRIC)
 
 
-def _growth(solution: Solution) -> Growth | None:
+def growth_of(solution: Solution, pencil: Pencil) -> Growth | None:
+    """What grows fastest for its size by a pencil about the last state of a solution; None if nothing does."""
     system = solution.system
-    pencil = real_pencil(pencil_of(solution))
     Z, reduced = free_pencil(system.weights[: system.n_q], pencil)
     basis = _slow_motions(Z[system.n_b :], reduced)
     values, left, right = all_roots(*(basis.T @ each @ basis for each in reduced))
