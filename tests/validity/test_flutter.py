@@ -31,17 +31,22 @@ y = { type = "displacement", body = "beam", point = "tip", component = "y" }
 FREQUENCIES = 'f1 = { type = "frequency" }\nf2 = { type = "frequency", number = 2 }\n'
 
 
-def column(folder: Path, force: float, frames: int, responses: str = FREQUENCIES, damping: float = 0.0) -> Scene:
-    """Of length, bending stiffness and mass per length 1."""
+def save_column(folder: Path, damping: float) -> None:
+    """Its reduced model."""
     section = Section(youngs_modulus=12e6, density=100.0, thickness=0.01, width=1.0, damping_stiffness=damping)
     save_beam(folder / "beam.h5", NODES, section, {"tip": 1.0})
+
+
+def column(folder: Path, force: float, frames: int, responses: str = FREQUENCIES, damping: float = 0.0) -> Scene:
+    """Of length, bending stiffness and mass per length 1."""
+    save_column(folder, damping)
     (folder / "scene.toml").write_text(SCENE.replace("FRAMES", str(frames)).replace("FORCE", repr(force)) + responses)
     return ffrf.read_scene(folder / "scene.toml")
 
 
-def beck(force: float) -> tuple[np.ndarray, np.ndarray]:
-    """The two lowest frequencies and their derivatives by the force; it flutters beyond 20.05."""
-    n, h = 30, 1 / 30
+def beam_matrices(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Stiffness, mass and what a unit force along it takes from the stiffness, of n elements, clamped at its first node."""
+    h = 1 / n
     K, M, G = (np.zeros((2 * n + 2, 2 * n + 2)) for _ in range(3))
     for e in range(n):
         at = slice(2 * e, 2 * e + 4)
@@ -51,12 +56,18 @@ def beck(force: float) -> tuple[np.ndarray, np.ndarray]:
                                [54, 13 * h, 156, -22 * h], [-13 * h, -3 * h**2, -22 * h, 4 * h**2]]) * h / 420  # fmt: skip
         G[at, at] += np.array([[36, 3 * h, -36, 3 * h], [3 * h, 4 * h**2, -3 * h, -h**2],
                                [-36, -3 * h, 36, -3 * h], [3 * h, -h**2, -3 * h, 4 * h**2]]) / (30 * h)  # fmt: skip
+    return K[2:, 2:], M[2:, 2:], G[2:, 2:]
+
+
+def beck(force: float) -> tuple[np.ndarray, np.ndarray]:
+    """The two lowest frequencies and their derivatives by the force; it flutters beyond 20.05."""
+    K, M, G = beam_matrices(30)
     G[-2, -1] -= 1.0  # the force turns with the tip
-    squares, left, right = scipy.linalg.eig(K[2:, 2:] - force * G[2:, 2:], M[2:, 2:], left=True, right=True)
+    squares, left, right = scipy.linalg.eig(K - force * G, M, left=True, right=True)
     lowest = np.argsort(squares.real)[:2]
     frequencies = np.sqrt(squares[lowest].real) / (2 * np.pi)
     u, w = right[:, lowest], left[:, lowest].conj()
-    slopes = -np.sum(w * (G[2:, 2:] @ u), axis=0) / np.sum(w * (M[2:, 2:] @ u), axis=0)
+    slopes = -np.sum(w * (G @ u), axis=0) / np.sum(w * (M @ u), axis=0)
     return frequencies, slopes.real / (8 * np.pi**2 * frequencies)
 
 
@@ -75,7 +86,8 @@ def test_frequencies_that_are_about_to_merge_are_doubted_by_their_true_size(tmp_
     model = ffrf.compile(column(tmp_path, 20.0, 8))
     high = model.modes(count=2).frequencies / beck(20.0)[0] - 1
     text = next(each.text for each in model.modes(count=2).verdict.warnings if each.code == "merging-vibrations")
-    low, up = re.search(r"mode 1 is ([0-9.]+)% too low, mode 2 is ([0-9.]+)% too high", text).groups()
+    low, up = re.findall(r"mode [12] is ([0-9.]+)% too", text)
+    assert "too low, mode 2" in text
     assert [-float(low), float(up)] == pytest.approx(100 * high, rel=0.05)
 
 

@@ -14,6 +14,7 @@ from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.chosen.outgrown_choices import outgrown_choices
 from toolkit.validity.bodies.compressed.merging_vibrations import merging_vibrations
+from toolkit.validity.bodies.compressed.parametric_resonance import parametric_resonance
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
@@ -103,6 +104,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from critical_loads(solution)
     yield from tension(solution)
     yield from merging_vibrations(solution)
+    yield from parametric_resonance(solution)
     yield from unseen_tension(scene)
     yield from sheared(scene)
     yield from bent_between_nodes(solution)
