@@ -99,12 +99,12 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
 
 def resonance(solution: Solution) -> Resonance | None:
     """The vibration that alternating forces make largest; None where none alternates, or nothing grows."""
-    if not solution.steps or len(solution.times) < ALTERNATES:
+    if not solution.steps or len(solution.times) < ALTERNATES or _moved(solution) > STILL:
         return None
     scene = solution.system.scene
     known = {body: law for body in flexible_bodies(scene) if (law := stiffening(scene, body))}
     alternating = [body for body, law in known.items() if _alternates(solution, body, law)]
-    if not alternating or _moved(solution) > STILL:
+    if not alternating:
         return None
     body = getattr(scene.body(alternating[0]), "whole", alternating[0])
     found = [each for vibration in _vibrations(solution, known) if (each := _resonance(solution, body, vibration))]
