@@ -343,11 +343,40 @@ def test_modes_under_a_following_force_are_those_of_zieglers_column():
     np.testing.assert_allclose(found, np.sort(np.sqrt(squares)) / (2 * np.pi), rtol=1e-8)  # unsymmetric: sensitive to round-off
 
 
-def test_flutter_is_refused_not_returned_as_real_frequencies():
-    critical = 3.5 - np.sqrt(2)  # of Ziegler's column with these masses
-    solve_modes(solve_statics(compile_scene(ziegler(0.99 * critical))))
-    with pytest.raises(SingularSystemError, match="flutter"):
-        solve_modes(solve_statics(compile_scene(ziegler(1.01 * critical))))
+@pytest.mark.parametrize("part", [0.99, 1.001, 1.5])
+def test_modes_that_flutter_are_told_with_their_growth_and_no_others(part):
+    """Roots of the same determinant; Ziegler's column flutters beyond P = 3.5 - sqrt(2), and is stable below."""
+    force = part * (3.5 - np.sqrt(2))
+    squares = np.linalg.eigvals(np.linalg.solve([[3, 1], [1, 1]], [[2 - force, force - 1], [-1, 1]]))
+    found = solve_modes(solve_statics(compile_scene(ziegler(force))))
+    if part < 1:
+        np.testing.assert_allclose(found.frequencies, np.sort(np.sqrt(squares.real)) / (2 * np.pi), rtol=1e-7)
+        assert found.damping is None
+        assert found.verdict.trusted
+        return
+    s = np.sqrt(-squares[0])
+    np.testing.assert_allclose(found.frequencies, 2 * [abs(s.imag) / (2 * np.pi)], rtol=1e-7)
+    np.testing.assert_allclose(found.damping, abs(s.real) / abs(s) * np.array([-1, 1]), rtol=1e-6)
+    assert f"grows like exp({abs(s.real):.4g} t)" in found.verdict.reasons[0]
+
+
+def test_stiff_springs_beside_a_fluttering_column_do_not_hide_that_it_flutters():
+    """A mass on a spring whose square of frequency is 1e14 times theirs."""
+    given = ziegler(2.5)
+    stiff = {"bead": Rigid(mass=1e-3, inertia=1e-3, center="P")}
+    guide = {"guide": Slider(bodies=("bead", "ground"), point="P", axis=(1.0, 0.0), lock_rotation=True)}
+    spring = {"hard": SpringDamper(bodies=("bead", "ground"), points=("P", "L"), stiffness=1e11)}
+    both = given.model_copy(
+        update={
+            "points": {**given.points, **at(L=(-1.0, 1.0))},
+            "bodies": {**given.bodies, **stiff},
+            "joints": {**given.joints, **guide},
+            "loads": {**given.loads, **spring},
+        }
+    )
+    alone, found = (solve_modes(solve_statics(compile_scene(each))) for each in (given, both))
+    np.testing.assert_allclose(found.frequencies[:2], alone.frequencies, rtol=1e-6)
+    np.testing.assert_allclose(found.damping[:2], alone.damping, rtol=1e-6)
 
 
 # --- the hard neighbour of the reference scene ----------------------------------------------------------------------------------

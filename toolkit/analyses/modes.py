@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
-import scipy
 
 from toolkit.analyses.modes_found import Modes
 from toolkit.analyses.spinning import spinning_modes
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.mode_shapes import told_apart
-from toolkit.foundation.verdict import Verdict
-from toolkit.solvers.free_motions import ROUND_OFF, felt_state, free_motions, is_symmetric, made_of
+from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.responses.vibrations.flutter import unstable_vibrations
+from toolkit.solvers.free_motions import ROUND_OFF, felt_state, free_motions, made_of
 from toolkit.solvers.start.initial_conditions import closed, initial_accelerations
+from toolkit.solvers.undamped_modes import undamped_modes
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.bodies.damped_modes import cautions_of_damping
 from toolkit.validity.bodies.frequencies import cautions_of_modes
 from toolkit.validity.bodies.spinning.spin import cautions_of_spin
 from toolkit.validity.judge import judge
-
-SLOW = 1e-11
-"""Part of the largest squared frequency below which another may be hidden by its round-off."""
 
 
 def solve_modes(solution: Solution, count: int | None = None) -> Modes:
@@ -29,12 +29,13 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
         Z^T K Z y = omega^2 Z^T M Z y,   J Z = 0,   K = d (residual) / dq with the joint forces' geometric stiffness
 
     K holds the change of the inertia forces of the accelerations, which vanish in an equilibrium: of what falls they cancel the weight.
-    K is unsymmetric under following forces; then the general eigenvalue problem is solved.
+    K is unsymmetric under following forces; then the general eigenvalue problem is solved, and two modes may flutter: they have one
+    frequency, one grows and the other decays. Whether an imaginary part is round-off is decided by the condition of its own pair.
 
     Raises
     ------
     SingularSystemError
-        The joints leave no motion, the mass matrix is not positive definite, or following forces make the motion flutter.
+        The joints leave no motion, or the mass matrix is not positive definite.
     """
     if solution.spins:
         return spinning_modes(solution, count)
@@ -58,48 +59,53 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     if not free.shape[1]:
         raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
     largest = made_of(stiffness, phi_q, multipliers, weights, free).max()
-    squares, vectors = _eigen(free.T @ stiffness @ free, free.T @ mass @ free, largest)
-    squares, shapes = _slow_ones_again(stiffness, mass, squares, free @ vectors, largest)
+    squares, shapes = undamped_modes(stiffness, mass, free, largest)
     terms_of = np.diag(made_of(stiffness, phi_q, multipliers, weights, shapes))
-    zero = np.abs(squares) < ROUND_OFF * np.maximum(np.abs(squares).max(), terms_of)
+    zero = (np.abs(squares) < ROUND_OFF * np.maximum(np.abs(squares).max(), terms_of)) & (np.imag(squares) == 0)
     squares = np.where(zero, 0.0, squares)
-    order = np.argsort(squares, kind="stable")
-    squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
-    frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
-    damped = cautions_of_damping(dense["A_v"][:n_b, :n_b], mass, squares[:count], shapes[:, :count])
+    frequencies, ratios = _vibrations(squares)
+    order = np.lexsort((ratios, frequencies))
+    squares, frequencies, ratios, shapes = squares[order], frequencies[order], ratios[order], shapes[:, order]
+    real = np.flatnonzero(ratios == 0)
+    if real.size:
+        shapes[:, real] = told_apart(squares[real].real, shapes[:, real].real, weights)
+    damped = cautions_of_damping(dense["A_v"][:n_b, :n_b], mass, *_first(squares, shapes, real[real < (count or len(squares))]))
     raised = cautions_of_modes(solution, frequencies[:count], count)
-    found = Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised])
-    return Modes(frequencies[:count], np.pad(shapes[:, :count], ((0, n_q - n_b), (0, 0))), found)
+    unstable = unstable_vibrations(solution)
+    found = Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised, *unstable, *_flutter(frequencies, ratios)])
+    shapes = np.pad(shapes[:, :count], ((0, n_q - n_b), (0, 0)))
+    return Modes(frequencies[:count], shapes, found, ratios[:count] if np.any(ratios) else None)
 
 
-def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:
-    if is_symmetric(stiffness, terms):
-        try:
-            return scipy.linalg.eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
-        except scipy.linalg.LinAlgError as error:
-            raise SingularSystemError(
-                f"the mass matrix is not positive definite ({error}), so there are no modes. Give every body a mass that its stiffness "
-                "does not dwarf beyond round-off."
-            ) from error
-    squares, vectors = scipy.linalg.eig(stiffness, mass)
-    if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max():
-        raise SingularSystemError(
-            "following forces make the motion flutter: the squares of some frequencies are complex. "
-            "Use the transient analysis, or forces fixed in space."
+def _first(squares: np.ndarray, shapes: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return squares[chosen].real, shapes[:, chosen].real
+
+
+def _vibrations(squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies in cycles per time, and damping in parts of the critical one, of squares that are complex where vibrations flutter.
+
+    Of a pair of squares one belongs to a vibration that grows, the other to one of the same frequency that decays.
+    """
+    s = np.sqrt(-squares + 0j)
+    s = np.where(s.imag < 0, -s, s)
+    flutters = np.imag(squares) != 0
+    sizes = np.sqrt(np.abs(squares))
+    frequencies = np.where(flutters, s.imag, np.sign(squares.real) * sizes) / (2 * np.pi)
+    return frequencies, np.divide(-s.real, sizes, out=np.zeros(len(s)), where=flutters)
+
+
+def _flutter(frequencies: np.ndarray, ratios: np.ndarray) -> Iterator[Caution]:
+    """What a mode of negative damping is, in numbers, where modes without dampers flutter."""
+    growing = np.flatnonzero(ratios < 0)
+    if growing.size:
+        k = int(growing[0])
+        rate = -2 * np.pi * frequencies[k] * ratios[k] / np.sqrt(1 - ratios[k] ** 2)
+        yield Caution(
+            "flutter",
+            f"two modes have merged into one frequency, {frequencies[k]:.4g} Hz (numbers {k + 1} and {k + 2}): without dampers one grows "
+            f"like exp({rate:.4g} t), the other one decays as fast.",
+            doubt=False,
         )
-    return squares.real, vectors.real
-
-
-def _slow_ones_again(
-    stiffness: np.ndarray, mass: np.ndarray, squares: np.ndarray, shapes: np.ndarray, terms: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """The slowest modes anew among themselves (Rayleigh and Ritz): round-off of the fastest may make free ones unstable."""
-    slow = np.abs(squares) < SLOW * np.abs(squares).max()
-    if slow.any():
-        own = shapes[:, slow]
-        squares[slow], turn = _eigen(own.T @ stiffness @ own, own.T @ mass @ own, terms)
-        shapes[:, slow] = own @ turn
-    return squares, shapes
 
 
 def undeformed(system: System) -> Solution:

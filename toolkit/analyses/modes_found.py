@@ -17,7 +17,8 @@ class Modes(NamedTuple):
 
     About a steady spin frequencies are those that the frame sees which spins with the scene, and shapes are complex: real and imaginary
     part follow each other a quarter of a period apart. `damping`, in parts of the critical one, is None about a state at rest, whose
-    modes are those without dampers; a negative one stands for a vibration that grows.
+    modes are those without dampers, unless two of these flutter: then their shapes are complex, too. A negative one stands for a
+    vibration that grows like exp(2 pi f zeta t / sqrt(1 - zeta^2)) with the size zeta of it.
     """
 
     frequencies: np.ndarray  # (n_modes,)

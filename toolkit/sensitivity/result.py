@@ -17,6 +17,7 @@ from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_coun
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.missed_peaks import missed_peaks
 from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.vibrations.flutter import unstable_vibrations
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
@@ -29,6 +30,7 @@ from toolkit.sensitivity.frames.gradient_errors import NONE, FrameErrors, Refram
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.compressed.merging_vibrations import merging_vibrations
 from toolkit.validity.bodies.frequencies import cautions_of_frequencies
 from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
@@ -173,9 +175,9 @@ class Result:
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             folded = folded_equilibria(self.solution) if self.values and not self.solution.steps else ()
-            return Verdict.of(
-                without_false_zeros([*found.warnings, *self._of_vibrations(), *folded, *self._undefined()]), found.measures
-            )
+            of_state = set(unstable_vibrations(self.solution))  # said again by what was asked for
+            others = [each for each in found.warnings if each not in of_state]
+            return Verdict.of(without_false_zeros([*others, *self._of_vibrations(), *folded, *self._undefined()]), found.measures)
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
@@ -216,6 +218,7 @@ class Result:
         if self.gradients and not self.solution.system.n_x:
             yield from critical_loads(self.solution, lateral=True)  # what its derivatives feel is not known
             yield from tension(self.solution, lateral=True)
+            yield from merging_vibrations(self.solution, lateral=True)
 
     def _undefined(self) -> Iterator[Caution]:
         """Values and derivatives that do not exist at this design, and variables that nothing feels."""

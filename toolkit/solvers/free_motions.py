@@ -52,3 +52,16 @@ def felt_state(system: System, stiffness: np.ndarray) -> str:
 def is_symmetric(stiffness: np.ndarray | scipy.sparse.csr_array, terms: float = 0.0) -> bool:
     """Whether a stiffness is symmetric but for round-off; `terms` is the largest of what its entries are sums of."""
     return bool(abs(stiffness - stiffness.T).max() <= UNSYMMETRIC * abs(stiffness).max() + 10 * ROUND_OFF * terms)
+
+
+def is_symmetric_everywhere(matrix: np.ndarray | scipy.sparse.csr_array) -> bool:
+    """Whether each entry is the same as its mirror, beside the stiffness of its own two coordinates: a force that follows a soft body makes
+    it unsymmetric, however stiff others are."""
+    largest, size = abs(matrix).max(), np.sqrt(np.abs(matrix.diagonal()))
+    if isinstance(matrix, np.ndarray):
+        off, least = np.abs(matrix - matrix.T), np.outer(size, size)
+        return bool(np.all(off <= UNSYMMETRIC * (least + np.abs(matrix)) + ROUND_OFF * largest))
+    off = scipy.sparse.coo_array(abs(matrix - matrix.T))
+    both = np.asarray(scipy.sparse.csr_array(abs(matrix))[off.row, off.col]).ravel()
+    allowed = UNSYMMETRIC * (size[off.row] * size[off.col] + both) + ROUND_OFF * largest
+    return bool(np.all(off.data <= allowed))

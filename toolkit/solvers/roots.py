@@ -66,3 +66,8 @@ def all_frequencies(values: np.ndarray) -> np.ndarray:
     largest = float(np.abs(values).max(initial=0))
     zeros = [0.0] * count_of_zeros(values, largest)
     return np.sort([*(frequency_of(each) for each in values if counts(each, largest)), *zeros])
+
+
+def undamped_rates(K: np.ndarray, M: np.ndarray) -> np.ndarray:
+    """How fast all vibrations without dampers are, in rad/time, ascending; zero of what does not vibrate, alike of two that flutter."""
+    return np.sort(np.abs(np.imag(np.sqrt(-scipy.linalg.eigvals(K, M) + 0j))))

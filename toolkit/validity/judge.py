@@ -7,11 +7,14 @@ from typing import Any
 
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.responses.vibrations.flutter import unstable_vibrations
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, sheared
 from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.chosen.outgrown_choices import outgrown_choices
+from toolkit.validity.bodies.compressed.merging_vibrations import merging_vibrations
+from toolkit.validity.bodies.compressed.parametric_resonance import parametric_resonance
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
@@ -50,7 +53,8 @@ def judge(solution: Solution) -> Verdict:
         Of `simulate` or `solve_statics`, with real numbers.
     """
     found = measures(solution)
-    return Verdict.of([*cautions(solution, found), *(_of_states(solution, found) if solution.steps else ())], found)
+    about_states = _of_states(solution, found) if solution.steps else unstable_vibrations(solution)
+    return Verdict.of([*cautions(solution, found), *about_states], found)
 
 
 def _of_states(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
@@ -66,7 +70,7 @@ def measures(solution: Solution) -> dict[str, Any]:
 
 
 def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
-    """All cautions but those of coarse steps and of noisy forces: a result knows what they do to what it was asked for."""
+    """All cautions but those of coarse steps, noisy forces and growing vibrations: a result knows what they do to its numbers."""
     scene = solution.system.scene
     if solution.steps:
         yield from unbalanced_energy(solution, found["energy_balance"])
@@ -99,6 +103,8 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from bent_pieces(solution)
     yield from critical_loads(solution)
     yield from tension(solution)
+    yield from merging_vibrations(solution)
+    yield from parametric_resonance(solution)
     yield from unseen_tension(scene)
     yield from sheared(scene)
     yield from bent_between_nodes(solution)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
+from toolkit.responses.vibrations.flutter import UNSTABLE, unstable_vibrations
 from toolkit.responses.vibrations.pencil import Pencil, real_pencil
 from toolkit.responses.vibrations.roots import SAME, find_vibration
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency, OfVibration, any_pencil_of
@@ -20,24 +21,24 @@ SUSPECT = 1e-4
 def growing_vibrations(solution: Solution, values: Mapping[str, Any]) -> Iterator[Caution]:
     """A doubt for each kind of response of vibrations that has a value, or a remark where a damping ratio is negative and says so itself.
 
-    Following forces make two vibrations flutter, damping inside of what spins fast, or a controller, one.
+    Of an equilibrium at rest it is said whatever is asked for, with its dampers; and of frequencies without them if they alone keep it.
     """
-    wanted = {
-        type(each): each
-        for name, each in solution.system.scene.responses.items()
-        if name in values and isinstance(each, OfVibration)
-    }
+    responses = solution.system.scene.responses
+    wanted = {type(each): each for name, each in responses.items() if name in values and isinstance(each, OfVibration)}
+    told = any(value < 0 for name, value in values.items() if isinstance(responses[name], DampingRatio))
+    of_state = list(unstable_vibrations(solution, doubt=not told))
+    yield from of_state
+    if not (solution.steps or solution.spins):
+        wanted = {} if of_state else {kind: each for kind, each in wanted.items() if issubclass(kind, Frequency)}
     if not wanted:
         return
-    responses = solution.system.scene.responses
-    told = any(value < 0 for name, value in values.items() if isinstance(responses[name], DampingRatio))
     pencil, weights = any_pencil_of(solution), solution.system.weights[: solution.system.n_q]
     for kind, response in wanted.items():
         grows = _fastest_growth(response, solution, pencil, weights)
         if grows is not None:
             how, larger = _without(kind, solution), np.exp(2 * np.pi * grows.real / grows.imag)
             yield Caution(
-                "unstable-vibration",
+                UNSTABLE,
                 f"a vibration with {grows.imag / (2 * np.pi):.4g} cycles per time about this state{how} grows: after each cycle it is "
                 f"{larger:.4g} times as large, so that nothing comes to rest here. The response damping-ratio tells how fast; add damping, "
                 "or take less of the load or the speed that drives it.",

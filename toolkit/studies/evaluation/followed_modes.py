@@ -3,7 +3,7 @@
 The mode of a number is the one of that number where the scene stands. At another design it is the one that is most alike, by the mode
 assurance of shapes u and r,
 
-    (r^T M u)^2 / (r^T M r  u^T M u)
+    |r^H M u|^2 / (r^H M r  u^H M u)
 
 Shapes of modes are orthogonal by the mass M, so that of the assurances of all modes with r at most one is above one half.
 """
@@ -52,8 +52,8 @@ def followed(solution: Solution, shapes: np.ndarray, number: int) -> Frequency:
     """
     mass = np.real(pencil_of(solution).mass[: solution.system.n_q, : solution.system.n_q])
     modes, reference = solve_modes(solution), shapes[:, number - 1]
-    squares = np.einsum("ik,ij,jk->k", modes.shapes, mass, modes.shapes)
-    alike = (reference @ mass @ modes.shapes) ** 2 / (squares * (reference @ mass @ reference))
+    squares = np.real(np.einsum("ik,ij,jk->k", modes.shapes.conj(), mass, modes.shapes))  # complex are those that flutter
+    alike = np.abs(reference.conj() @ mass @ modes.shapes) ** 2 / (squares * np.real(reference.conj() @ mass @ reference))
     k = int(np.argmax(alike))
     remedy = f'ask for frequencies by their order, with a response {{ type = "frequency", number = {number} }}'
     if alike[k] <= ALIKE:

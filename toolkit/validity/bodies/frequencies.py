@@ -10,6 +10,7 @@ from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
+from toolkit.validity.bodies.compressed.merging_vibrations import merging_of
 from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
 from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
@@ -38,6 +39,8 @@ def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | 
     """
     yield from cautions_of_raised(solution, frequencies)
     yield from critical_loads(solution, lateral=True)
-    yield from tension_of_vibrations(solution, {f"mode {k + 1}": k + 1 for k in range(len(frequencies))})
+    numbers = {f"mode {k + 1}": k + 1 for k in range(len(frequencies))}
+    yield from tension_of_vibrations(solution, numbers)
+    yield from merging_of(solution, numbers)
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
     yield from cautions_of_frequencies(solution.system.scene, named, doubt=count is not None)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-import scipy
 
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.vibrations.roots import free_pencil
-from toolkit.solvers.roots import all_frequencies, all_roots
+from toolkit.solvers.roots import all_frequencies, all_roots, undamped_rates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.reduced.full_scene import reduced_bodies
 from toolkit.validity.bodies.reduced.richer_pencil import richer_pencil
@@ -31,8 +30,7 @@ def raised_frequencies(solution: Solution, frequencies: np.ndarray) -> np.ndarra
     if solution.spins:
         true = all_frequencies(all_roots(*reduced)[0])
     else:
-        squares = np.sort(np.real(scipy.linalg.eigvals(reduced.stiffness, reduced.mass)))
-        true = np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)
+        true = undamped_rates(reduced.stiffness, reduced.mass) / (2 * np.pi)
     true = true[: len(found)][vibrating]
     with np.errstate(divide="ignore"):
         found[vibrating] = frequencies[vibrating] / np.maximum(true, 0.0) - 1

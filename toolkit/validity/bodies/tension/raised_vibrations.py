@@ -6,11 +6,11 @@ Vibrations with the stiffness K + T, T of `stiffened_state`, against those with 
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from toolkit.responses.vibrations.pencil import real_pencil
 from toolkit.responses.vibrations.roots import free_pencil
 from toolkit.responses.vibrations.vibration import any_pencil_of
+from toolkit.solvers.roots import undamped_rates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.tension.stiffened_bodies import pulled_bodies, stiffened_states
 from toolkit.validity.bodies.tension.stiffened_state import StiffenedState, stiffened_state
@@ -28,11 +28,9 @@ def raised_by_tension(solution: Solution) -> np.ndarray:
     pencil = real_pencil(any_pencil_of(solution))
     motions, reduced = free_pencil(weights, pencil)
     more = motions.T @ np.array([state.adds(each) for each in motions.T]).T
-    one, other = (
-        np.sort(np.real(scipy.linalg.eigvals(each, reduced.mass))) for each in (reduced.stiffness, reduced.stiffness + more)
-    )
-    fast = one > SLOW * one.max(initial=0.0)
-    found: np.ndarray = np.sqrt(np.maximum(np.divide(other, one, out=np.ones(len(one)), where=fast), 0.0))
+    one, other = (undamped_rates(each, reduced.mass) for each in (reduced.stiffness, reduced.stiffness + more))
+    fast = one**2 > SLOW * np.max(one, initial=0.0) ** 2
+    found: np.ndarray = np.divide(other, one, out=np.ones(len(one)), where=fast)
     return found
 
 

@@ -7,9 +7,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.vibrations.least_frequency import LeastFrequency
-from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.compressed.merging_vibrations import asked_vibrations
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.tension.raised_vibrations import raised_by_tension
@@ -35,13 +34,7 @@ def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
         yield Caution("tension", _too_large(solution, found))
     elif not solution.steps:
         yield from _of_derivatives(solution, lateral)
-    yield from tension_of_vibrations(solution, _asked(solution))
-
-
-def _asked(solution: Solution) -> dict[str, int]:
-    """Responses that are a vibration's, and its number from the slowest on."""
-    found = {name: each for name, each in solution.system.scene.responses.items() if isinstance(each, Frequency | LeastFrequency)}
-    return {name: getattr(each, "number", 1) for name, each in found.items() if not (solution.steps and each.needs_rest)}
+    yield from tension_of_vibrations(solution, asked_vibrations(solution))
 
 
 def tension_of_vibrations(solution: Solution, asked: Mapping[str, int]) -> Iterator[Caution]:

@@ -1,0 +1,148 @@
+"""Whether small motions about an equilibrium at rest grow: statics alone do not see what flutters.
+
+Statics follow a path of positive stiffness, so that an equilibrium whose stiffness is symmetric and whose dampers take energy is stable.
+Forces that follow a body, moments about fixed axes and controllers make the stiffness unsymmetric, and vibrations may grow, damped ones
+before undamped ones. Of such an equilibrium alone the vibrations are computed,
+
+    (s^2 M + s C + K) u = 0,     Re s > e (|s|^2 |w|^T |M| |u| + |s| |w|^T |C| |u| + |w|^T |K| |u|) / |w^T (2 s M + C) u|
+
+with the round-off of each one by itself: near a coalescence, where two frequencies merge, w^T (2 s M + C) u vanishes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from toolkit.foundation.verdict import Caution
+from toolkit.responses.vibrations.pencil import Pencil, pencil_of, real_pencil
+from toolkit.responses.vibrations.roots import SAME, free_pencil
+from toolkit.solvers.free_motions import ROUND_OFF, UNSYMMETRIC, is_symmetric_everywhere
+from toolkit.solvers.roots import all_roots, refined
+from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.solvers.static.stability.saddle import free_count
+from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, whole_array
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
+
+UNSTABLE = "unstable-vibration"
+"""Code of what is told."""
+GROWS = 1e-5
+"""Growth, a part of |s|, below which a vibration counts as one that stays: it needs ten thousand cycles to become twice as large."""
+SLOWEST = 60
+"""So many vibrations without dampers are looked at: what flutters is slow, and prices go with the third power of the number."""
+
+
+class Growth(NamedTuple):
+    """A vibration, or a motion that runs away, about an equilibrium."""
+
+    s: complex
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        runs = f"a small disturbance runs away from this equilibrium like exp({self.s.real:.4g} t)"
+        if self.s.imag <= SAME * abs(self.s):
+            return f"{runs}, so that nothing comes to rest here."
+        larger = np.exp(2 * np.pi * self.s.real / self.s.imag)
+        return (
+            f"a vibration with {self.s.imag / (2 * np.pi):.4g} cycles per time about this equilibrium grows like "
+            f"exp({self.s.real:.4g} t): after each cycle it is {larger:.4g} times as large, so that nothing comes to rest here (flutter)."
+        )
+
+
+REMEDY = (
+    " The response damping-ratio tells how fast. Take less of the load, the gain or the speed that drives it, or change the dampers: a "
+    "little damping inside may make it flutter sooner."
+)
+
+
+def unstable_vibrations(solution: Solution, doubt: bool = True) -> Iterator[Caution]:
+    """That small motions about an equilibrium at rest grow, with its dampers; nothing of motions and spins."""
+    grows = None if solution.steps or solution.spins else fastest_growth(solution)
+    if grows is not None:
+        yield Caution(UNSTABLE, grows.text + REMEDY, doubt)
+
+
+def fastest_growth(solution: Solution) -> Growth | None:
+    """The motion about an equilibrium at rest that grows fastest for its size |s|; None if none grows, or if none can."""
+    if Growth not in solution.known:
+        solution.known[Growth] = growth_of(solution, real_pencil(pencil_of(solution))) if may_grow(solution) else None
+    found: Growth | None = solution.known[Growth]
+    return found
+
+
+def may_grow(solution: Solution) -> bool:
+    """Whether the stiffness is unsymmetric, or dampers may give energy: quick, and of sparse matrices where they are large."""
+    if may_grow not in solution.known:
+        solution.known[may_grow] = free_count(solution.system) > 0 and not _is_conservative(solution)
+    found: bool = solution.known[may_grow]
+    return found
+
+
+def _is_conservative(solution: Solution) -> bool:
+    system = solution.system
+    q, acc = np.zeros(system.n), np.zeros(system.n)
+    q[: system.n_q], acc[system.n_q :] = np.real(solution.q[-1]), np.real(solution.multipliers[-1])
+    terms = system.evaluate(system.inputs(solution.times[-1], LEVELS), q, np.zeros(system.n), acc)
+    stiffness, damping = (_of_coordinates(system, each) for each in (terms.I_q + terms.A_q, terms.A_v))
+    return is_symmetric_everywhere(stiffness) and _takes_energy(damping)
+
+
+def _of_coordinates(system: System, values: np.ndarray) -> StaticArray:
+    return whole_array(system, np.real(values))[: system.n_q, : system.n_q]
+
+
+def _takes_energy(damping: StaticArray) -> bool:
+    """Whether no motion gets energy from the dampers; many of them are judged by the diagonal alone."""
+    largest = largest_entry(damping)
+    if largest == 0:
+        return True
+    if not is_symmetric_everywhere(damping) or damping.diagonal().min() < -ROUND_OFF * largest:
+        return False
+    if not isinstance(damping, np.ndarray):
+        return True
+    size = np.sqrt(np.maximum(damping.diagonal(), ROUND_OFF * largest))
+    return bool(np.linalg.eigvalsh(damping / np.outer(size, size))[0] > -UNSYMMETRIC)
+
+
+def growth_of(solution: Solution, pencil: Pencil) -> Growth | None:
+    """What grows fastest for its size by a pencil about the last state of a solution; None if nothing does."""
+    system = solution.system
+    Z, reduced = free_pencil(system.weights[: system.n_q], pencil)
+    basis = _slow_motions(Z[system.n_b :], reduced)
+    values, left, right = all_roots(*(basis.T @ each @ basis for each in reduced))
+    sizes = Pencil(*(np.abs(each[: system.n_q, : system.n_q]) for each in pencil))
+    growing = []
+    for k in np.flatnonzero((values.real > GROWS / 2 * np.abs(values)) & (values.imag >= 0)):
+        with np.errstate(all="ignore"):
+            s, u, w = refined(*reduced, values[k], basis @ right[:, k], basis @ left[:, k])
+        scale = abs(w @ (2 * s * reduced.mass + reduced.damping) @ u)
+        if s.real * scale > max(GROWS * abs(s) * scale, _round_off(sizes, s, np.abs(Z @ u), np.abs(Z @ w))):
+            growing.append(complex(s.real, abs(s.imag)))
+    worst = max(growing, key=lambda s: s.real / abs(s), default=None)
+    return None if worst is None else Growth(worst)
+
+
+def _round_off(sizes: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> float:
+    """What a sum of the pencil's terms along w and u cannot be told from zero by."""
+    terms = w @ (abs(s) ** 2 * sizes.mass + abs(s) * sizes.damping + sizes.stiffness) @ u
+    return 10 * ROUND_OFF * float(terms)
+
+
+def _slow_motions(states: np.ndarray, reduced: Pencil) -> np.ndarray:
+    """Columns (n, m): the slowest vibrations of the symmetric part, with all states of loads (n_s, n), which have no mass."""
+    n = len(reduced.mass)
+    if n <= SLOWEST:
+        return np.eye(n)
+    rows = np.linalg.svd(states)[2] if len(states) else np.eye(n)
+    massive = rows[len(states) :].T
+    stiffness, mass = (massive.T @ (each + each.T) @ massive for each in (reduced.stiffness, reduced.mass))
+    try:
+        slow = scipy.linalg.eigh(stiffness, mass, subset_by_index=[0, SLOWEST - 1])[1]
+    except scipy.linalg.LinAlgError:
+        return np.eye(n)
+    return np.column_stack([massive @ slow, rows[: len(states)].T])
