@@ -9,8 +9,9 @@ along the element, L its length, e its direction and n = e turned by +90 degrees
     w: (1 - 3r^2 + 2r^3) v_1 + L (r - 2r^2 + r^3) th_1 + (3r^2 - 2r^3) v_2 + L (r^3 - r^2) th_2
 
 In the coordinates of `spatial_beam` these are x, y and the rotation about z of both ends, with e_2 = n and e_3 = z. Every function returns
-polynomial coefficients or matrices of all elements at once (first axis), for unit parameters of the section. No rotary inertia, no shear
-deformation. The textbook matrices: Przemieniecki, Theory of Matrix Structural Analysis (1968), chapters 5 and 11.
+polynomial coefficients or matrices of all elements at once (first axis), for unit parameters of the section. Rotary inertia is a matrix of
+its own, on one coordinate more, the offset of `spatial_beam`; no shear deformation. The textbook matrices: Przemieniecki, Theory of Matrix
+Structural Analysis (1968), chapters 5 and 11.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from preprocessing.elements.spatial_beam import SECOND
 
 IN_PLANE = [0, 1, 5, 6, 7, 11]
 """Coordinates of the planar element among those of the spatial one."""
+WITH_OFFSET = [*IN_PLANE, 12]
+"""The same with the offset, one in the undeformed shape and zero in every displacement."""
 
 
 def _in_space(ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -54,6 +57,12 @@ def rotation(ends: np.ndarray) -> np.ndarray:
 def component_mass(ends: np.ndarray) -> np.ndarray:
     """Component mass matrices M_ab = L int S_a^T S_b dr for unit mass per length, (n_e, 2, 2, 6, 6)."""
     return spatial_beam.products(ends, shape(ends))
+
+
+def rotary_mass(ends: np.ndarray) -> np.ndarray:
+    """Component mass matrices of the section's spread along n for unit rho int n^2 dA, with the offset last, (n_e, 2, 2, 7, 7)."""
+    flat, triad = _in_space(ends)
+    return spatial_beam.products(flat, spatial_beam.offset(flat, triad, SECOND)[:, :, :2, WITH_OFFSET])
 
 
 def strain(ends: np.ndarray) -> np.ndarray:

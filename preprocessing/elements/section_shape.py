@@ -68,7 +68,7 @@ def strip(thickness: str = "thickness", width: str = "width") -> SectionShape:
     """The skin's rectangle, thickness along e_2 in the plane of the skin and width along e_3 across it.
 
     A = t b, B_2 = b t^3 / 12, B_3 = t b^3 / 12, J as of a `rectangle`, and the mass on the middle line of the rectangle, S_2 = 0 and
-    S_3 = t b^3 / 12: so bending in the plane has no rotary inertia, as planar beams have none, and torsion has rho t b^3 / 12.
+    S_3 = t b^3 / 12: so bending in the plane has no rotary inertia, as planar beams without it, and torsion has rho t b^3 / 12.
     """
     whole = rectangle(thickness, width)
     return SectionShape(**{**vars(whole), "spread_2": ()})

@@ -42,7 +42,12 @@ class SpatialBeam(LineElement):
     orientation: np.ndarray  # (n_e, 3), the e_3 of each section before it is made normal to its element
     patches: Sequence[SpatialPatch]
 
-    space, per_node, hidden = SPACE, 6, 1
+    space, per_node = SPACE, 6
+
+    @property
+    def hidden(self) -> int:
+        """One coordinate for the offset of points from the centre line."""
+        return 1
 
     @cached_property
     def axes(self) -> np.ndarray:

@@ -90,7 +90,7 @@ def frame_beams(file: FrameFile, design: Mapping[str, Any]) -> SpatialBeam | Pla
         count += beam.elements - 1
     mesh = np.vstack(nodes), np.vstack(connectivity)
     if file.dimension == 2:
-        return PlanarBeam(*mesh, [patch for _, patch in _sections(file)])
+        return PlanarBeam(*mesh, [patch for _, patch in _sections(file)], rotary_inertia=file.rotary_inertia)
     given = file.places
     directions = [_orientation(beam, given[beam.end] - given[beam.start]) for beam in file.beams]
     orientation = np.repeat(directions, [beam.elements for beam in file.beams], axis=0)

@@ -32,6 +32,7 @@ class FrameFile(Table):
 
     units: Literal["mm-t-s", "m-kg-s"]
     dimension: Literal[2, 3] = 3  # of space
+    rotary_inertia: bool = True  # of the sections; false, in the plane alone: their mass lies on the middle line
     nodes: dict[NAMED, Coordinates]  # name -> x, y and, in space, z
     polar_nodes: dict[NAMED, PolarNode] = Field(default_factory=dict)  # in the plane, nodes at a length and an angle from others
     beams: Annotated[list[BeamTable], Field(min_length=1)]
@@ -85,6 +86,8 @@ class FrameFile(Table):
                 yield f"nodes.{name}: a frame {where} (dimension = {self.dimension}) has {self.dimension} coordinates (given: {place})"
         if self.polar_nodes and not plane:
             yield "polar_nodes: nodes at one angle lie in the plane; write dimension = 2, or give them coordinates in nodes"
+        if not plane and not self.rotary_inertia:
+            yield "rotary_inertia: beams in space (dimension = 3) have it, as they twist; leave the key out"
         if both := set(self.nodes) & set(self.polar_nodes):
             yield f"polar_nodes.{min(both)}: this node has coordinates in nodes already; leave it out of one of them"
         if lost := hanging_in_the_air(self.nodes, self.polar_nodes):
