@@ -50,7 +50,7 @@ FACTOR = 1.5
 
 def uniform(elements: Elements, modulus: float = 70000.0, thickness: float = 0.5, width: float = 10.0) -> Sections:
     each = np.ones(len(elements.connectivity))
-    return Sections(modulus * each, thickness * each, width * each)
+    return Sections(modulus * each, thickness * each, width * each, 0 * each)
 
 
 def straight(n: int) -> tuple[Elements, Sections, np.ndarray]:
@@ -75,7 +75,13 @@ def distances(u: np.ndarray) -> np.ndarray:
 
 
 def true_error(elements: Elements, made_of: Sections, held: np.ndarray, u: np.ndarray) -> float:
-    fields = {"nodes": elements.nodes, "connectivity": elements.connectivity, **vars(made_of), "held": held, "displacements": u}
+    fields = {
+        "nodes": elements.nodes,
+        "connectivity": elements.connectivity,
+        **made_of.rectangles,
+        "held": held,
+        "displacements": u,
+    }
     return compare(Body(**{name: value.tolist() for name, value in fields.items()})).error
 
 

@@ -13,6 +13,7 @@ from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
 from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
+from toolkit.validity.bodies.shear.sheared_vibrations import sheared_vibrations
 from toolkit.validity.bodies.tension.tension_cautions import tension_of_vibrations
 
 
@@ -37,3 +38,4 @@ def cautions_of_modes(solution: Solution, frequencies: np.ndarray) -> Iterator[C
     yield from tension_of_vibrations(solution, {f"mode {k + 1}": k + 1 for k in range(len(frequencies))})
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
     yield from cautions_of_frequencies(solution.system.scene, named, doubt=False)
+    yield from sheared_vibrations(solution, named, differentiated=False)
