@@ -49,6 +49,12 @@ class SectionShape:
     torsion: Terms
     fibres: tuple[Fibre, ...]
 
+    def fixed(self, dimensions: Mapping[str, Any]) -> SectionShape:
+        """The same at numbers of the dimensions, of which its polynomials have none left."""
+        own = {field.name: fixed(getattr(self, field.name), dimensions) for field in fields(self) if field.name != "fibres"}
+        fibres = (Fibre(fixed(each.second, dimensions), fixed(each.third, dimensions), each.side) for each in self.fibres)
+        return SectionShape(**own, fibres=tuple(fibres))
+
     def values(self, dimensions: Mapping[str, Any]) -> dict[str, Any]:
         """A, B_2, B_3, S_2, S_3 and J by their names for numbers of the dimensions, real or complex."""
         return {field.name: value_of(getattr(self, field.name), dimensions) for field in fields(self) if field.name != "fibres"}
@@ -62,6 +68,11 @@ def value_of(terms: Terms, dimensions: Mapping[str, Any]) -> Any:
             number = number * dimensions[name] ** power
         total = total + number
     return total
+
+
+def fixed(terms: Terms, dimensions: Mapping[str, Any]) -> Terms:
+    """The polynomial at numbers of the dimensions: one number, or none where there is no term."""
+    return (Term(value_of(terms, dimensions), {}),) if terms else ()
 
 
 def strip(thickness: str = "thickness", width: str = "width") -> SectionShape:
