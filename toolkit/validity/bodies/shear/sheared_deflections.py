@@ -16,17 +16,19 @@ from toolkit.system.flexible_bodies import deforming, elastic_coordinates, is_in
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.beam_assumptions import beams_of
 from toolkit.validity.bodies.chains.known_chain import chain
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants
+from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
 from toolkit.validity.bodies.shear.soft_elements import STIFF, shear_energies
 
 NEAREST = 1 / 20
 """Of the size of a body: loads and supports are not looked at that are nearer to each other."""
+STRAIN = 1e-13
+"""Below it deformations are round-off, which has no plane."""
 
 
 def sheared(solution: Solution) -> Iterator[Caution]:
     """Bodies whose deflection lacks a part by shear that counts."""
     scene = solution.system.scene
-    if not any(_is_thick(scene, name) for name in deforming(scene)):
+    if not any(_is_thick(scene, name) for name in whole_bodies(scene)):
         return
     for body, part in sheared_parts(solution).items():
         if part > LIMIT:
@@ -42,7 +44,7 @@ def sheared_parts(solution: Solution) -> dict[str, float]:
     names = {name: each for name, each in deforming(solution.system.scene).items() if _has_beams(solution.system.scene, name)}
     where = {name: elastic_coordinates(solution, name) for name in names}
     instants = largest_instants(np.concatenate([np.real(solution.q[:, each]) for each in where.values()], axis=1))
-    found, whole = dict[str, float](), 0.0
+    found, whole, least = dict[str, float](), 0.0, 0.0
     for name, each in names.items():
         behind = chain(solution.system.scene, name)
         assert behind is not None
@@ -50,7 +52,8 @@ def sheared_parts(solution: Solution) -> dict[str, float]:
         body = getattr(each, "whole", name)
         found[body] = found.get(body, 0.0) + float(shear.sum())
         whole += float(energy.sum())
-    return {body: shear / whole if whole > 0 else 0.0 for body, shear in found.items()}
+        least += STRAIN**2 * float(beams_of(behind).axial @ beams_of(behind).lengths)
+    return {body: shear / whole if whole > least else 0.0 for body, shear in found.items()}
 
 
 def _has_beams(scene: Scene, name: str) -> bool:

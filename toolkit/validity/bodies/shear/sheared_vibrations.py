@@ -22,7 +22,7 @@ from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexi
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.beam_assumptions import beams_of
 from toolkit.validity.bodies.chains.known_chain import chain
-from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
 from toolkit.validity.bodies.shear.soft_elements import STIFF, SoftElements, soft_elements
 
 WAVES = 3.0
@@ -76,8 +76,8 @@ def _words(found: Raised, differentiated: bool) -> str:
 def raised_by_stiff_shear(solution: Solution, asked: Mapping[str, float], differentiated: bool) -> dict[str, Raised]:
     """Of those of the frequencies that shear might count in."""
     scene, times = solution.system.scene, 1 + differentiated
-    slowest = LIMIT / (times * WAVES * max((_slowness(scene, name) for name in deforming(scene)), default=0.0) + 1e-300)
-    short = {name: value for name, value in asked.items() if value > slowest}
+    part = times * WAVES * max((_slowness(scene, name) for name in whole_bodies(scene) if asked), default=0.0)
+    short = {name: value for name, value in asked.items() if part * value > LIMIT}
     return _raised(solution, short) if short else {}
 
 
