@@ -27,7 +27,11 @@ class BlockElement(Element):
 
     space: ClassVar[Space]
     per_node: ClassVar[int]
-    hidden: ClassVar[int] = 0
+
+    @property
+    def hidden(self) -> int:
+        """Number of hidden coordinates, see `elements.element.Coordinates`."""
+        return 0
 
     @property
     def coordinates(self) -> Coordinates:

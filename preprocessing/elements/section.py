@@ -40,6 +40,24 @@ Monomial = tuple[tuple[str, int], ...]
 """Product of powers of parameters: (name, power) of each."""
 
 
+@dataclass(frozen=True, eq=False)
+class Sheared:
+    """A section that shear deforms: the functions along its beams are no polynomials of its dimensions, so that these are numbers."""
+
+    dimensions: Mapping[str, Any]  # that may carry a complex step
+    flexibility: Any  # E / (kappa G) = 2 (1 + nu) / kappa, that may, too
+
+    @property
+    def stepped(self) -> bool:
+        """Whether one of them does."""
+        return bool(np.any(np.imag([*self.dimensions.values(), self.flexibility])))
+
+    def phi(self, second_moment: Any, area: Any, lengths: np.ndarray) -> np.ndarray:
+        """Phi = 12 E I / (kappa G A L^2) of elements, (n_e,)."""
+        found: np.ndarray = 12 * self.flexibility * second_moment / area / lengths**2
+        return found
+
+
 @dataclass(frozen=True)
 class Patch:
     """Elements that take every quantity from the same parameter: `thickness` of the whole body, or `thickness_nose` of a group."""

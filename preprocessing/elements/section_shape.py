@@ -49,6 +49,12 @@ class SectionShape:
     torsion: Terms
     fibres: tuple[Fibre, ...]
 
+    def fixed(self, dimensions: Mapping[str, Any]) -> SectionShape:
+        """The same at numbers of the dimensions, of which its polynomials have none left."""
+        own = {field.name: fixed(getattr(self, field.name), dimensions) for field in fields(self) if field.name != "fibres"}
+        fibres = (Fibre(fixed(each.second, dimensions), fixed(each.third, dimensions), each.side) for each in self.fibres)
+        return SectionShape(**own, fibres=tuple(fibres))
+
     def values(self, dimensions: Mapping[str, Any]) -> dict[str, Any]:
         """A, B_2, B_3, S_2, S_3 and J by their names for numbers of the dimensions, real or complex."""
         return {field.name: value_of(getattr(self, field.name), dimensions) for field in fields(self) if field.name != "fibres"}
@@ -64,11 +70,16 @@ def value_of(terms: Terms, dimensions: Mapping[str, Any]) -> Any:
     return total
 
 
+def fixed(terms: Terms, dimensions: Mapping[str, Any]) -> Terms:
+    """The polynomial at numbers of the dimensions: one number, or none where there is no term."""
+    return (Term(value_of(terms, dimensions), {}),) if terms else ()
+
+
 def strip(thickness: str = "thickness", width: str = "width") -> SectionShape:
     """The skin's rectangle, thickness along e_2 in the plane of the skin and width along e_3 across it.
 
     A = t b, B_2 = b t^3 / 12, B_3 = t b^3 / 12, J as of a `rectangle`, and the mass on the middle line of the rectangle, S_2 = 0 and
-    S_3 = t b^3 / 12: so bending in the plane has no rotary inertia, as planar beams have none, and torsion has rho t b^3 / 12.
+    S_3 = t b^3 / 12: so bending in the plane has no rotary inertia, as planar beams without it, and torsion has rho t b^3 / 12.
     """
     whole = rectangle(thickness, width)
     return SectionShape(**{**vars(whole), "spread_2": ()})

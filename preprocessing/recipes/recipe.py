@@ -86,6 +86,10 @@ class Recipe(ABC, Generic[File]):
     def _fields(self, designs: Any) -> dict[str, Any]:
         """Fields of the reduced model that follow from finite elements and a basis; of `writers` those that only this body had."""
 
+    def _hash_mark(self) -> str:
+        """What the hash holds besides its files: physics that a file of the same words had not when its first models were built."""
+        return ""
+
     def _places(self) -> Mapping[str, Sequence[Any]]:
         """Parameter -> keys that lead to it in the file."""
         return {}
@@ -127,7 +131,7 @@ class Recipe(ABC, Generic[File]):
         InputError
             One of the inputs cannot be read.
         """
-        digest = hashlib.sha256(f"{self.seal.word}schema {SCHEMA_VERSION}, writer {WRITER_VERSION}".encode())
+        digest = hashlib.sha256(f"{self.seal.word}{self._hash_mark()}schema {SCHEMA_VERSION}, writer {WRITER_VERSION}".encode())
         for content in map(self._content, self.inputs):
             digest.update(_behind_length(content) if self.seal.lengths_of_files else content)
         if changes := {**self.values, **self.keys, **(changes or {})}:

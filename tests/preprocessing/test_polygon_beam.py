@@ -23,7 +23,7 @@ def test_mass_centre_and_inertia_are_those_of_two_rods():
     per_length = 3.0 * 0.1 * 0.5
     np.testing.assert_allclose(inv.mass, 3 * per_length, rtol=1e-14)  # round-off, here and below
     np.testing.assert_allclose(inv.first_moment[:, 0], per_length * np.array([2 * 1 + 1 * 2, 1 * 0.5]), rtol=1e-14)
-    about_the_origin = per_length * (2**3 / 3 + 1 * (2**2 + 1**2 / 3))
+    about_the_origin = per_length * (2**3 / 3 + 1 * (2**2 + 1**2 / 3) + 3 * 0.1**2 / 12)  # with that of the section
     np.testing.assert_allclose(inv.inertia[0, 0], about_the_origin, rtol=1e-14)
 
 

@@ -173,7 +173,7 @@ class BladeRecipe(Recipe[BladeFile]):
         x = np.linspace(0.0, self.file.length, 5)
         parameters = distribute({**STEEL, "thickness": self.file.thickness}, {}, (), 4)
         chain = np.column_stack([np.arange(4), np.arange(1, 5)])
-        beams = PlanarBeam(np.column_stack([x, 0 * x]), chain, parameters.patches)
+        beams = PlanarBeam(np.column_stack([x, 0 * x]), chain, parameters.patches, rotary_inertia=True)
         elements = Discretisation(beams, {"tip": self.file.length}, x)
         return DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: elements)
 

@@ -47,10 +47,10 @@ def test_whole_numbers_are_accepted_where_lengths_are_meant(edited):
         (
             "thickness = 1.5",
             "thicknes = 1.5",
-            "section.thicknes: unknown key, did you mean 'thickness'; possible here: thickness, width. (line 19)",
+            "section.thicknes: unknown key, did you mean 'thickness'; possible here: thickness, width. (line 20)",
         ),
         ("thickness = 1.5", "", "section.thickness: this key is missing; add it."),
-        ("thickness = 1.5", "thickness = -1.5", "section.thickness: input should be greater than 0 (given: -1.5). (line 19)"),
+        ("thickness = 1.5", "thickness = -1.5", "section.thickness: input should be greater than 0 (given: -1.5). (line 20)"),
         ("thickness = 1.5", "thickness = 0", "section.thickness: input should be greater than 0 (given: 0)."),
         ("thickness = 1.5", "thickness = inf", "section.thickness: input should be a finite number (given: inf)."),
         ("thickness = 1.5", 'thickness = "1.5"', "section.thickness: input should be a valid number (given: '1.5')."),
@@ -69,7 +69,11 @@ def test_whole_numbers_are_accepted_where_lengths_are_meant(edited):
         ),
         ("{ node = 10 }", "{}", "interface_points.C: give either node, or arc_length, or x with side (given: nothing)"),
         ("{ node = 10 }", "{ node = -1 }", "interface_points.C.node: input should be greater than or equal to 0 (given: -1)."),
-        ("[section]", "[profile]", "profile: unknown key; possible here: units, dimension, airfoil, skin, section"),
+        (
+            "[section]",
+            "[profile]",
+            "profile: unknown key; possible here: units, dimension, rotary_inertia, airfoil, skin, section",
+        ),
         ("mass = 0.0", "mass = -1.0", "damping.mass: input should be greater than or equal to 0 (given: -1.0)."),
         (
             "thickness = 1.5",

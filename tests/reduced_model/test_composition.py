@@ -147,7 +147,7 @@ def test_a_rod_says_what_it_is(rod):
     mass = 7800.0 * 0.02 * 0.05 * 2.0
     assert body["mass"] == pytest.approx(mass)
     assert body["centre"] == pytest.approx([1.0, 0.0])
-    assert body["inertia"] == pytest.approx(mass * 2.0**2 / 12, rel=1e-9)
+    assert body["inertia"] == pytest.approx(mass * (2.0**2 + 0.02**2) / 12, rel=1e-9)
     assert body["volume"] == pytest.approx(0.02 * 0.05 * 2.0)
     assert (body["nodes"], body["elements"]) == (3, {"beam": 2})
     assert {name: point["nodes"] for name, point in body["interface_points"].items()} == {"root": 1, "middle": 2, "tip": 1}

@@ -35,6 +35,7 @@ from toolkit.validity.bodies.frequencies import cautions_of_frequencies
 from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
 from toolkit.validity.bodies.reduced.frozen_bases import frozen_bodies
+from toolkit.validity.bodies.shear.sheared_vibrations import sheared_vibrations
 from toolkit.validity.bodies.tension.tension_cautions import tension
 from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.dead_points.cautions import dead_points_passed
@@ -213,6 +214,7 @@ class Result:
         responses = {f: each for f, each in scene.responses.items() if f in self.values}
         asked = {f: self.values[f] for f, each in responses.items() if isinstance(each, Frequency)}
         yield from cautions_of_frequencies(scene, asked, doubt=True)
+        yield from sheared_vibrations(self.solution, asked, bool(self.gradients))
         yield from cautions_of_changed(self.solution)
         yield from growing_vibrations(self.solution, self.values)
         if self.gradients and not self.solution.system.n_x:

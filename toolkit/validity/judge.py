@@ -9,7 +9,7 @@ from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.vibrations.flutter import unstable_vibrations
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, sheared
+from toolkit.validity.bodies.beam_assumptions import bent_between_nodes
 from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.chosen.outgrown_choices import outgrown_choices
@@ -19,6 +19,7 @@ from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed
+from toolkit.validity.bodies.shear.sheared_deflections import sheared
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.spinning.partly_stiffened import partly_stiffened
 from toolkit.validity.bodies.spinning.turns_in_a_step import turns_in_a_step
@@ -106,7 +107,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from merging_vibrations(solution)
     yield from parametric_resonance(solution)
     yield from unseen_tension(scene)
-    yield from sheared(scene)
+    yield from sheared(solution)
     yield from bent_between_nodes(solution)
     yield from fibres_alone(solution)
     yield from turning(solution)

@@ -1,18 +1,23 @@
 """Planar beams of a homogeneous rectangle: thickness t in the plane, width b across it.
 
-    M_ab = rho b t (...),   K = E b t K_1 + E b t^3 / 12 K_3
+    M_ab = rho b t M_1 + rho b t^3 / 12 M_3,   K = E b t K_1 + E b t^3 / 12 K_3
     stress = E (eps + f kappa t / 2),   f = +1 outer fibre, -1 inner fibre
 
-with E times `modulus_factor`. The skin runs from F round the nose to G, anticlockwise, so its outside lies to the right of the direction of
-travel, at n = -t/2 in the axes of the beam (n = direction turned by +90 degrees). There the strain eps - n kappa is eps + kappa t / 2: a
-skin that is bent more strongly round the nose (kappa > 0) is in tension outside. `eps` and `kappa` are changes from the
-undeformed shape, which is free of stress.
+with E times `modulus_factor`. M_3, the rotary inertia of the section, is there where it is asked for. It needs the offset of
+`elements.spatial_beam` as the one hidden coordinate, which has no stiffness and belongs to no displacement. Shear adds kappa G b t K_2
+where it deforms the beams.
+
+The skin runs from F round the nose to G, anticlockwise, so its outside lies to the right of the direction of travel, at n = -t/2 in
+the axes of the beam (n = direction turned by +90 degrees). There the strain eps - n kappa is eps + kappa t / 2: a skin that is bent
+more strongly round the nose (kappa > 0) is in tension outside. `eps` and `kappa` are changes from the undeformed shape, which is free
+of stress.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,8 +25,8 @@ import numpy as np
 from preprocessing.elements import beam
 from preprocessing.elements.block_element import LineElement, Tension
 from preprocessing.elements.element import Contribution, squared
-from preprocessing.elements.section import Patch
-from preprocessing.elements.section_shape import ONE, Term, Terms
+from preprocessing.elements.section import Patch, Sheared
+from preprocessing.elements.section_shape import ONE, Term, Terms, fixed, value_of
 from preprocessing.elements.space import PLANE
 from toolkit.reduced_model.model import StressPoints
 
@@ -37,33 +42,78 @@ class PlanarBeam(LineElement):
 
     patches: Sequence[Patch]
     modulus_factor: Any = 1.0  # 1, or 1 / (1 - nu^2) in plane strain; may carry a complex step
+    rotary_inertia: bool = False  # whether the mass of the section is spread over its thickness, or lies on the centre line
+    sheared: Sequence[Sheared] = ()  # the numbers of every patch if shear deforms them
 
     space, per_node = PLANE, 3
 
+    @property
+    def hidden(self) -> int:
+        """One coordinate for the offset of points from the centre line, where the section has rotary inertia."""
+        return int(self.rotary_inertia)
+
+    @cached_property
+    def phi(self) -> np.ndarray | None:
+        """Phi of every element, (n_e,); None without shear."""
+        if not self.sheared:
+            return None
+        lengths = beam.length(self.ends)
+        found = np.zeros(len(lengths), complex)
+        for patch, each in zip(self.patches, self.sheared, strict=True):
+            moment, area = (value_of(terms, each.dimensions) for terms in (SECOND_MOMENT, AREA))
+            found[patch.elements] = each.phi(self.modulus_factor * moment, area, lengths[patch.elements])
+        return found if np.any(found.imag) else found.real
+
     def contributions(self) -> Iterator[Contribution]:
-        ends = self.ends[self.contributing]
-        mass, root = beam.component_mass(ends), np.sqrt(self.modulus_factor)
-        stiff = ((AREA, root * beam.stretching(ends)), (SECOND_MOMENT, root * beam.bending(ends)))
-        stressed = ((ONE, self.modulus_factor * strain_rows(ends)), (THICKNESS, self.modulus_factor * curvature_rows(ends)))
-        for patch in self.patches:
+        ends, phi = self.ends[self.contributing], None if self.phi is None else self.phi[self.contributing]
+        masses, stiff, stressed = self._masses(ends, phi), self._stiff(ends, phi), self._stressed(ends, phi)
+        for number, patch in enumerate(self.patches):
             elements, here = self.of_patch(patch)
             if not len(elements):
                 continue
-            yield Contribution("mass", patch, AREA, self.component_masses(elements, mass[here]))
+            for terms, blocks in masses:
+                yield Contribution("mass", patch, self._fixed(number, terms), self.component_masses(elements, blocks[here]))
             for terms, rows in stiff:
-                yield squared(patch, terms, self.placed_rows(elements, rows[here]))
+                yield squared(patch, self._fixed(number, terms), self.placed_rows(elements, rows[here]))
+            if phi is not None:
+                rows = beam.shearing(ends, phi)[here] / np.sqrt(self.sheared[number].flexibility)
+                yield squared(patch, self._fixed(number, AREA), self.placed_rows(elements, rows))
             numbers, n_rows = 4 * elements[:, None] + np.arange(4), 4 * len(self.connectivity)
             for terms, rows in stressed:
-                yield Contribution("stress", patch, terms, self.placed_rows(elements, rows[here], numbers, n_rows))
+                placed = self.placed_rows(elements, rows[here], numbers, n_rows)
+                yield Contribution("stress", patch, self._fixed(number, terms), placed)
+
+    def _fixed(self, number: int, terms: Terms) -> Terms:
+        """Polynomial of the section of a patch, a number where shear deforms it."""
+        return fixed(terms, self.sheared[number].dimensions) if self.sheared else terms
+
+    def _masses(self, ends: np.ndarray, phi: np.ndarray | None) -> list[tuple[Terms, np.ndarray]]:
+        """Polynomials of the section and the component mass matrices that they multiply."""
+        along = (AREA, beam.component_mass(ends, phi))
+        return [along, (SECOND_MOMENT, beam.rotary_mass(ends, phi))] if self.rotary_inertia else [along]
+
+    def _stiff(self, ends: np.ndarray, phi: np.ndarray | None) -> list[tuple[Terms, np.ndarray]]:
+        """The same of the rows of the stiffness in stretching and bending."""
+        root = np.sqrt(self.modulus_factor)
+        return [(AREA, root * beam.stretching(ends)), (SECOND_MOMENT, root * beam.bending(ends, phi))]
+
+    def _stressed(self, ends: np.ndarray, phi: np.ndarray | None) -> list[tuple[Terms, np.ndarray]]:
+        """The same of the rows of the stress."""
+        factor = self.modulus_factor
+        return [(ONE, factor * strain_rows(ends)), (THICKNESS, factor * curvature_rows(ends, phi))]
 
     def tensions(self) -> Iterator[Tension]:
         """The normal force on the slopes."""
-        strain, slopes = self.modulus_factor * beam.strain(self.ends), beam.turning(self.ends)
-        for patch in self.patches:
-            yield Tension(patch, patch.elements, AREA, strain[patch.elements], slopes[patch.elements])
+        strain, slopes = self.modulus_factor * beam.strain(self.ends), beam.turning(self.ends, self.phi)
+        for number, patch in enumerate(self.patches):
+            k = patch.elements
+            yield Tension(patch, k, self._fixed(number, AREA), strain[k], slopes[k])
 
     def changing(self) -> PlanarBeam:
-        return self if np.imag(self.modulus_factor) else replace(self, wanted=np.flatnonzero(self.stepped))
+        found = self.stepped
+        for patch, each in zip(self.patches, self.sheared, strict=False):
+            found[patch.elements] |= each.stepped
+        return self if np.imag(self.modulus_factor) else replace(self, wanted=np.flatnonzero(found))
 
     @property
     def stress_points(self) -> StressPoints:
@@ -72,8 +122,8 @@ class PlanarBeam(LineElement):
         return StressPoints(element.ravel(), end.ravel(), fibre.ravel())
 
     def functions(self, element: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        ends = self.ends[[element]]
-        return self.dofs[element], beam.shape(ends)[0], beam.rotation(ends)[0]
+        ends, phi = self.ends[[element]], None if self.phi is None else self.phi[[element]]
+        return self.dofs[element, : 2 * self.per_node], beam.shape(ends, phi)[0], beam.rotation(ends, phi)[0]
 
 
 def strain_rows(ends: np.ndarray) -> np.ndarray:
@@ -81,7 +131,7 @@ def strain_rows(ends: np.ndarray) -> np.ndarray:
     return np.repeat(beam.strain(ends)[:, None, :], 4, axis=1)
 
 
-def curvature_rows(ends: np.ndarray) -> np.ndarray:
+def curvature_rows(ends: np.ndarray, phi: np.ndarray | None = None) -> np.ndarray:
     """Rows of f kappa / 2 at the stress points, to be multiplied by E t; (n_e, 4, 6)."""
-    rows = beam.curvature(ends)[:, :, None, :] * FIBRES[:, None] / 2
+    rows = beam.curvature(ends, phi)[:, :, None, :] * FIBRES[:, None] / 2
     return rows.reshape(len(ends), 4, 6)

@@ -2,7 +2,7 @@
 
 The parameters are named by what they are and what owns them: `youngs_modulus_steel`, `width_leg`, `x_A` of a node A, `length_B` and
 `angle_B` of a node at a length and an angle from another, and `damping_mass` and `damping_stiffness` of the whole frame. By Poisson's
-ratios and nodes there are derivatives, by all others the matrices are polynomials.
+ratios and nodes there are derivatives, and by the dimensions of sections that shear deforms; by all others the matrices are polynomials.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
 from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.kinds.spatial_beam import SpatialBeam, SpatialPatch
-from preprocessing.elements.section import Patch
+from preprocessing.elements.section import Patch, Sheared
 from preprocessing.recipes.frame.frame_file import ALONG, FrameFile
 from preprocessing.recipes.frame.frame_nodes import AXES, POLAR, positions
 from preprocessing.recipes.frame.frame_tables import DIMENSIONS, BeamTable
@@ -42,8 +42,8 @@ def places(file: FrameFile) -> dict[str, tuple[Any, ...]]:
 
 
 def _material(file: FrameFile) -> dict[str, str]:
-    """Numbers of a material: beams in the plane do not twist."""
-    return {key: quantity for key, quantity in _MATERIAL.items() if file.dimension == 3 or key != "poisson_ratio"}
+    """Numbers of a material: beams in the plane do not twist, but shear may deform them."""
+    return {key: quantity for key, quantity in _MATERIAL.items() if file.dimension == 3 or file.shear or key != "poisson_ratio"}
 
 
 def quantities(file: FrameFile) -> dict[str, str]:
@@ -60,7 +60,8 @@ def quantities(file: FrameFile) -> dict[str, str]:
 def frame_space(file: FrameFile) -> DesignSpace:
     """All designs of the frame."""
     values = _values(file)
-    by_steps = {name for name, (table, *rest) in places(file).items() if table in _OF_NODES or rest[-1] == "poisson_ratio"}
+    tables = (*_OF_NODES, "sections") if file.shear else _OF_NODES
+    by_steps = {name for name, (table, *rest) in places(file).items() if table in tables or rest[-1] == "poisson_ratio"}
     return DesignSpace(values, quantities(file), frozenset(values) - by_steps, partial(frame_elements, file))
 
 
@@ -90,7 +91,9 @@ def frame_beams(file: FrameFile, design: Mapping[str, Any]) -> SpatialBeam | Pla
         count += beam.elements - 1
     mesh = np.vstack(nodes), np.vstack(connectivity)
     if file.dimension == 2:
-        return PlanarBeam(*mesh, [patch for _, patch in _sections(file)])
+        sheared = [_sheared(file, name, design) for name, _ in _sections(file)]
+        known = [each for each in sheared if each is not None]
+        return PlanarBeam(*mesh, [patch for _, patch in _sections(file)], 1.0, file.rotary_inertia, known)
     given = file.places
     directions = [_orientation(beam, given[beam.end] - given[beam.start]) for beam in file.beams]
     orientation = np.repeat(directions, [beam.elements for beam in file.beams], axis=0)
@@ -115,8 +118,17 @@ def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[SpatialPatch]:
     found = []
     for name, patch in _sections(file):
         shear = 1 / (2 * (1 + design[f"poisson_ratio_{file.sections[name].material}"]))
-        found.append(SpatialPatch(patch, file.sections[name].shape, shear))
+        found.append(SpatialPatch(patch, file.sections[name].shape, shear, sheared=_sheared(file, name, design)))
     return found
+
+
+def _sheared(file: FrameFile, name: str, design: Mapping[str, Any]) -> Sheared | None:
+    """The numbers of a section, if shear deforms it."""
+    section = file.sections[name]
+    if not file.shear or section.kappa is None:
+        return None
+    flexibility = 2 * (1 + design[f"poisson_ratio_{section.material}"]) / section.kappa
+    return Sheared({key: design[f"{key}_{name}"] for key in section.dimensions}, flexibility)
 
 
 def _sections(file: FrameFile) -> Iterator[tuple[str, Patch]]:

@@ -32,6 +32,8 @@ class FrameFile(Table):
 
     units: Literal["mm-t-s", "m-kg-s"]
     dimension: Literal[2, 3] = 3  # of space
+    rotary_inertia: bool = True  # of the sections; false, in the plane alone: their mass lies on the middle line
+    shear: bool = False  # whether shear deforms the beams (Timoshenko), which their dimensions are then no polynomials of
     nodes: dict[NAMED, Coordinates]  # name -> x, y and, in space, z
     polar_nodes: dict[NAMED, PolarNode] = Field(default_factory=dict)  # in the plane, nodes at a length and an angle from others
     beams: Annotated[list[BeamTable], Field(min_length=1)]
@@ -85,21 +87,33 @@ class FrameFile(Table):
                 yield f"nodes.{name}: a frame {where} (dimension = {self.dimension}) has {self.dimension} coordinates (given: {place})"
         if self.polar_nodes and not plane:
             yield "polar_nodes: nodes at one angle lie in the plane; write dimension = 2, or give them coordinates in nodes"
+        if not plane and not self.rotary_inertia:
+            yield "rotary_inertia: beams in space (dimension = 3) have it, as they twist; leave the key out"
         if both := set(self.nodes) & set(self.polar_nodes):
             yield f"polar_nodes.{min(both)}: this node has coordinates in nodes already; leave it out of one of them"
         if lost := hanging_in_the_air(self.nodes, self.polar_nodes):
             yield f"polar_nodes: {', '.join(lost)} start from each other; let one of them start from a node with coordinates"
         for name, material in self.materials.items():
-            if plane and material.poisson_ratio is not None:
+            if plane and not self.shear and material.poisson_ratio is not None:
                 yield f"materials.{name}.poisson_ratio: beams in the plane (dimension = 2) do not twist; leave it out"
-            if not plane and material.poisson_ratio is None:
-                yield f"materials.{name}.poisson_ratio: this key is missing; add it, because beams in space twist"
+            if (self.shear or not plane) and material.poisson_ratio is None:
+                why = "shear deforms the beams" if plane else "beams in space twist"
+                yield f"materials.{name}.poisson_ratio: this key is missing; add it, because {why}"
         for name, section in self.sections.items():
             if plane and section.kind != "rectangle":
                 yield f'sections.{name}: beams in the plane (dimension = 2) have sections of kind "rectangle" (given: {section.kind!r})'
+        yield from self._shear_factors()
         for k, beam in enumerate(self.beams):
             if plane and beam.orientation is not None:
                 yield f"beams.{k}.orientation: the thickness of a beam in the plane (dimension = 2) lies in the plane; leave it out"
+
+    def _shear_factors(self) -> Iterator[str]:
+        """Factors that nothing needs, or that are missing."""
+        for name, section in self.sections.items():
+            if self.shear and section.kappa is None:
+                yield f"sections.{name}.shear_factor: this key is missing; a {section.kind} has no factor that goes for all of them"
+            if not self.shear and section.shear_factor is not None:
+                yield f"sections.{name}.shear_factor: shear does not deform these beams; write shear = true, or leave the key out"
 
     def _shapeless(self) -> Iterator[str]:
         """Beams without a length or with an orientation along them."""

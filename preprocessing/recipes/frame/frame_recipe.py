@@ -44,6 +44,9 @@ class FrameRecipe(Recipe[FrameFile]):
     def _named(self) -> list[Path]:
         return []
 
+    def _hash_mark(self) -> str:
+        return "rotary inertia, " if self.file.dimension == 2 and self.file.rotary_inertia else ""
+
     def _places(self) -> dict[str, tuple[Any, ...]]:
         return places(self.file)
 

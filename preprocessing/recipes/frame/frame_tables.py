@@ -28,6 +28,8 @@ DIMENSIONS: dict[str, dict[str, str]] = {
     },
 }
 """Kind of a section -> its numbers, and what they are, for their units."""
+SHEAR_FACTORS = {"rectangle": 5 / 6, "circle": 9 / 10}
+"""Kind of a section -> kappa (Reissner); that of a tube depends on its wall, from 0.5 if it is thin."""
 
 
 class PolarNode(Table):
@@ -65,6 +67,9 @@ class FrameSection(Table):
     width: Positive | None = None  # length; of a rectangle
     diameter: Positive | None = None  # length; of a circle, outer one of a tube
     wall: Positive | None = None  # length; thickness of a tube's wall
+    shear_factor: Annotated[float, Field(gt=0, le=1)] | None = (
+        None  # kappa, with shear; by default 5/6 of a rectangle, 0.9 of a circle
+    )
     area: Positive | None = None  # length^2
     I_y: Positive | None = None  # length^4, as the next three
     I_z: Positive | None = None
@@ -96,6 +101,11 @@ class FrameSection(Table):
         return {name: getattr(self, name) for name in DIMENSIONS[self.kind]}
 
     @property
+    def kappa(self) -> float | None:
+        """Part of the area that carries a shear force: as given, or as of full sections."""
+        return SHEAR_FACTORS.get(self.kind) if self.shear_factor is None else self.shear_factor
+
+    @property
     def shape(self) -> SectionShape:
         """Its polynomials."""
         if self.kind == "rectangle":
@@ -106,11 +116,11 @@ class FrameSection(Table):
 
 
 class FrameMaterial(Table):
-    """Linear elastic, isotropic material; G = E / (2 (1 + nu)) in torsion."""
+    """Linear elastic, isotropic material; G = E / (2 (1 + nu)) in torsion and shear."""
 
     youngs_modulus: Positive  # stress
     density: Positive  # mass / length^3
-    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] | None = None  # in space, where beams twist
+    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] | None = None  # in space, where beams twist, and with shear
 
 
 class FramePoint(Table):

@@ -33,6 +33,7 @@ def polygon_beam(
     units: str = "m-kg-s",
     separate: Collection[str] = (),
     basis: BasisChoice = FULL,
+    rotary_inertia: bool = True,
 ) -> ReducedModel:
     """A beam along a polygon, one Euler-Bernoulli element per side, its frame tied to the first node or, by the basis, to a chord.
 
@@ -44,6 +45,7 @@ def polygon_beam(
     units : "m-kg-s" or "mm-t-s"
     separate : quantities of the section that every element has of its own, for example ("thickness",)
     basis : what the elastic coordinates are; all nodal coordinates by default
+    rotary_inertia : of the section, m t^2 / 12; without it the mass lies on the middle line
 
     Raises
     ------
@@ -57,12 +59,13 @@ def polygon_beam(
     nodes = np.asarray(nodes, float)
     mesh, arc_lengths = _mesh(nodes)
     parameters = distribute(asdict(section), {}, separate, len(mesh.connectivity))
-    beams = PlanarBeam(mesh.nodes, mesh.connectivity, parameters.patches)
+    beams = PlanarBeam(mesh.nodes, mesh.connectivity, parameters.patches, rotary_inertia=rotary_inertia)
     discrete = Discretisation(beams, interfaces, arc_lengths)
     space = DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: discrete)
     found = reduce(space, basis, 0, "the first node")
     chosen = {key: value for key, value in asdict(basis).items() if key not in LATER or value}
     inputs = repr((nodes.tolist(), asdict(section), dict(interfaces), units, sorted(separate), chosen, WRITER_VERSION))
+    inputs += ", rotary inertia" if rotary_inertia else ""  # models of files that had no such key keep their hash
     return ReducedModel(
         **found.fields(units),
         input_hash=hashlib.sha256(inputs.encode()).hexdigest(),

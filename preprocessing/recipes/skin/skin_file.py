@@ -27,6 +27,7 @@ class SkinFile(Table):
 
     units: Literal["mm-t-s", "m-kg-s"]
     dimension: Literal[2, 3] = 2  # of space; 3: the skin also bends out of its plane and twists, which needs Poisson's ratio
+    rotary_inertia: bool = True  # of the section's bending in the plane; false: its mass lies on the middle line
     airfoil: Airfoil
     skin: SkinCut
     section: SectionTable

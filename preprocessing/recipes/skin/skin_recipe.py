@@ -61,6 +61,9 @@ class SkinRecipe(Recipe[SkinFile]):
         with at_key(self.path, "airfoil.file" if each == self.inputs[1] else "airfoil.target"):
             return _airfoil_bytes(each)
 
+    def _hash_mark(self) -> str:
+        return "rotary inertia, " if self.file.rotary_inertia else ""
+
     def _changed(self, values: Mapping[str, float], keys: Mapping[str, Any]) -> SkinFile:
         file = validated(SkinFile, self._content_at(values), "the changed design")
         return with_keys(file, keys, lambda: read_geometry(self.path, file).arc_lengths) if keys else file

@@ -47,9 +47,9 @@ def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geomet
         places = {name: _arc_length(path, name, place, at) for name, place in file.interface_points.items()}
         beams: LineElement
         if in_plane:
-            beams = PlanarBeam(at.mesh.nodes, at.mesh.connectivity, parameters.patches, factor)
+            beams = PlanarBeam(at.mesh.nodes, at.mesh.connectivity, parameters.patches, factor, file.rotary_inertia)
         else:
-            beams = spatial_skin(at.mesh, parameters.patches, factor, design["poisson_ratio"])
+            beams = spatial_skin(at.mesh, parameters.patches, factor, design["poisson_ratio"], file.rotary_inertia)
         return Discretisation(beams, places, at.arc_lengths, at.target)
 
     lengths = {name: "none" if name == "y_scale" else "length" for name in shape}

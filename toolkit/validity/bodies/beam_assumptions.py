@@ -1,8 +1,4 @@
-"""What beam elements leave out whatever their motion: shear of short beams, and bending and stretch by weight and inertia between nodes.
-
-Shear makes the deflection of a cantilever by a force at its end larger, in parts of that by bending, by
-
-    3 E I / (kappa G A L^2) = SHEAR r^2 / L^2,    r^2 = I / A
+"""What beam elements leave out whatever their motion: bending and stretch by weight and inertia between nodes.
 
 Weight less inertia, and pressure on the side of a piece of a solid, p per length, bend an element of length l by moments of up to
 p l^2 / 12 more than its shape functions say; displacements of the nodes are those of the exact beam. In parts of the
@@ -26,7 +22,7 @@ from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates, elements_of, is_in_pieces
+from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates, elements_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
@@ -38,8 +34,6 @@ from toolkit.validity.bodies.pressed_pieces import is_pressed, pressure_on_eleme
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
-SHEAR = 3 * 2.6 / (5 / 6)
-"""Of a rectangle with Poisson's ratio 0.3."""
 FIBRE = np.sqrt(3.0)
 """Distance of the outer fibre of a rectangle in radii of gyration."""
 
@@ -64,22 +58,6 @@ def beams_of(behind: Chain) -> Beams:
         bending = aside @ bending @ aside
     stiffest = np.linalg.eigvalsh(bending)[:, -1] / 2
     return Beams(ends, lengths, along, law[:, 0, 0] * lengths, stiffest / law[:, 0, 0])
-
-
-def sheared(scene: Scene) -> Iterator[Caution]:
-    """Bodies so short that shear, which beams leave out, counts."""
-    for body in whole_bodies(scene):
-        behind = None if is_in_pieces(scene, body) else chain(scene, body)
-        if behind is None:
-            continue
-        found, size = beams_of(behind), float(np.linalg.norm(np.ptp(behind.nodes, axis=0)))
-        part = SHEAR * float(np.average(found.gyration, weights=found.lengths)) / size**2
-        if part > LIMIT:
-            yield Caution(
-                "shear",
-                f"{body} is short for a beam: shear, which Euler-Bernoulli beams leave out, adds some {part:.0%} to the deflection of a "
-                "cantilever as long as it is by a force at its end, and more between closer supports. Make a body of solid elements of it.",
-            )
 
 
 def bent_between_nodes(solution: Solution) -> Iterator[Caution]:

@@ -56,7 +56,7 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
     content = {
         "nodes": behind.elements.nodes,
         "connectivity": behind.elements.connectivity,
-        **vars(behind.made_of),
+        **behind.made_of.rectangles,
         "held": behind.held,
         "displacements": behind.displacements(elastic)[0],
     }

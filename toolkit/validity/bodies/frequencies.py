@@ -14,6 +14,7 @@ from toolkit.validity.bodies.compressed.merging_vibrations import merging_of
 from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
 from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
+from toolkit.validity.bodies.shear.sheared_vibrations import sheared_vibrations
 from toolkit.validity.bodies.tension.tension_cautions import tension_of_vibrations
 
 
@@ -44,3 +45,4 @@ def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | 
     yield from merging_of(solution, numbers)
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
     yield from cautions_of_frequencies(solution.system.scene, named, doubt=count is not None)
+    yield from sheared_vibrations(solution, named, differentiated=False)

@@ -10,7 +10,7 @@ An element of length L, with direction e and normal n = e turned by +90 degrees,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -24,6 +24,10 @@ CURVATURE = np.array([[-4.0, -2.0], [2.0, 4.0]])
 """Curvature at both ends, times L, per rotation of the ends against the chord."""
 BENDING = np.array([[4.0, 2.0], [2.0, 4.0]])
 """Moments at both ends, times L / EI, per rotation of the ends against the chord."""
+SHEARED = np.array([[-3.0, -3.0], [-3.0, -3.0]])
+"""What Phi / (1 + Phi) of a beam that shear deforms adds to them."""
+SHEAR = 1e-6
+"""Phi below which elements know no shear."""
 
 ROUND_OFF = 1e-10
 """Strain of an element, in parts of its displacement over its length, below which it is round-off: no shape of the basis strains it."""
@@ -81,6 +85,17 @@ class Sections:
     modulus: np.ndarray  # (n_e,) that of the elements: E, or E / (1 - nu^2) in plane strain
     thickness: np.ndarray  # (n_e,)
     width: np.ndarray  # (n_e,)
+    phi: np.ndarray  # (n_e,) 12 E I / (kappa G A L^2) of elements that shear deforms, else zero
+
+    @property
+    def rectangles(self) -> dict[str, np.ndarray]:
+        """Modulus, thickness and width, without shear."""
+        return {"modulus": self.modulus, "thickness": self.thickness, "width": self.width}
+
+    @property
+    def law(self) -> np.ndarray:
+        """Moments at both ends, times L / EI, per rotation of the ends against the chord, (n_e, 2, 2)."""
+        return BENDING + (self.phi / (1 + self.phi))[:, None, None] * SHEARED
 
     @property
     def axial(self) -> np.ndarray:
@@ -101,7 +116,8 @@ def sections(mesh: Mesh, places: StressPoints, operator: np.ndarray, stiffness: 
         (B_outer + B_inner) / 2 = E eps,    B_outer - B_inner = E t kappa
         K = sum_e b_e (E t L eps^T eps + E t^3 / 12 L int kappa^T kappa)
 
-    of which the first two give E and t, and the third, by least squares, the widths b.
+    of which the first two give E and t, and the third, by least squares, the widths b. Elements that shear deforms have the curvature
+    kappa, which is without shear, in the mean of both ends, and 1 / (1 + Phi) of it in half their difference.
 
     Parameters
     ----------
@@ -118,9 +134,23 @@ def sections(mesh: Mesh, places: StressPoints, operator: np.ndarray, stiffness: 
     least = ROUND_OFF * np.linalg.norm(mesh.recovery[elements.dofs, 1:].reshape(len(eps), -1), axis=1) / elements.lengths
     found = _ratio(mean, eps, least)
     found = np.where(np.isnan(found), modulus, found)
-    thickness = _ratio(difference.reshape(len(eps), -1), kappa.reshape(len(eps), -1), least / elements.lengths) / found
-    thickness = np.where(np.isnan(thickness), np.nanmean(thickness), thickness)
-    return Sections(found, thickness, _widths(elements.lengths, shapes[:, [0, 2, 3]], found, thickness, stiffness))
+    thickness, phi = _thickness(difference, kappa, least / elements.lengths, found)
+    made_of = Sections(found, thickness, np.ones(len(found)), phi)
+    return replace(made_of, width=_widths(elements.lengths, shapes[:, [0, 2, 3]], made_of, stiffness))
+
+
+def _thickness(
+    difference: np.ndarray, kappa: np.ndarray, least: np.ndarray, modulus: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Thickness and Phi of each element, (n_e,), by what all shapes do to the stress and the curvature at its ends, (n_e, 2, n_f)."""
+    count = len(kappa)
+    (even, odd), (bent, tilted) = ((each.mean(axis=1), (each[:, 1] - each[:, 0]) / 2) for each in (difference, kappa))
+    thickness, softer = _ratio(even, bent, least) / modulus, _ratio(odd, tilted, least) / modulus
+    phi = thickness / softer - 1
+    phi = np.where(phi > SHEAR, phi, 0.0)  # not where one of them is unknown
+    plain = _ratio(difference.reshape(count, -1), kappa.reshape(count, -1), least) / modulus
+    thickness = np.where(phi > 0, thickness, plain)
+    return np.where(np.isnan(thickness), np.nanmean(thickness), thickness), phi
 
 
 def _ratio(stress: np.ndarray, strain: np.ndarray, least: np.ndarray) -> np.ndarray:
@@ -130,16 +160,14 @@ def _ratio(stress: np.ndarray, strain: np.ndarray, least: np.ndarray) -> np.ndar
     return np.where(known, np.einsum("ef,ef->e", stress, strain) / np.where(known, squares, 1.0), np.nan)
 
 
-def _widths(
-    lengths: np.ndarray, shapes: np.ndarray, modulus: np.ndarray, thickness: np.ndarray, stiffness: np.ndarray
-) -> np.ndarray:
+def _widths(lengths: np.ndarray, shapes: np.ndarray, made_of: Sections, stiffness: np.ndarray) -> np.ndarray:
     """Least squares of K = sum_e b_e sum_i r_ei^T r_ei by its normal equations, as deviations from one common width.
 
     `r` are the rows (n_e, 3, n_f) whose squares are the energies of an element of unit width.
     """
-    root = np.linalg.cholesky(BENDING)
-    axial = np.sqrt(modulus * thickness / lengths)[:, None] * shapes[:, 0]
-    bending = np.sqrt(modulus * thickness**3 / 12 / lengths)[:, None, None] * np.einsum("ji,ejf->eif", root, shapes[:, 1:])
+    root = np.linalg.cholesky(made_of.law)
+    axial = np.sqrt(made_of.axial / lengths)[:, None] * shapes[:, 0]
+    bending = np.sqrt(made_of.bending / lengths)[:, None, None] * np.einsum("eji,ejf->eif", root, shapes[:, 1:])
     rows = np.concatenate([axial[:, None], bending], axis=1)
     n, flat = len(rows), sparing(rows)
     products = _summed((flat @ flat.T) ** 2, n)

@@ -23,7 +23,7 @@ from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import MEAN_AXES
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.chord_rows import chord_rows
-from toolkit.validity.bodies.chains.element_sections import BENDING, Elements, Sections, sections
+from toolkit.validity.bodies.chains.element_sections import Elements, Sections, sections
 from toolkit.validity.bodies.chains.second_order import Forms, clamped_rows, mean_rows
 
 SHORTENING = np.array([[4.0, -1.0], [-1.0, 4.0]]) / 30
@@ -59,7 +59,7 @@ def planar_forms(elements: Elements, made_of: Sections) -> Forms:
     elongation, psi = rows[:, 0], rows[:, 1] / lengths[:, None]
     law = np.zeros((len(rows), 3, 3))
     law[:, 0, 0] = made_of.axial / lengths
-    law[:, 1:, 1:] = (made_of.bending / lengths)[:, None, None] * BENDING
+    law[:, 1:, 1:] = (made_of.bending / lengths)[:, None, None] * made_of.law
     curved = np.zeros((len(rows), 3, 6, 6))
     curved[:, 0] = lengths[:, None, None] * psi[:, :, None] * psi[:, None, :]
     both = elongation[:, :, None] * psi[:, None, :] / lengths[:, None, None]
