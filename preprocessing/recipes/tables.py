@@ -39,7 +39,7 @@ class Table(BaseModel):
 
 
 class Damping(Table):
-    """Rayleigh damping D = mass M + stiffness K."""
+    """Rayleigh damping D = mass M + stiffness K; the first acts on the whole velocity of the body, not on its deformation alone."""
 
     mass: NonNegative = 0.0  # 1 / time
     stiffness: NonNegative = 0.0  # time

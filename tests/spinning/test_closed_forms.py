@@ -94,10 +94,10 @@ def test_whirls_of_a_disc_split_by_its_gyroscopic_moments(speed):
     assert modes.frequencies[:2] == pytest.approx(expected, rel=1e-7)  # the cross weighs 1e-9
 
 
-def shaft(folder, speed: float, damping: float) -> Scene:
+def shaft(folder, speed: float, **damping: float) -> Scene:
     text = BEAM.format(elements=4, tip=[0.0, 0.0, 1.0], modulus=E, basis="")
     save_frame(folder, "beam", text)
-    body = SpatialFlexible(model="beam.h5", frame="turning", axis=Z, damping_mass=damping)
+    body = SpatialFlexible(model="beam.h5", frame="turning", axis=Z, **damping)
     drive = SpatialAngleDriver(bodies=("beam", "ground"), point="root", axis=Z, curve=motor(speed))
     return Scene(
         units="m-kg-s",
@@ -112,17 +112,33 @@ def shaft(folder, speed: float, damping: float) -> Scene:
 
 @pytest.mark.parametrize("part", [0.4, 1.6])
 def test_a_shaft_with_inner_damping_whirls_stably_below_its_critical_speed_alone(tmp_path, part):
-    """(s + i Omega)^2 + alpha s + omega^2 = 0 of each bending mode, seen from the shaft; it grows from Omega = omega on."""
+    """(s + i Omega)^2 + alpha s + omega^2 = 0 of each bending mode, seen from the shaft; it grows from Omega = omega on.
+
+    Damping that follows the stiffness is of the deformation alone: alpha = c omega^2.
+    """
     omega, alpha = 1.875104068711961**2 * np.sqrt(E * SECOND / (RHO * AREA)), 2.0
     speed = part * omega
-    state, modes = spin(shaft(tmp_path, speed, alpha))
+    state, modes = spin(shaft(tmp_path, speed, damping_stiffness=alpha / omega**2))
     roots = np.roots([1, 2j * speed + alpha, omega**2 - speed**2])
     order = np.argsort(np.abs(roots.imag))
     close = 2e-4  # of four elements, and the inertia of the section
-    assert modes.frequencies[:2] == pytest.approx(np.abs(roots.imag)[order] / (2 * np.pi), rel=close)
-    assert modes.damping[:2] == pytest.approx((-roots.real / np.abs(roots))[order], rel=10 * close)
-    assert (modes.damping[:2].min() < 0) == (part > 1) == ("unstable" in modes.verdict.codes)
+    vibrating = np.flatnonzero(np.abs(modes.damping) < 0.9)[:2]  # not what is stiff along the shaft, which creeps
+    assert modes.frequencies[vibrating] == pytest.approx(np.abs(roots.imag)[order] / (2 * np.pi), rel=close)
+    assert modes.damping[vibrating] == pytest.approx((-roots.real / np.abs(roots))[order], rel=10 * close)
+    assert (modes.damping.min() < 0) == (part > 1) == ("unstable" in modes.verdict.codes)
     assert ("critical-speed" in state.verdict.codes) == (part > 1)
+
+
+@pytest.mark.parametrize("part", [0.4, 1.6])
+def test_a_shaft_whose_whole_velocity_is_damped_whirls_stably_at_any_speed(tmp_path, part):
+    """s^2 + alpha s + omega^2 = 0 seen from the ground, s - i Omega from the shaft: outer damping, which follows the mass."""
+    omega, alpha = 1.875104068711961**2 * np.sqrt(E * SECOND / (RHO * AREA)), 2.0
+    _, modes = spin(shaft(tmp_path, part * omega, damping_mass=alpha))
+    roots = np.concatenate([np.roots([1, alpha, omega**2]) + sign * 1j * part * omega for sign in (1, -1)])
+    slow = roots[np.argmin(np.abs(roots.imag))]
+    assert modes.frequencies[0] == pytest.approx(abs(slow.imag) / (2 * np.pi), rel=1e-3)  # of four elements
+    assert modes.damping[0] == pytest.approx(-slow.real / abs(slow), rel=1e-3)
+    assert "unstable" not in modes.verdict.codes
 
 
 def test_a_bar_that_spins_is_stretched_and_pulls_as_the_closed_form_says(tmp_path):

@@ -132,6 +132,10 @@ class Body(InSpace):
         """Invariants, if the body is flexible with a moving frame."""
         return None
 
+    def drag(self, _scene: Placed) -> Any:
+        """Invariants of a moving frame, each times the body's mass-proportional damping; None if it has neither."""
+        return None
+
     def model_values(self) -> Mapping[str, Any]:
         """Values of the parameters of the body's reduced model that the scene sets."""
         return {}

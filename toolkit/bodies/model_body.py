@@ -21,6 +21,9 @@ from toolkit.reduced_model.parts.spin import SPIN_STIFFENING
 DEPENDENCE = ("affine", "derivatives")
 """Parts of a reduced model that tell how its arrays depend on its parameters."""
 
+MASS_DAMPING = "damping_mass"
+"""Parameter of a reduced model: alpha of its damping D = alpha M + c K."""
+
 FRAME = "(frame)"
 """In place of an interface point: the origin of the body's frame, which turns with it but does not deform."""
 
@@ -141,6 +144,29 @@ class ModelBody(Body):
             )
         return design.value(SPIN_STIFFENING)
 
+    def mass_damping(self, scene: Placed) -> Any:
+        """alpha of the damping D = alpha M + c K, in 1/time; 0 if elements have values of their own, see `damping_differs`."""
+        design = self.design_point(scene)
+        number = design.model.numbers.get(MASS_DAMPING)
+        return 0.0 if number is None or self.damping_differs(scene) else design.parameter(number)
+
+    def damping_differs(self, scene: Placed) -> bool:
+        """Whether its elements have mass-proportional damping of their own, so that no one number times its mass is that of the body."""
+        design = self.design_point(scene)
+        own = [k for name, k in design.model.numbers.items() if name.startswith(f"{MASS_DAMPING}_")]
+        return any(design.parameter(k) != 0 for k in own)
+
+    def drag(self, scene: Placed) -> Any:
+        """Of a body whose frame turns: what all of its velocity is damped by, not only that of its deformation."""
+        if not self.turns:
+            return None
+        alpha = self.mass_damping(scene)
+        return self.undamped(scene) if is_zero(alpha) else self.floating(scene).times(alpha)
+
+    @abstractmethod
+    def undamped(self, scene: Placed) -> Any:
+        """`drag` where the damping is zero: no entries at all."""
+
     def whole_mass(self, scene: Placed) -> Any:
         """That of its reduced model."""
         return self.invariants(scene).mass
@@ -210,3 +236,8 @@ def refuse_unknown(model: ReducedModel, interface: str, body: str) -> None:
 
 def _names(model: ReducedModel) -> str:
     return ", ".join(model.interfaces or {}) or "none"
+
+
+def is_zero(damping: Any) -> bool:
+    """Whether it is zero and no complex step of zero."""
+    return not isinstance(damping, complex) and damping == 0

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.compilation.arrays.body_arrays import constant_part, floating_part
+from toolkit.compilation.arrays.body_arrays import constant_part, drag_alone, floating_part
 from toolkit.compilation.arrays.component_arrays import curve_pairs, gripped, load_arrays, marker_arrays
 from toolkit.compilation.arrays.joint_arrays import joint_arrays
 from toolkit.compilation.arrays.spatial_arrays import (
@@ -28,6 +28,7 @@ from toolkit.scene.space import PLANE, SPACE
 NEEDS = {
     "constant": {"constant"},
     "floating": {"floating", "gravity"},
+    "drag": {"drag"},
     "markers": {"markers", "floating"},
     "joints": {"joints", "curves"},
     "loads": {"loads", "curves"},
@@ -114,7 +115,8 @@ def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype
     """Bodies with a moving frame and markers in the plane."""
     first = list(numbering.first.values())
     return {
-        "floating": lambda: floating_part([first[b] for b in values.floating], values, derivatives, pattern, dtype),
+        "floating": lambda: floating_part(first, values, derivatives, pattern, dtype),
+        "drag": lambda: floating_part(first, *drag_alone(values, derivatives), pattern, dtype),
         "markers": lambda: marker_arrays(scene, numbering, values, derivatives, columns, dtype),
         "pressures": lambda: None,
     }
@@ -129,6 +131,7 @@ def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtyp
 
     return {
         "floating": lambda: spatial_floating_part(scene, numbering, values, derivatives, pattern, dtype),
+        "drag": lambda: spatial_floating_part(scene, numbering, *drag_alone(values, derivatives), pattern, dtype),
         "markers": markers,
         "pressures": lambda: pressure_part(scene, numbering, values, derivatives, pattern, dtype),
     }

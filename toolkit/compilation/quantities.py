@@ -35,6 +35,7 @@ class Quantities:
     start: dict[int, tuple[np.ndarray, np.ndarray]]  # coordinates and velocities of each body
     constant: dict[int, ConstantNumbers]
     floating: dict[int, Any]  # FloatingNumbers or SpatialFloatingNumbers of the bodies that have them
+    drag: dict[int, Any]  # the same, times the mass-proportional damping
     markers: dict[int, Any]  # MarkerNumbers or SpatialMarkerNumbers
     joints: dict[int, np.ndarray]  # the numbers of the rows, see `joints.rows`
     loads: dict[int, np.ndarray]  # (5,) parameters, in space (7,)
@@ -107,8 +108,8 @@ def made_of(parts: Mapping[str, Mapping[int, Part]], placed: Remembered, scene: 
 
 def _quantities(groups: dict[str, dict[int, Any]], scene: Scene) -> Quantities:
     """Those bodies alone have invariants of a moving frame that have such a frame."""
-    floating = {b: block for b, block in groups["floating"].items() if block is not None}
-    return Quantities(**{**groups, "floating": floating}, gravity=np.asarray(scene.gravity))
+    moving = {of: {b: block for b, block in groups[of].items() if block is not None} for of in ("floating", "drag")}
+    return Quantities(**{**groups, **moving}, gravity=np.asarray(scene.gravity))
 
 
 def owners_of(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Owners:
@@ -129,6 +130,7 @@ def _owners_of(scene: Scene, numbering: Numbering, affected: Affected | None) ->
         "start": bodies,
         "constant": bodies,
         "floating": bodies,
+        "drag": bodies,
         "markers": range(len(numbering.markers)) if affected is None else sorted(affected.markers),
         "joints": chosen(("joints", name) for name in scene.joints),
         "loads": chosen(("loads", name) for name in named_loads(scene)),
@@ -150,6 +152,7 @@ def parts_of(scene: Scene, numbering: Numbering, owners: Owners) -> dict[str, di
         "start": lambda b: Part((bodies[b],), bodies[b].initial_state),
         "constant": lambda b: Part((bodies[b], *heavy), partial(_constant, bodies[b], gravity)),
         "floating": lambda b: Part((bodies[b],), bodies[b].floating),
+        "drag": lambda b: Part((bodies[b],), bodies[b].drag),
         "markers": lambda m: _marker(scene, everybody, numbering.markers[m]),
         "joints": lambda j: Part((joints[j],), partial(_rows, joints[j])),
         "loads": lambda k: Part((loads[k],), partial(_parameters, loads[k], width)),

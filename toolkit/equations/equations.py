@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import Constant, constant_design, constant_jacobian, constant_residual
-from toolkit.bodies.kernels.inertia import moving_design, moving_linearized, moving_residual
+from toolkit.bodies.kernels.inertia import add_drag, add_drag_design, moving_design, moving_linearized, moving_residual
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
 from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating, is_mixed, parts_of
 from toolkit.foundation.compiled.calls import by_value
@@ -37,6 +37,7 @@ class Plan(NamedTuple):
     indices: np.ndarray
     constant: Constant
     floating: Floating | SpatialFloating
+    drag: Floating | SpatialFloating  # the same of bodies that are damped by their mass, times that damping; mostly of none
     markers: Markers | SpatialMarkers
     joints: Joints
     loads: Loads
@@ -74,6 +75,7 @@ class Work(NamedTuple):
     joint: Any  # of the plan's joints
     load: LoadWork
     floating: Any  # of the plan's bodies with a moving frame
+    drag: Any  # of those that are damped by their mass
 
 
 @by_value
@@ -117,6 +119,7 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
         joint=plan.joints.work(dtype),
         load=load_work(plan.loads, plan.markers.start, len(plan.markers.pose), dtype),
         floating=plan.floating.work(dtype),
+        drag=plan.drag.work(dtype),
     )
 
 
@@ -149,6 +152,12 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
             plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
             terms.inertial, terms.applied,
         )  # fmt: skip
+    if len(plan.drag.frame) > 0 and not inputs.joints_only:
+        add_drag(
+            plane, frames, plan.drag, work.markers, q, v, work.rest, linearize, parts, mixed, work.drag,
+            terms.applied, terms.A_q, terms.A_v,
+        )  # fmt: skip
+        set_frames(frames, work.markers, q, rate, acceleration)
     add_joints(
         plane,
         frames,
@@ -215,6 +224,9 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
         moving_design(
             plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating, terms.I_x, terms.A_x
         )
+    if len(plan.drag.frame) > 0 and not inputs.joints_only:
+        add_drag_design(plane, frames, plan.drag, work.markers, q, v, work.rest, work.drag, terms.A_x)
+        set_frames(frames, work.markers, q, rate, acceleration)
     add_joint_designs(
         plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, acc, plan.curve_variable, plan.curve_index,
         work.joint, terms,

@@ -41,7 +41,7 @@ def gathered_design(plan: Plan) -> GatheredDesign:
         "markers": _without(markers, own) if isinstance(markers, Markers) else markers,
         "joints": plan.joints._replace(of=_designed(plan, own)),
     }
-    kept = {name: rest.get(name, getattr(plan, name)) for name in ("floating", "loads", "pressures", *rest)}
+    kept = {name: rest.get(name, getattr(plan, name)) for name in ("floating", "drag", "loads", "pressures", *rest)}
     row, variable = touched(plan.n_x, **kept, curve_index=plan.curve_index, curve_variable=plan.curve_variable)
     return GatheredDesign(plan._replace(**rest, touched_row=row, touched_variable=variable), gathered, _moves(plan, own))
 

@@ -85,6 +85,10 @@ class CutBody(ModelBody):
         """Nothing."""
         return None
 
+    def drag(self, scene: Placed) -> Any:
+        """Nothing."""
+        return None
+
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
         """Undeformed global position of an interface point, or of a node that parts the body, (d,)."""
         node = node_number(scene, point)

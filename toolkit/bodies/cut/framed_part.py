@@ -56,6 +56,10 @@ class FramedPart(ModelBody):
         """Names of its elastic coordinates, where nothing is reduced, with the numbers of its nodes for people."""
         raise NotImplementedError
 
+    def mass_damping(self, scene: Placed) -> Any:
+        """That of the whole."""
+        return scene.bodies[self.whole].mass_damping(scene)
+
     def stiffening(self, scene: Placed) -> np.ndarray | None:
         """None: a cut body stiffens at its cuts."""
         return None

@@ -28,6 +28,16 @@ class FloatingNumbers(NamedTuple):
     gyroscopic: np.ndarray
     stiffening: np.ndarray  # S on the same entries; () of a body that no spin stiffens
 
+    def times(self, factor: Any) -> FloatingNumbers:
+        """All of them times a factor, without S."""
+        return self._replace(
+            mass=factor * self.mass,
+            moment=factor * self.moment,
+            inertia=factor * self.inertia,
+            gyroscopic=factor * self.gyroscopic,
+            stiffening=np.zeros(()),
+        )
+
     @property
     def entries(self) -> int:
         """Entries of G, H and S and of the three rows and columns of the frame."""

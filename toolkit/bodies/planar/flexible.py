@@ -11,12 +11,14 @@ from pydantic import ConfigDict, Field, model_validator
 from toolkit.bodies.body import ConstantNumbers, Placed
 from toolkit.bodies.chain_strains import chain_strains
 from toolkit.bodies.cut.cuttable_body import CuttableBody
+from toolkit.bodies.model_body import is_zero
 from toolkit.bodies.planar.body import FloatingNumbers, MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Number, Pair
 from toolkit.description.quantity import Quantity
 from toolkit.kinematics.planar import rotation
-from toolkit.reduced_model.entries.elastic import elastic_matrices
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.entries.elastic import ElasticMatrices, elastic_matrices
 from toolkit.reduced_model.model import Invariants, generalized_lengths
 
 ACROSS = np.array([0.0, 0.0, 1.0])
@@ -152,7 +154,7 @@ class Flexible(CuttableBody, StartVelocity):
         """Damping and stiffness always; mass and weight only of a grounded body."""
         design = self.design_point(scene)
         if self.has_frame:
-            row, column, (damping, stiffness) = elastic_matrices(design, "damping", "stiffness")
+            row, column, (damping, stiffness) = self._elastic_damping(scene, design)
             strains = chain_strains(row, column, stiffness, design.model.n_f)
             strains = strains._replace(column=3 + strains.column)
             none = np.zeros(len(row)), np.zeros(3 + design.model.n_f)
@@ -161,6 +163,19 @@ class Flexible(CuttableBody, StartVelocity):
         weight = design.value("first_moment")[:, 1:].T @ (rotation(self.angle).T @ gravity)
         strains = chain_strains(row, column, stiffness, design.model.n_f)
         return ConstantNumbers(row, column, mass, damping, stiffness, weight, strains)
+
+    def _elastic_damping(self, scene: Placed, design: DesignPoint) -> ElasticMatrices:
+        """Damping and stiffness where the frame moves: without the part that follows the mass, which is that of `drag`."""
+        alpha = self.mass_damping(scene)
+        if is_zero(alpha):
+            return elastic_matrices(design, "damping", "stiffness")
+        row, column, (damping, stiffness, mass) = elastic_matrices(design, "damping", "stiffness", "inertia")
+        return ElasticMatrices(row, column, (damping - alpha * mass, stiffness))
+
+    def undamped(self, scene: Placed) -> FloatingNumbers:
+        """No entries."""
+        none, empty = np.zeros(0, int), np.zeros(0)
+        return FloatingNumbers(0.0, np.zeros((1 + self.design_point(scene).model.n_f, 2)), none, none, empty, empty, np.zeros(()))
 
     def floating(self, scene: Placed) -> FloatingNumbers | None:
         """Invariants of a body with a moving frame."""

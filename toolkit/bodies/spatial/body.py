@@ -37,6 +37,12 @@ class SpatialFloatingNumbers(NamedTuple):
     axis: np.ndarray  # (3,) that a turning frame turns about
     stiffening: np.ndarray  # (n_entries, 9) S_ab - delta_ab tr S / 2; () of a body that no spin stiffens
 
+    def times(self, factor: Any) -> SpatialFloatingNumbers:
+        """All of them times a factor, without S."""
+        return self._replace(
+            mass=factor * self.mass, moment=factor * self.moment, second=factor * self.second, stiffening=np.zeros(())
+        )
+
     @property
     def full(self) -> bool:
         """Whether the matrices Q[a, b] are worked with whole, because at least half of their entries can differ from zero.

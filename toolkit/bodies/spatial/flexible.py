@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field
 
 from toolkit.bodies.body import QUATERNION, ConstantNumbers, Placed
 from toolkit.bodies.cut.cuttable_body import CuttableBody
+from toolkit.bodies.model_body import is_zero
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
@@ -139,16 +140,25 @@ class SpatialFlexible(CuttableBody, SpatialBody):
         """Damping and stiffness always; mass and weight only of a frame that does not turn."""
         inv, size, m = self.invariants(scene), self.frame_size, self.moves
         whole, moment = size + len(inv.stiffness), self.placement @ inv.first_moment
-        dtype = np.result_type(moment, inv.second_moment, inv.stiffness, inv.damping, inv.mass, gravity)
+        dtype = np.result_type(moment, inv.second_moment, inv.stiffness, inv.damping, inv.mass, gravity, self.mass_damping(scene))
         mass, damping, stiffness = np.zeros((3, whole, whole), dtype)
         damping[size:, size:], stiffness[size:, size:] = inv.damping, inv.stiffness
-        force = np.zeros(whole, dtype)
-        if not self.turns:
+        force, alpha = np.zeros(whole, dtype), self.mass_damping(scene)
+        if self.turns:
+            if not is_zero(alpha):  # that part is `drag`
+                damping[size:, size:] -= alpha * inv.second_moment[:3, 1:, 1:].sum(axis=0)
+        else:
             force[m:], force[:m] = moment[:, 1:].T @ gravity, (inv.mass * gravity)[:m]
             mass[m:, m:], mass[:m, :m] = inv.second_moment[:3, 1:, 1:].sum(axis=0), inv.mass * np.eye(m)
             mass[:m, m:], mass[m:, :m] = moment[:m, 1:], moment[:m, 1:].T
+            damping[:m], damping[m:, :m] = alpha * mass[:m], alpha * mass[m:, :m]
         row, column = np.nonzero((mass != 0) | (damping != 0) | (stiffness != 0))
         return ConstantNumbers(row, column, mass[row, column], damping[row, column], stiffness[row, column], force)
+
+    def undamped(self, scene: Placed) -> SpatialFloatingNumbers:
+        """No entries."""
+        none, moment = np.zeros(0, int), np.zeros((1 + self.design_point(scene).model.n_f, 3))
+        return SpatialFloatingNumbers(0.0, moment, none, none, np.zeros((0, 9)), self.unit_axis, np.zeros(()))
 
     def surface_load(self, scene: Placed, surface: str) -> SurfaceLoad:
         """A unit pressure on one of the surfaces that the reduced model names."""

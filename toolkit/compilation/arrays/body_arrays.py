@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -142,10 +143,9 @@ def _not_zero(parts: list[tuple[int, int, np.ndarray]]) -> tuple[np.ndarray, np.
     return place, variable, np.concatenate([np.zeros(0), *(change[at] for _, _, change, at in found)])
 
 
-def floating_part(
-    frames: list[int], values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
-) -> Floating:
-    """Invariants of bodies with a moving frame and of their design derivatives; `frames` are the numbers of their r_x."""
+def floating_part(first: list[int], values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type) -> Floating:
+    """Invariants of bodies with a moving frame and of their design derivatives; `first` are the numbers of the first coordinates of all."""
+    frames = [first[b] for b in values.floating]
     bodies, number = list(values.floating.values()), {b: k for k, b in enumerate(values.floating)}
     blocks = [(k, -1, part) for k, part in enumerate(bodies)]
     places = {k: (part.row, part.column) for k, part in enumerate(bodies)}
@@ -190,6 +190,16 @@ def floating_part(
         gravity_variable=ints([falling]),
         design_gravity=np.array([derivatives[x].gravity for x in falling], float).reshape(-1, 2),
     )
+
+
+def drag_alone(values: Quantities, derivatives: list[Quantities]) -> tuple[Quantities, list[Quantities]]:
+    """The numbers with the drag in the place of the invariants, and without gravity; no bodies if none is damped by its mass."""
+    damped = any(len(part.row) for part in values.drag.values())
+    kept = values.floating if damped else {}
+    drag = {b: values.drag[b] if b in values.drag else part.times(0.0) for b, part in kept.items()}
+    still = 0 * values.gravity
+    rates = [replace(each, floating=each.drag if damped else {}, gravity=0 * each.gravity) for each in derivatives]
+    return replace(values, floating=drag, gravity=still), rates
 
 
 def stiffened_entries(part: Any) -> np.ndarray:

@@ -50,7 +50,8 @@ def spatial_floating_part(
     scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
 ) -> SpatialFloating:
     """Invariants of bodies with a turning frame and of their design derivatives."""
-    names, bodies = turning(scene), list(values.floating.values())
+    bodies = list(values.floating.values())
+    names = turning(scene) if bodies else []
     number = {b: k for k, b in enumerate(values.floating)}
     blocks: list[tuple[int, int, Any]] = [(k, -1, part) for k, part in enumerate(bodies)]
     for x, derivative in enumerate(derivatives):

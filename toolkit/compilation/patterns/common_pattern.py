@@ -24,6 +24,8 @@ def on_common_pattern(values: Quantities, derivatives: list[Quantities]) -> None
         _spread([each.constant for each in everything if b in each.constant], b, _squared)
     for b in values.floating:
         _spread([each.floating for each in everything if b in each.floating], b)
+    for b in values.drag:
+        _spread([each.drag for each in everything if b in each.drag], b)
     for m in values.markers:
         _widen([each.markers for each in everything if m in each.markers], m)
 

@@ -31,6 +31,7 @@ def touched_alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
 def _causes(
     constant: Constant,
     floating: Floating | SpatialFloating,
+    drag: Floating | SpatialFloating,
     markers: Markers | SpatialMarkers,
     joints: Joints,
     loads: Loads,
@@ -43,7 +44,8 @@ def _causes(
     for change in (constant.design_mass, constant.design_damping, constant.design_loose, constant.design_strains):
         yield from (change.row, change.variable)
     yield from (constant.strains.column, constant.strains.value != 0)
-    yield from (floating.block_body, floating.block_variable, floating.gravity_variable)
+    for part in (floating, drag):
+        yield from (part.block_body, part.block_variable, part.gravity_variable)
     yield from (markers.design_start, markers.design_variable)
     yield from (joints.of, joints.design, loads.design_start, loads.design_variable)
     if pressures is not None:
@@ -55,6 +57,7 @@ def touched(
     n_x: int,
     constant: Constant,
     floating: Floating | SpatialFloating,
+    drag: Floating | SpatialFloating,
     markers: Markers | SpatialMarkers,
     joints: Joints,
     loads: Loads,
@@ -68,7 +71,7 @@ def touched(
     matrices = (constant.design_mass, constant.design_damping, constant.design_loose)
     pairs = [(constant.force_row, constant.force_variable), *((each.row, each.variable) for each in matrices)]
     pairs += [_by_strains(constant)]
-    pairs += _by_floating(floating)
+    pairs += _by_floating(floating) + _by_floating(drag)
     pairs += [] if pressures is None else _by_pressures(pressures, curve_index, curve_variable)
     for part in (joints, loads):
         for k in np.flatnonzero(part.designed).tolist():

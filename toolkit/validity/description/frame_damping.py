@@ -1,25 +1,23 @@
-"""Mass-proportional damping, of which bodies with several floating frames keep little."""
+"""Mass-proportional damping that differs along a body, which acts on what moves in the body's frame alone."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.model_body import MASS_DAMPING, ModelBody
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 
 
-def frames_that_damp_less(scene: Scene) -> Iterator[Caution]:
-    """Cut bodies with mass-proportional damping: it acts on what moves in the frames of the parts, less the more parts there are."""
+def damping_in_the_frame(scene: Scene) -> Iterator[Caution]:
+    """Bodies with a moving frame, whose elements have mass-proportional damping of their own."""
     given = scene.model_parameters()
     for name, body in scene.bodies.items():
-        path = f"bodies.{name}.damping_mass"
-        if isinstance(body, CutBody) and len(body.cuts) > 2 and path in given and np.real(scene.number(path)) > 0:
+        own = any(path.startswith(f"bodies.{name}.{MASS_DAMPING}_") for path in given)
+        if own and isinstance(body, ModelBody) and body.has_frame and body.damping_differs(scene):
             yield Caution(
                 "frame-damping",
-                f"{name} has mass-proportional damping and {len(body.cuts) - 1} floating frames: it acts on what moves in the frame of "
-                "each part, and is lost for what moves the frames, so that motions are damped less the more frames there are. Use "
-                "stiffness-proportional damping, or one frame.",
+                f"elements of {name} have mass-proportional damping of their own: it acts on what moves in the body's frame alone, so that "
+                "it is less the more the frame moves with the body, and depends on where the frame is tied to it. Give the whole body "
+                "one mass-proportional damping, which acts on all of its velocity, or damp the elements by their stiffness.",
             )

@@ -11,7 +11,7 @@ from toolkit.joints.joint import Joint
 from toolkit.loads.friction import Friction
 from toolkit.loads.places import BetweenBodies, BetweenPoints
 from toolkit.scene.scene import Scene
-from toolkit.validity.description.frame_damping import frames_that_damp_less
+from toolkit.validity.description.frame_damping import damping_in_the_frame
 from toolkit.validity.description.frame_number import choices_of_frames
 from toolkit.validity.description.joint_cautions import cautions_of_joints
 from toolkit.validity.description.mesh_cautions import cautions_of_meshes
@@ -23,7 +23,7 @@ def cautions_of_scene(scene: Scene) -> list[Caution]:
     """All cautions that follow from what is written, in the scene and beside its models, before anything runs."""
     found = [*cautions_of_joints(scene), *_held_by_nothing(scene), *cautions_of_units(scene), *stale_models(scene)]
     found += _between_points_of_one(scene)
-    return [*found, *choices_of_frames(scene), *frames_that_damp_less(scene), *cautions_of_meshes(scene)]
+    return [*found, *choices_of_frames(scene), *damping_in_the_frame(scene), *cautions_of_meshes(scene)]
 
 
 def _between_points_of_one(scene: Scene) -> Iterator[Caution]:

@@ -6,9 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.bodies.kernels.inertia import add_drag
 from toolkit.equations.equations import Inputs, Plan, allocate_terms, allocate_work
 from toolkit.foundation.kernel import kernel
 from toolkit.system.solution import Solution
+
+ONES = (1.0, 1.0, 1.0, 1.0)
 
 
 class EnergyBalance(NamedTuple):
@@ -36,8 +39,8 @@ class EnergyBalance(NamedTuple):
 def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, lam, out, acc, terms, work):
     """T, P = -v . (A - K q) + v . M' v / 2 - v . phi_q^T lam, q . K q / 2 and v . D v at all times: out (n_t, 4).
 
-    K and D are those of flexible bodies. A is the applied group of the residual; at the acceleration v the inertial group is M v, and its
-    derivative by q along v is M' v.
+    K and D are those of flexible bodies, D with what follows their mass. A is the applied group of the residual; at the acceleration v
+    the inertial group is M v, and its derivative by q along v is M' v.
     """
     n_q, constant = plan.n_q, plan.constant
     for n in range(len(q)):
@@ -60,6 +63,16 @@ def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, 
             out[n, 1] += v[n, i] * constant.stiffness[e] * q[n, j]
             out[n, 2] += q[n, i] * constant.stiffness[e] * q[n, j] / 2
             out[n, 3] += v[n, i] * constant.damping[e] * v[n, j]
+        if len(plan.drag.frame) > 0:
+            for i in range(plan.n):
+                acc[i] = 0
+            still = work.rest
+            add_drag(
+                plan.markers.plane, plan.markers.frames, plan.drag, work.markers, q[n], v[n], still, False, ONES, False,
+                work.drag, acc, terms.A_q, terms.A_v,
+            )  # fmt: skip
+            for i in range(n_q):
+                out[n, 3] += v[n, i] * acc[i]
 
 
 def _driven(plan: Plan) -> np.ndarray:
