@@ -84,7 +84,7 @@ def _reframed(
 ) -> tuple[Mapping[str, float], Mapping[str, Mapping[str, float]]]:
     """Values and gradients with other frames, and the same steps."""
     other = compiled.reframed(frames)
-    if kind == "transient" and compiled.scene.solver.local_error is not None:
+    if kind == "transient" and (compiled.scene.solver.local_error is not None or solution.halved):
         other = Compiled(frozen(other.scene, solution), other.names)
     found = by_method("auto", other, kind)
     return found.values, found.gradients

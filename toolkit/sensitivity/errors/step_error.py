@@ -106,6 +106,9 @@ def step_error(
         Response -> variable -> what an error of the derivative is to be compared with, if that is larger than the derivative.
     """
     options = solution.options or solution.system.scene.solver
+    if solution.halved:
+        options = options.model_copy(update={"times": tuple(map(float, solution.whole_run))})
+    options = options.model_copy(update={"halvings": 0})  # other steps are to be what they are called
     known = Known(values, gradients, scales, slope_scales, 1 if _first_order(options) else 2)
     longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
     found = _estimate(known, longer) if longer else None

@@ -1,0 +1,177 @@
+"""Steps that Newton cannot do, in halves: the run goes on from the state before them, and its times tell which steps it took.
+
+Whatever repeats the run is given these times: derivatives are those of the steps that were taken, by every method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, NoReturn
+
+import numpy as np
+
+from toolkit.analyses.joint_drift import can_be_closed, check_drift, drift
+from toolkit.description.option_checks import DAMPED_CHANGING, STEEPEST
+from toolkit.description.run_options import RunOptions
+from toolkit.description.time_grid import step_lengths
+from toolkit.solvers.transient.adaptive import MOST, attempt
+from toolkit.solvers.transient.formulation import relaxed
+from toolkit.solvers.transient.newton import NOT_CONVERGED, NOT_FINITE, SINGULAR
+from toolkit.solvers.transient.prediction import STEEP
+from toolkit.solvers.transient.run import Run, check_memory, failure
+from toolkit.solvers.transient.step_memory import ITERATIONS, STATUS, STEP, History
+
+MOST_IN_ALL = 200
+"""Halvings of one run. A run that needs more fails in many of its steps: they are too long everywhere."""
+THROWN = 0.05
+"""Local error, a part of the scene's size (or rad), above which a halved step is halved again: Newton may have found another solution."""
+
+States = tuple[np.ndarray, ...]
+
+
+class Ahead(NamedTuple):
+    """A time that is still to be reached, and how often the step to it has been halved."""
+
+    time: float
+    depth: int
+
+
+def most_halvings(options: RunOptions) -> int:
+    """How often one step may be halved: as the options say, or as far as steps may change their length.
+
+    Without inertia a step that fails tells of the end of a path of equilibria.
+    """
+    if (
+        options.quasi_static
+        or options.local_error is not None
+        or (options.formulation == "index-3" and options.rho_inf > DAMPED_CHANGING)
+    ):
+        return 0
+    return options.halvings if options.formulation == "index-1" else min(options.halvings, int(np.log2(STEEPEST)))
+
+
+def can_be_halved(run: Run) -> bool:
+    """Whether the step at which a run stopped may be tried in halves."""
+    status, step, iterations = (int(run.outcome.counts[place]) for place in (STATUS, STEP, ITERATIONS))
+    thrown_out = status == SINGULAR and (step > 0 or iterations > 1)
+    forgotten = step > 0 and run.lengths[step] > STEEP * run.lengths[step - 1]  # see `step_ratio`
+    return most_halvings(run.options) > 0 and (status in (NOT_CONVERGED, NOT_FINITE) or thrown_out) and not forgotten
+
+
+def advance_in_halves(
+    run: Run, history: History, stopped: int, progress: Callable[[int, int], None] | None = None
+) -> tuple[Run, History, tuple[float, ...]]:
+    """Go on from the state at which a run `stopped`, in halves of the steps that fail or open the joints.
+
+    Returns
+    -------
+    run, history, halved
+        The run over the times that were needed, its states, and the times at which halved steps began.
+
+    Raises
+    ------
+    ConvergenceError, SingularSystemError
+        As `failure` and `check_drift`: of a step that cannot be halved any more.
+    """
+    thrown = _first_thrown(run, history, stopped)
+    kept = stopped if thrown == stopped else 0  # memory stands where the run stopped; elsewhere the run begins anew
+    chunks: list[States] = [tuple(array[: kept + 1] for array in history[:6])]
+    times, halvings = list(map(float, run.times[: kept + 1])), [Ahead(float(run.times[k]), 0) for k in range(thrown, stopped + 1)]
+    ahead = [Ahead(float(time), 0) for time in run.times[: stopped + 1 : -1]]
+    for k in range(stopped, thrown - 1, -1):
+        ahead += _halves(float(run.times[k]), Ahead(float(run.times[k + 1]), 0))
+    ahead += [Ahead(float(time), 0) for time in run.times[thrown:kept:-1]]
+    run = run._replace(relaxation=run.relaxation[:kept], control=run.control._replace(foreseen=False))
+    while ahead:
+        way = _go_on(run, tuple(item[-1] for item in chunks[-1]), times[-1], ahead)
+        if way.done:
+            chunks.append(way.states)
+            times += [ahead.pop().time for _ in range(way.done)]
+            run = run._replace(relaxation=way.run.relaxation[: way.done])
+        if way.failed:
+            step = ahead.pop()
+            if step.depth >= most_halvings(run.options) or len(halvings) >= MOST_IN_ALL:
+                _refuse(way, chunks[-1][0][-1], chunks[-1][1][-1])
+            halvings.append(Ahead(times[-1], step.depth))
+            ahead += _halves(times[-1], step)
+            check_memory(run.system, run.options, len(times) + len(ahead))
+        if progress:
+            progress(len(times) - 1, len(times) + len(ahead) - 1)
+    return (*_joined(run, times, chunks), tuple(begin for begin, depth in halvings if depth == 0))
+
+
+def _first_thrown(run: Run, history: History, stopped: int) -> int:
+    """The first of the steps right before the one at which a run stopped that were too long for their own errors, see `THROWN`."""
+    scheme, weights, n_q = run.scheme, run.system.weights, run.system.n_q
+    while stopped > 0:
+        h, change = run.lengths[stopped - 1], np.real(history.acc[stopped, :n_q] - history.acc[stopped - 1, :n_q])
+        if abs(scheme.error) * h * h * np.max(weights[:n_q] * np.abs(change)) <= THROWN:
+            break
+        stopped -= 1
+    return stopped
+
+
+def _halves(begin: float, step: Ahead) -> list[Ahead]:
+    """Both halves of a step, the later one first."""
+    return [Ahead(step.time, step.depth + 1), Ahead((begin + step.time) / 2, step.depth + 1)]
+
+
+class Way(NamedTuple):
+    """Some steps towards the next times."""
+
+    done: int
+    states: States  # that were reached
+    run: Run  # that the steps are of
+    opened: np.ndarray  # (0 or 1, n) coordinates of the first state whose joints have come apart
+
+    @property
+    def failed(self) -> bool:
+        """Whether there is a step that was not done."""
+        return self.done < len(self.run.lengths)
+
+
+def _go_on(run: Run, state: States, time: float, ahead: list[Ahead]) -> Way:
+    """The next step, or the next ones that are equally long and were never halved."""
+    count = 1
+    if ahead[-1].depth == 0:
+        lengths = step_lengths(np.array([time, *(each.time for each in ahead[: -MOST - 1 : -1])]))
+        count = len(lengths) if np.all(lengths == lengths[0]) else 1
+    times = np.array([time, *(each.time for each in ahead[: -count - 1 : -1])])
+    memory = run.memory
+    inherited = memory.aux, memory.daux, memory.span, memory.carried, memory.dcarried
+    kept = [array.copy() for array in inherited]
+    limited = 0 < ahead[-1].depth < most_halvings(run.options)
+    run = run._replace(control=run.control._replace(largest_error=THROWN if limited else np.inf))
+    done, piece, states = attempt(run, state, times, step_lengths(times))
+    closed = _closed(run, times[1 : done + 1], states[0])
+    opened = states[0][closed : closed + 1]
+    if closed < done or done == 0:  # the step that failed has scaled some of it to its own length
+        for array, before in zip(inherited, kept, strict=True):
+            array[:] = before
+    if 0 < closed < done:
+        states = attempt(run, state, times[: closed + 1], piece.lengths[:closed])[2]
+    return Way(closed, states, piece, opened)
+
+
+def _closed(run: Run, times: np.ndarray, q: np.ndarray) -> int:
+    """How many of these states have closed joints, up to the first that has not."""
+    allowed = run.options.drift_tolerance
+    if not can_be_closed(run) or drift(run.system, times, q)[0] <= allowed:
+        return len(q)
+    return next(k for k in range(len(q)) if not drift(run.system, times[k : k + 1], q[k : k + 1])[0] <= allowed)
+
+
+def _refuse(way: Way, q: np.ndarray, v: np.ndarray) -> NoReturn:
+    """Raise what a step deserves that cannot be halved any more, from coordinates and velocities (n,) before it."""
+    if len(way.opened):
+        check_drift(way.run, way.opened, way.done + 1)
+    raise failure(way.run, q, v)
+
+
+def _joined(run: Run, times: list[float], chunks: list[States]) -> tuple[Run, History]:
+    """All pieces of a run as one."""
+    states = [np.concatenate(parts) for parts in zip(*chunks, strict=True)]
+    found = np.array(times)
+    lengths = step_lengths(found)
+    run = run._replace(times=found, lengths=lengths, relaxation=relaxed(lengths))
+    return run, History(*states, *(array.reshape(len(found), -1) for array in states[3:]))
