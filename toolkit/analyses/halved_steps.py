@@ -6,19 +6,20 @@ Whatever repeats the run is given these times: derivatives are those of the step
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.analyses.joint_drift import can_be_closed, check_drift, drift
+from toolkit.analyses.joint_drift import can_be_closed, drift
 from toolkit.description.option_checks import DAMPED_CHANGING, STEEPEST
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths
+from toolkit.foundation.errors import ConvergenceError, SingularSystemError, retold
 from toolkit.solvers.transient.adaptive import MOST, attempt
 from toolkit.solvers.transient.formulation import relaxed
 from toolkit.solvers.transient.newton import NOT_CONVERGED, NOT_FINITE, SINGULAR
 from toolkit.solvers.transient.prediction import STEEP
-from toolkit.solvers.transient.run import Run, check_memory, failure
+from toolkit.solvers.transient.run import Run, at_limit_position, check_memory
 from toolkit.solvers.transient.step_memory import ITERATIONS, STATUS, STEP, History
 
 MOST_IN_ALL = 200
@@ -27,6 +28,7 @@ THROWN = 0.05
 """Local error, a part of the scene's size (or rad), above which a halved step is halved again: Newton may have found another solution."""
 
 States = tuple[np.ndarray, ...]
+StepError = ConvergenceError | SingularSystemError
 
 
 class Ahead(NamedTuple):
@@ -59,9 +61,9 @@ def can_be_halved(run: Run) -> bool:
 
 
 def advance_in_halves(
-    run: Run, history: History, stopped: int, progress: Callable[[int, int], None] | None = None
+    run: Run, history: History, error: StepError, progress: Callable[[int, int], None] | None = None
 ) -> tuple[Run, History, tuple[float, ...]]:
-    """Go on from the state at which a run `stopped`, in halves of the steps that fail or open the joints.
+    """Go on where a run stopped with an error, in halves of the steps that fail or open the joints.
 
     Returns
     -------
@@ -71,8 +73,9 @@ def advance_in_halves(
     Raises
     ------
     ConvergenceError, SingularSystemError
-        As `failure` and `check_drift`: of a step that cannot be halved any more.
+        The error itself, and that halves of the step have failed, too.
     """
+    stopped = int(run.outcome.counts[STEP])
     thrown = _first_thrown(run, history, stopped)
     kept = stopped if thrown == stopped else 0  # memory stands where the run stopped; elsewhere the run begins anew
     chunks: list[States] = [tuple(array[: kept + 1] for array in history[:6])]
@@ -91,7 +94,7 @@ def advance_in_halves(
         if way.failed:
             step = ahead.pop()
             if step.depth >= most_halvings(run.options) or len(halvings) >= MOST_IN_ALL:
-                _refuse(way, chunks[-1][0][-1], chunks[-1][1][-1])
+                raise _not_helped(way, chunks[-1], error) from error
             halvings.append(Ahead(times[-1], step.depth))
             ahead += _halves(times[-1], step)
             check_memory(run.system, run.options, len(times) + len(ahead))
@@ -122,7 +125,6 @@ class Way(NamedTuple):
     done: int
     states: States  # that were reached
     run: Run  # that the steps are of
-    opened: np.ndarray  # (0 or 1, n) coordinates of the first state whose joints have come apart
 
     @property
     def failed(self) -> bool:
@@ -144,13 +146,12 @@ def _go_on(run: Run, state: States, time: float, ahead: list[Ahead]) -> Way:
     run = run._replace(control=run.control._replace(largest_error=THROWN if limited else np.inf))
     done, piece, states = attempt(run, state, times, step_lengths(times))
     closed = _closed(run, times[1 : done + 1], states[0])
-    opened = states[0][closed : closed + 1]
     if closed < done or done == 0:  # the step that failed has scaled some of it to its own length
         for array, before in zip(inherited, kept, strict=True):
             array[:] = before
     if 0 < closed < done:
         states = attempt(run, state, times[: closed + 1], piece.lengths[:closed])[2]
-    return Way(closed, states, piece, opened)
+    return Way(closed, states, piece)
 
 
 def _closed(run: Run, times: np.ndarray, q: np.ndarray) -> int:
@@ -161,11 +162,17 @@ def _closed(run: Run, times: np.ndarray, q: np.ndarray) -> int:
     return next(k for k in range(len(q)) if not drift(run.system, times[k : k + 1], q[k : k + 1])[0] <= allowed)
 
 
-def _refuse(way: Way, q: np.ndarray, v: np.ndarray) -> NoReturn:
-    """Raise what a step deserves that cannot be halved any more, from coordinates and velocities (n,) before it."""
-    if len(way.opened):
-        check_drift(way.run, way.opened, way.done + 1)
-    raise failure(way.run, q, v)
+def _not_helped(way: Way, last: States, error: StepError) -> Exception:
+    """The error of the step at which a run stopped, after halves of it have failed behind a `last` state; or what led there."""
+    time, step = float(way.run.times[way.done]), float(way.run.lengths[0])
+    text = (
+        f"{error} Halved down to {step:.2g} it fails, too, at t = {time:.4g}: the scene may ask for what cannot be done there (a mechanism "
+        "that locks), or something jumps or is far stiffer than all else (a spring, a friction, a curve)."
+    )
+    told = at_limit_position(way.run, last[0][-1], time, step, retold(error, text))
+    if isinstance(told, ConvergenceError):
+        told.state = time, last[0][-1], last[1][-1]
+    return told
 
 
 def _joined(run: Run, times: list[float], chunks: list[States]) -> tuple[Run, History]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.solvers.transient.run import Run, at_limit_position, halved_to_the_end
+from toolkit.solvers.transient.run import Run, at_limit_position
 from toolkit.system.system import System
 from toolkit.validity.motion.drift import largest_drift
 
@@ -46,8 +46,11 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
         )
     if not found[0] <= options.drift_tolerance:
         stabilised = options.baumgarte.stiffness != 0
-        step = run.options.step if halved_to_the_end(run.options, float(run.lengths.max())) else float(run.lengths.max())
-        cause = f"the step of {step:g} is far too large for this motion. Try a tenth of it" if stabilised else UNSTABILISED
+        cause = (
+            f"the step of {run.lengths.max():g} is far too large for this motion. Try a tenth of it"
+            if stabilised
+            else UNSTABILISED
+        )
         came_apart = ConvergenceError(
             f"the joints came apart: {system.numbering.names[int(found[2])]} is off by {found[0]:.1e} of the scene's size at "
             f"t = {times[int(found[1])]:g}, more than solver.drift_tolerance = {options.drift_tolerance:g}: {cause}."

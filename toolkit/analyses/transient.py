@@ -124,7 +124,7 @@ def _integrated(
     except (ConvergenceError, SingularSystemError) as error:
         if isinstance(error, LimitPositionError) or not can_be_halved(run):
             raise
-        return advance_in_halves(run, history, int(run.outcome.counts[STEP]), progress)
+        return advance_in_halves(run, history, error, progress)
     return run, history, ()
 
 

@@ -125,9 +125,6 @@ LEVELS = np.array([0.0, 0.0, 1.0])
 NEARBY = 0.05
 """Part of the run, or ten steps, within which a limit position behind a failed step is its cause."""
 
-SHORT = 0.02
-"""Part of the step that was asked for, below which one that fails does not fail because of its length."""
-
 
 def failure(run: Run, q: np.ndarray, v: np.ndarray) -> Exception:
     """The error that a failed step deserves, from the coordinates and velocities (n,) before it."""
@@ -165,11 +162,6 @@ def failure_of_step(run: Run) -> Exception:
             "point (snap-through) there is none nearby, and only a run with inertia can follow; otherwise the step of "
             f"{step_length:g} is too large. Try a smaller solver.step, or solver.local_error."
         )
-    if status == SINGULAR and halved_to_the_end(run.options, step_length):
-        return SingularSystemError(
-            f"the equations do not determine {name} at t = {time:g}: a mechanism in a singular position. Steps halved down to "
-            f"{step_length:.2g} end there, too."
-        )
     if status == SINGULAR and (step > 0 or iterations > 1):  # the start itself was left behind
         return SingularSystemError(
             f"the equations do not determine {name} at t = {time:g}: a mechanism in a singular position, or one that a step of "
@@ -194,15 +186,7 @@ def failure_of_step(run: Run) -> Exception:
         else f"correction {last:.1e}, but by factors that may leave more"
     )
     what = what if status == NOT_CONVERGED else "not finite"
-    remedy = (
-        f"Steps halved down to {step_length:.2g} fail, too: what the scene asks for there cannot be done (a mechanism that locks, bodies "
-        "that turn inside out), or something jumps or is far stiffer than all else (a friction, a spring, a curve)."
-        if halved_to_the_end(run.options, step_length)
-        else f"Try a smaller solver.step (now {step_length:g}) or a smoother load curve."
+    return ConvergenceError(
+        f"Newton stopped at t = {time:g} after {iterations} iterations: {what}, largest in {name}. "
+        f"Try a smaller solver.step (now {step_length:g}) or a smoother load curve."
     )
-    return ConvergenceError(f"Newton stopped at t = {time:g} after {iterations} iterations: {what}, largest in {name}. {remedy}")
-
-
-def halved_to_the_end(options: RunOptions, step_length: float) -> bool:
-    """Whether a step was halved so often that shorter ones promise nothing."""
-    return options.times is None and options.local_error is None and step_length < SHORT * options.step
