@@ -14,7 +14,7 @@ from toolkit.analyses.joint_drift import can_be_closed, drift
 from toolkit.description.option_checks import DAMPED_CHANGING, STEEPEST
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths
-from toolkit.foundation.errors import ConvergenceError, SingularSystemError, retold
+from toolkit.foundation.errors import ConvergenceError, LimitPositionError, SingularSystemError, retold
 from toolkit.solvers.transient.adaptive import MOST, attempt
 from toolkit.solvers.transient.formulation import relaxed
 from toolkit.solvers.transient.newton import NOT_CONVERGED, NOT_FINITE, SINGULAR
@@ -22,10 +22,13 @@ from toolkit.solvers.transient.prediction import STEEP
 from toolkit.solvers.transient.run import Run, at_limit_position, check_memory
 from toolkit.solvers.transient.step_memory import ITERATIONS, STATUS, STEP, History
 
-MOST_IN_ALL = 200
-"""Halvings of one run. A run that needs more fails in many of its steps: they are too long everywhere."""
+FEW, PART, MOST_IN_ALL = 6, 0.15, 200
+"""Steps of a run that may be halved, at most, or this part of all of them, and all halvings: of a run that needs more the steps are too
+long everywhere. A pendulum that turns by half a turn in a step got through with six of ten steps halved, and nothing of it was right."""
 THROWN = 0.05
 """Local error, a part of the scene's size (or rad), above which a halved step is halved again: Newton may have found another solution."""
+BEFORE = 3
+"""Steps before the one that fails which are halved, too, where its own halves do not help: what they have left may be why."""
 
 States = tuple[np.ndarray, ...]
 StepError = ConvergenceError | SingularSystemError
@@ -77,6 +80,20 @@ def advance_in_halves(
     """
     stopped = int(run.outcome.counts[STEP])
     thrown = _first_thrown(run, history, stopped)
+    try:
+        return _in_halves(run, history, (thrown, stopped), error, progress)
+    except (ConvergenceError, SingularSystemError) as again:
+        before = max(0, stopped - BEFORE)
+        if isinstance(again, LimitPositionError) or before >= thrown:
+            raise
+        return _in_halves(run, history, (before, stopped), error, progress)
+
+
+def _in_halves(
+    run: Run, history: History, steps: tuple[int, int], error: StepError, progress: Callable[[int, int], None] | None
+) -> tuple[Run, History, tuple[float, ...]]:
+    """The same, with the first and the last of the steps that are halved from the beginning."""
+    (thrown, stopped), grid = steps, run.times
     kept = stopped if thrown == stopped else 0  # memory stands where the run stopped; elsewhere the run begins anew
     chunks: list[States] = [tuple(array[: kept + 1] for array in history[:6])]
     times, halvings = list(map(float, run.times[: kept + 1])), [Ahead(float(run.times[k]), 0) for k in range(thrown, stopped + 1)]
@@ -93,8 +110,9 @@ def advance_in_halves(
             run = run._replace(relaxation=way.run.relaxation[: way.done])
         if way.failed:
             step = ahead.pop()
-            if step.depth >= most_halvings(run.options) or len(halvings) >= MOST_IN_ALL:
-                raise _not_helped(way, chunks[-1], error) from error
+            too_many = _too_many(halvings, step, len(grid) - 1)
+            if too_many or step.depth >= most_halvings(run.options):
+                raise _not_helped(way, chunks[-1], error, too_many) from error
             halvings.append(Ahead(times[-1], step.depth))
             ahead += _halves(times[-1], step)
             check_memory(run.system, run.options, len(times) + len(ahead))
@@ -117,6 +135,12 @@ def _first_thrown(run: Run, history: History, stopped: int) -> int:
 def _halves(begin: float, step: Ahead) -> list[Ahead]:
     """Both halves of a step, the later one first."""
     return [Ahead(step.time, step.depth + 1), Ahead((begin + step.time) / 2, step.depth + 1)]
+
+
+def _too_many(halvings: list[Ahead], step: Ahead, steps: int) -> bool:
+    """Whether a run of so many steps may halve no more."""
+    begun = sum(each.depth == 0 for each in [*halvings, step])
+    return begun > max(FEW, PART * steps) or len(halvings) >= MOST_IN_ALL
 
 
 class Way(NamedTuple):
@@ -162,14 +186,13 @@ def _closed(run: Run, times: np.ndarray, q: np.ndarray) -> int:
     return next(k for k in range(len(q)) if not drift(run.system, times[k : k + 1], q[k : k + 1])[0] <= allowed)
 
 
-def _not_helped(way: Way, last: States, error: StepError) -> Exception:
-    """The error of the step at which a run stopped, after halves of it have failed behind a `last` state; or what led there."""
+def _not_helped(way: Way, last: States, error: StepError, everywhere: bool) -> Exception:
+    """The error of the step at which a run stopped, after halves of it have failed behind a `last` state, or too many of its steps."""
     time, step = float(way.run.times[way.done]), float(way.run.lengths[0])
-    text = (
-        f"{error} Halved down to {step:.2g} it fails, too, at t = {time:.4g}: the scene may ask for what cannot be done there (a mechanism "
-        "that locks), or something jumps or is far stiffer than all else (a spring, a friction, a curve)."
-    )
-    told = at_limit_position(way.run, last[0][-1], time, step, retold(error, text))
+    lasting = f"Halved down to {step:.2g} it fails, too, at t = {time:.4g}: the scene may ask for what cannot be done there (a mechanism "
+    lasting += "that locks), or something jumps or is far stiffer than all else (a spring, a friction, a curve)."
+    many = f"Halves of its first steps do not help: up to t = {time:.4g} so many fail that all are too long."
+    told = at_limit_position(way.run, last[0][-1], time, step, retold(error, f"{error} {many if everywhere else lasting}"))
     if isinstance(told, ConvergenceError):
         told.state = time, last[0][-1], last[1][-1]
     return told

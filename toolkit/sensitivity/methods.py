@@ -85,6 +85,6 @@ def _reframed(
     """Values and gradients with other frames, and the same steps."""
     other = compiled.reframed(frames)
     if kind == "transient" and (compiled.scene.solver.local_error is not None or solution.halved):
-        other = Compiled(frozen(other.scene, solution), other.names)
+        other = Compiled(frozen(other.scene, solution, compiled.scene.solver.halvings), other.names)
     found = by_method("auto", other, kind)
     return found.values, found.gradients
