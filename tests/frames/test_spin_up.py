@@ -14,6 +14,7 @@ from toolkit.scene.cut_scene import with_parts
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
 from toolkit.validity.bodies.cut.places import node_places
 from toolkit.validity.bodies.physics import speed_limits
+from toolkit.validity.bodies.spinning.critical_speed import spinning_bodies
 from toolkit.validity.motion.snap_through import snap_through
 
 LENGTH, EA, EI, MASS = 10.0, 2.8e7, 1.4e4, 1.2
@@ -133,7 +134,8 @@ def test_one_frame_runs_away_and_says_so(folder):
     verdict = ffrf.compile(chain_scene(folder, "frames = 1", early, 2)).simulate().verdict
     assert not verdict.trusted
     assert "critical-speed" in verdict.codes
-    limits = speed_limits(with_parts(chain_scene(folder, "frames = 4", MOTOR, 2)))  # one word for all parts, where a run fails
+    cut = with_parts(chain_scene(folder, "frames = 4", MOTOR, 2))
+    limits = speed_limits(cut, spinning_bodies(cut))  # one word for all parts, where a run fails
     assert limits.count("critical speed") == 1
     assert "the weakest part of beam" in limits
 

@@ -3,29 +3,31 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from toolkit.analyses.halved_steps import advance_in_halves, can_be_halved
+from toolkit.analyses.joint_drift import check_drift
 from toolkit.analyses.run_start import run_start
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import watched_compilation
-from toolkit.foundation.errors import ConvergenceError, LimitPositionError
+from toolkit.foundation.errors import ConvergenceError, LimitPositionError, SingularSystemError
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.half_turns import refuse_half_turns
 from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.static.passed_limits import refuse_passed_limits
 from toolkit.solvers.transient.adaptive import advance_adaptively
 from toolkit.solvers.transient.newton import CONVERGED
-from toolkit.solvers.transient.run import Run, allocate_history, at_limit_position, failure, foreseen, prepare_run, take_steps
+from toolkit.solvers.transient.run import Run, allocate_history, failure, foreseen, prepare_run, take_steps
 from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, STATUS, STEP, History, Memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.bodies.physics import speed_limits
+from toolkit.validity.bodies.spinning.critical_speed import fast_bodies
 from toolkit.validity.judge import judge
-from toolkit.validity.motion.drift import largest_drift
+from toolkit.validity.start.sudden_loads import told_loads
 
-UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 PIECE, MANY = 200, 1_000_000
 """Least number of steps between two reports of progress, and of unknowns at all of them: some tenths of a second, beside which a report
 costs nothing, and that all memory is handed over anew for the next steps."""
@@ -69,14 +71,11 @@ def simulate(
         run = prepare_run(system, options)
         start = run_start(system, run.options, q, v, beside)
         try:
-            run, history = _integrated(run, start, progress, along)
+            run, history, halved = _integrated(run, start, progress, along)
         except LimitPositionError:
             raise
         except ConvergenceError as error:
-            hint = speed_limits(system.scene)
-            if not hint:
-                raise
-            raise ConvergenceError(f"{error} {hint}") from error
+            raise ConvergenceError(" ".join(filter(None, [str(error), *_causes(run, error)]))) from error
     if run.options.quasi_static:
         history.acc[:, : system.n_q] = 0  # the loop's unknowns there are no accelerations
         history.dacc[:, : system.n_q] = 0
@@ -94,21 +93,39 @@ def simulate(
         options=run.options,
         own_start=q is not None or v is not None,
         newton_iterations=int(run.outcome.counts[ALL_ITERATIONS]),
+        halved=halved,
         wall={"run": clock.perf_counter() - begun - compiled.seconds},
         judge=judge,
     )
 
 
+def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
+    """What else to know where a run failed: frames that spin fast by then, or loads that act at once where it begins."""
+    if error.state is None:
+        return
+    time, q, v = error.state
+    none = np.zeros((1, run.system.n, 0))
+    last = Solution.from_padded(run.system, np.array([time]), (q[None], v[None], np.zeros((1, run.system.n)), none, none, none))
+    yield speed_limits(run.system.scene, fast_bodies(last))
+    if time < run.options.step:
+        yield told_loads(run.system.scene, run.options)
+
+
 def _integrated(
     run: Run, start: State, progress: Callable[[int, int], None] | None, along: Solution | None
-) -> tuple[Run, History]:
-    """The run, over the times that it chose if it chooses them, and all its states."""
+) -> tuple[Run, History, tuple[float, ...]]:
+    """The run, over the times that it chose or halved, all its states, and the times at which halved steps began."""
     if run.options.local_error is not None:
-        return advance_adaptively(run, start, progress)
+        return (*advance_adaptively(run, start, progress), ())
     history = allocate_history(run.system, run.options, len(run.times), start)
     run = foreseen(run, history, along) if along else run
-    advance(run, history, 0, progress)
-    return run, history
+    try:
+        advance(run, history, 0, progress)
+    except (ConvergenceError, SingularSystemError) as error:
+        if isinstance(error, LimitPositionError) or not can_be_halved(run):
+            raise
+        return advance_in_halves(run, history, error, progress)
+    return run, history, ()
 
 
 def advance(run: Run, history: History, first: int, progress: Callable[[int, int], None] | None = None) -> None:
@@ -129,41 +146,7 @@ def advance(run: Run, history: History, first: int, progress: Callable[[int, int
         high = min(low + piece, count)
         take_steps(run, history, curves, first + low == 0, low, high)
         if run.outcome.counts[STATUS] != CONVERGED:
-            raise failure(run, history.q[run.outcome.counts[STEP]])
+            before = run.outcome.counts[STEP]
+            raise failure(run, history.q[before], history.v[before])
         if progress:
             progress(first + high, total)
-
-
-def check_drift(run: Run, q: np.ndarray, first: int) -> float:
-    """Largest violation of any joint in states (n, ...) from step `first` on, relative to the scene's size or in rad.
-
-    Raises
-    ------
-    ConvergenceError
-        The joints came apart, also those left out as redundant; names joint, time and remedy.
-    """
-    system, options, times = run.system, run.options, run.times[first : first + len(q)]
-    found, curves = np.zeros(4), system.curve_values(times)
-    system.run(
-        largest_drift, system.plan, system.functions, curves, system.weights, q, np.zeros(system.n, system.dtype), found,
-        system.work,
-    )  # fmt: skip
-    if not found[0] <= options.drift_tolerance and found[2] in system.plan.dropped:
-        raise ConvergenceError(
-            f"{system.numbering.names[int(found[2])]} was left out because other joints imply it at the start; it is off by {found[0]:.1e} "
-            f"of the scene's size at t = {times[int(found[1])]:g}: they do so in the start position alone (a folded or stretched one), or "
-            "points and axes do not fit exactly. Start elsewhere, fix them, or remove the joint that is too much."
-        )
-    if not found[0] <= options.drift_tolerance:
-        stabilised = options.baumgarte.stiffness != 0
-        cause = (
-            f"the step of {run.lengths.max():g} is far too large for this motion. Try a tenth of it"
-            if stabilised
-            else UNSTABILISED
-        )
-        came_apart = ConvergenceError(
-            f"the joints came apart: {system.numbering.names[int(found[2])]} is off by {found[0]:.1e} of the scene's size at "
-            f"t = {times[int(found[1])]:g}, more than solver.drift_tolerance = {options.drift_tolerance:g}: {cause}."
-        )
-        raise at_limit_position(run, q[0], float(times[0]), float(times[int(found[1])] - times[0]) / 10, came_apart)
-    return float(found[0])

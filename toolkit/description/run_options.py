@@ -11,6 +11,7 @@ from toolkit.description.option_checks import START_SCHEMA, STARTS, contradictio
 from toolkit.description.quantity import Quantity
 
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
+Halvings = Annotated[int, Field(strict=True, ge=0, le=20), Quantity("none")]
 Seed = Annotated[int, Field(strict=True, ge=0)]
 Formulation = Literal["index-1", "index-3", "ggl"]
 
@@ -62,6 +63,9 @@ class RunOptions(Description):
         singular position makes more of it.
     max_iterations
         Newton iterations after which a step has failed.
+    halvings
+        How often a step in which Newton does not converge may be halved; the run tells which ones were. With 0, and without inertia, such
+        a step ends the run. A run that chooses its steps shortens them anyway.
     quasi_static
         Whether inertia is left out, so that the motion is a sequence of equilibria (with the forces of dampers). Needs an equilibrium at
         time 0, and refuses to jump where the path of equilibria ends. Without dampers the path is followed between two times where
@@ -114,6 +118,7 @@ class RunOptions(Description):
     tolerance: Annotated[float, Field(strict=True, gt=1e-14, lt=1e-2), Quantity("none")] = 1e-10
     newton: Literal["full", "modified"] = "full"
     max_iterations: Count = 20
+    halvings: Halvings = 10
     quasi_static: bool = False
     start: Annotated[str, AfterValidator(known_start), WithJsonSchema(START_SCHEMA)] = "given"
     local_error: Annotated[Positive | None, Quantity("none")] = None

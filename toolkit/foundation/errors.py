@@ -74,7 +74,9 @@ class SingularSystemError(ToolkitError, ArithmeticError):
 
 
 class ConvergenceError(ToolkitError, ArithmeticError):
-    """Newton's iteration stopped before it met its criterion."""
+    """Newton's iteration stopped before it met its criterion; `state` is the time before a step that failed, with q and v then."""
+
+    state: tuple[float, Any, Any] | None = None
 
 
 class LimitPositionError(ConvergenceError):

@@ -88,7 +88,7 @@ def _reframed(
 ) -> tuple[Mapping[str, float], Mapping[str, Mapping[str, float]]]:
     """Values and gradients with other frames, and the same steps."""
     other = compiled.reframed(frames)
-    if kind == "transient" and compiled.scene.solver.local_error is not None:
-        other = Compiled(frozen(other.scene, solution), other.names)
+    if kind == "transient" and (compiled.scene.solver.local_error is not None or solution.halved):
+        other = Compiled(frozen(other.scene, solution, compiled.scene.solver.halvings), other.names)
     found = by_method("auto", other, kind)
     return found.values, found.gradients

@@ -30,11 +30,12 @@ def moving(solution: Solution) -> bool:
     return len(solution.times) > 1
 
 
-def frozen(scene: Scene, solution: Solution) -> Scene:
-    """The scene with the times that its run has chosen: other designs are solved with the same steps, as derivatives suppose."""
-    if scene.solver.local_error is None or not moving(solution):
+def frozen(scene: Scene, solution: Solution, halvings: int = 0) -> Scene:
+    """The scene with the times of its run, where that has chosen or halved steps: other designs are solved with the same steps, as
+    derivatives suppose."""
+    if not moving(solution) or (scene.solver.local_error is None and not solution.halved):
         return scene
-    chosen = {"times": tuple(map(float, solution.whole_run)), "local_error": None}
+    chosen = {"times": tuple(map(float, solution.whole_run)), "local_error": None, "halvings": halvings}
     return scene.model_copy(update={"solver": scene.solver.model_copy(update=chosen)})
 
 

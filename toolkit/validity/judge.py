@@ -39,6 +39,7 @@ from toolkit.validity.motion.open_profiles import opened_profiles
 from toolkit.validity.motion.snap_through import snap_through
 from toolkit.validity.motion.spring_length import springs_through_zero
 from toolkit.validity.start.start_cautions import cautions_of_start
+from toolkit.validity.start.sudden_loads import halved_steps
 
 
 @one_thread()
@@ -77,6 +78,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from unbalanced_energy(solution, found["energy_balance"])
         yield from excessive_speeds(solution)
         yield from partly_stiffened(solution)
+        yield from halved_steps(solution)
         yield from filter(None, [snap_through(solution)])
         yield from springs_through_zero(solution)
         yield from unseen_curves(solution)

@@ -16,4 +16,5 @@ class FrameChoice(NamedTuple):
         tuple[int, float], ...
     ] = ()  # further numbers of frames, and by how much these gradients may be off, in parts of them
     metered: float = float("nan")  # what the meter of large deformation finds in the run whose error that is, likewise
+    failed: int = 0  # frames of a run that failed, after which no more were tried
     kept_run: str = ""  # file of the run that the scene starts in, whose number was taken without any run

@@ -21,6 +21,7 @@ import numpy as np
 
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.frame_choice import FrameChoice
+from toolkit.description.time_grid import time_grid
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError, InputError, SingularSystemError
 from toolkit.kept_run.end_state import end_state
 from toolkit.scene.cut_scene import branches, fewest_cut, most_frames
@@ -100,11 +101,15 @@ def chosen_frames(scene: Scene, kind: Kind) -> Choices:
     wanted = {name: _wanted(scene, name) for name in names}
     numbers, solution = _first_run(scene, kind, ranges)
     runs = {name: [_run_of(solution, name, numbers[name])] for name in names}
-    fixed = frozen(scene, solution)
+    fixed = scene if solution.halved else frozen(scene, solution)
     following = {name: _second(solution, name, numbers[name], ranges[name], wanted[name]) for name in names}
     while following != numbers:
         numbers, before = following, numbers
-        solution = solve(prepare(with_frames(fixed, numbers)), kind)
+        found = _tried(fixed, kind, numbers)
+        if found is None:
+            chosen = {name: _choice(runs[name], wanted[name], kind) for name in names}
+            return {**kept, **{name: _unfinished(chosen[name], numbers[name], before[name]) for name in names}}
+        solution = found
         for name in names:
             if numbers[name] != before[name]:
                 runs[name].append(_judged(_run_of(solution, name, numbers[name]), runs[name][-1]))
@@ -155,6 +160,16 @@ def _first_run(scene: Scene, kind: Kind, ranges: dict[str, _Range]) -> tuple[dic
         numbers = {name: ranges[name].near(2 * number) for name, number in numbers.items()}
 
 
+def _tried(scene: Scene, kind: Kind, numbers: dict[str, int]) -> Solution | None:
+    """A run with numbers of frames; None if it fails, which tells nothing about those that do not."""
+    try:
+        return solve(prepare(with_frames(scene, numbers)), kind)
+    except (ConvergenceError, SingularSystemError) as error:
+        if isinstance(error, CriticalPointError):
+            raise
+        return None
+
+
 def _second(solution: Solution, name: str, number: int, can_be: _Range, wanted: float) -> int:
     """By what the meter says of the first run; twice as many at least, so that the runs can be compared."""
     predicted = int(np.ceil(number * np.sqrt(_metered(solution, name, unknown=0.0) / wanted)))
@@ -168,8 +183,15 @@ def _metered(solution: Solution, name: str, unknown: float) -> float:
 
 
 def _run_of(solution: Solution, name: str, number: int) -> _Run:
-    places, displacement = node_places(solution, name), largest_displacement(solution, name)
+    places, displacement = _at_times_asked_for(solution, node_places(solution, name)), largest_displacement(solution, name)
     return _Run(number, places, displacement, is_moving(solution.system.scene, name), _metered(solution, name, unknown=np.inf))
+
+
+def _at_times_asked_for(solution: Solution, places: np.ndarray) -> np.ndarray:
+    """Of places (n_t, ...) those at the times that all runs have, whichever of their steps were halved."""
+    if not solution.halved:
+        return places
+    return places[np.isin(solution.times, time_grid(solution.options or solution.system.scene.solver))]
 
 
 def _judged(run: _Run, before: _Run) -> _Run:
@@ -224,6 +246,14 @@ def _choice(runs: list[_Run], wanted: float, kind: Kind) -> tuple[int, FrameChoi
     if len(runs) > 1 and _suffices(runs, wanted):
         return runs[-2].number, FrameChoice(wanted, _of_before(*runs[-2:]), numbers, kind, metered=runs[-2].metered)
     return runs[-1].number, FrameChoice(wanted, runs[-1].error, numbers, kind, metered=runs[-1].metered)
+
+
+def _unfinished(chosen: tuple[int, FrameChoice], tried: int, before: int) -> tuple[int, FrameChoice]:
+    """A choice that a run which failed has ended; what no other run was compared with is known by the meter alone."""
+    number, choice = chosen
+    if tried == before:
+        return number, choice
+    return number, choice._replace(error=choice.error if np.isfinite(choice.error) else choice.metered, failed=tried)
 
 
 def with_choices(scene: Scene, choices: Choices) -> Scene:

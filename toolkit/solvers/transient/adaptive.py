@@ -65,7 +65,7 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
             elif status != CONVERGED:
                 h = RETRY * length
             if h < SMALLEST * options.end_time:
-                raise failure(piece, chunks[-1][0][-1])
+                raise failure(piece, chunks[-1][0][-1], chunks[-1][1][-1])
             if progress:
                 progress(round(1000 * times[-1] / options.end_time), 1000)
     states = [np.concatenate(parts) for parts in zip(*chunks, strict=True)]
@@ -75,21 +75,26 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
 
 
 def _attempt(run: Run, state: tuple, time: float, stop: float, h: float) -> tuple[int, Run, tuple[np.ndarray, ...]]:
-    """Steps of about the length h towards a stop: how many were accepted, the run that they are of, and their states."""
+    """Steps of about the length h towards a stop; results as those of `attempt`."""
     needed = max(1, int(np.ceil((stop - time) / h * (1 - SMALLEST))))
     count = min(needed, MOST)
     length = (stop - time) / needed if needed <= MOST else h
     times = time + length * np.arange(count + 1)
     if needed == count:
         times[-1] = stop
-    lengths, before = np.full(count, length), float(run.relaxation[-1]) if time > 0 else 0.0
-    piece = run._replace(times=times, lengths=lengths, relaxation=relaxed(lengths, before))
     if length >= run.options.step * (1 - SMALLEST):
-        piece = piece._replace(control=piece.control._replace(easy_error=0.0))
-    history = empty_history(run.system, count + 1, state)
-    take_steps(piece, history, run.system.curves(times), time == 0, 0, count)
+        run = run._replace(control=run.control._replace(easy_error=0.0))
+    return attempt(run, state, times, np.full(count, length))
+
+
+def attempt(run: Run, state: tuple, times: np.ndarray, lengths: np.ndarray) -> tuple[int, Run, tuple[np.ndarray, ...]]:
+    """Steps through times (n_t,) from a state at the first: how many were accepted, the run that they are of, and their states."""
+    before = float(run.relaxation[-1]) if times[0] > 0 else 0.0
+    piece = run._replace(times=times, lengths=lengths, relaxation=relaxed(lengths, before))
+    history = empty_history(run.system, len(times), state)
+    take_steps(piece, history, run.system.curves(times), times[0] == 0, 0, len(lengths))
     status, last = run.outcome.counts[STATUS], run.outcome.counts[STEP]
-    done = count if status == CONVERGED else int(last) + int(status == EASY)
+    done = len(lengths) if status == CONVERGED else int(last) + int(status == EASY)
     return done, piece, tuple(array[1 : done + 1] for array in history[:6])
 
 

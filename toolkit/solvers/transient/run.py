@@ -126,10 +126,13 @@ NEARBY = 0.05
 """Part of the run, or ten steps, within which a limit position behind a failed step is its cause."""
 
 
-def failure(run: Run, q: np.ndarray) -> Exception:
-    """The error that a failed step deserves, from the coordinates (n,) before it."""
+def failure(run: Run, q: np.ndarray, v: np.ndarray) -> Exception:
+    """The error that a failed step deserves, from the coordinates and velocities (n,) before it."""
     step = int(run.outcome.counts[STEP])
-    return at_limit_position(run, q, float(run.times[step]), float(run.lengths[step]), failure_of_step(run))
+    error = at_limit_position(run, q, float(run.times[step]), float(run.lengths[step]), failure_of_step(run))
+    if isinstance(error, ConvergenceError):
+        error.state = float(run.times[step]), q, v
+    return error
 
 
 def at_limit_position(run: Run, q: np.ndarray, time: float, step_length: float, error: Exception) -> Exception:

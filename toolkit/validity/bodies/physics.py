@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from toolkit.validity.bodies.chains.known_chain import has_chain
 from toolkit.validity.bodies.compressed.critical_load import Compression, critical_compressions
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import LIMIT, Deformation, deformations
-from toolkit.validity.bodies.spinning.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
+from toolkit.validity.bodies.spinning.critical_speed import critical_speed, too_fast_in_motion
 from toolkit.validity.bodies.turning_frame import turning_frames
 from toolkit.validity.description.frame_choice import advice_of_frame
 
@@ -145,10 +145,10 @@ def excessive_speeds(solution: Solution) -> Iterator[Caution]:
         )
 
 
-def speed_limits(scene: Scene) -> str:
-    """What to know of critical speeds where a run failed; empty without flexible bodies that turn."""
+def speed_limits(scene: Scene, bodies: Iterable[str]) -> str:
+    """What to know of the critical speeds of flexible bodies that spin where a run failed; empty without any."""
     limits: dict[str, float] = {}
-    for body in spinning_bodies(scene):
+    for body in bodies:
         found = scene.body(body)
         name = f"the weakest part of {found.whole}" if isinstance(found, FramedPart) else body
         limits[name] = min(limits.get(name, np.inf), critical_speed(scene, body))

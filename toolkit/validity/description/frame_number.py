@@ -43,6 +43,9 @@ def choices_of_frames(scene: Scene) -> Iterator[Caution]:
                 doubt=False,
             )
             continue
+        if choice.failed:
+            yield _not_known(scene, name, number, choice)
+            continue
         runs = " and ".join(filter(None, [", ".join(map(str, choice.numbers[:-1])), str(choice.numbers[-1])]))
         yield Caution(
             "frames",
@@ -52,6 +55,18 @@ def choices_of_frames(scene: Scene) -> Iterator[Caution]:
             f"frames = {number} spares these runs.{_unreduced(scene, name)}",
             doubt=False,
         )
+
+
+def _not_known(scene: Scene, name: str, number: int, choice: FrameChoice) -> Caution:
+    """That a run which was to tell whether a number suffices has failed."""
+    by = "by comparison with fewer" if len(choice.numbers) > 1 else "by the meter of large deformation alone"
+    return Caution(
+        "frames-not-known",
+        f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto", and whether they suffice is not known: '
+        f"a run with {choice.failed} failed. They leave about {choice.error:.1%} of its largest displacement, {by} ({choice.wanted:.3g} is "
+        f"wanted). Write frames = {choice.failed} to see why that fails, or a smaller solver.step.{_unreduced(scene, name)}",
+        doubt=not choice.error <= choice.wanted,
+    )
 
 
 def _unreduced(scene: Scene, name: str) -> str:

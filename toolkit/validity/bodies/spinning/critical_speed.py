@@ -22,6 +22,9 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, flexible_body, spins_of
 from toolkit.system.solution import Solution
 
+FAST = 0.5
+"""Part of its critical speed from which on a spin may be why a run failed."""
+
 
 def spinning_bodies(scene: Scene) -> list[str]:
     """Names of the flexible bodies whose frame can turn."""
@@ -72,6 +75,14 @@ def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]
         spin = spins[first_largest(np.linalg.norm(spins, axis=1))]
         if not _stable(scene, body, spin):
             yield body, float(np.linalg.norm(spin)), critical_speed(scene, body, spin)
+
+
+def fast_bodies(solution: Solution) -> list[str]:
+    """Flexible bodies whose frame spins with `FAST` of its critical speed or more at any time."""
+    scene = solution.system.scene
+    spins = {body: spins_of(solution, body) for body in spinning_bodies(scene)}
+    fastest = {body: each[first_largest(np.linalg.norm(each, axis=1))] for body, each in spins.items()}
+    return [body for body, spin in fastest.items() if not _stable(scene, body, spin / FAST)]
 
 
 def _stable(scene: Scene, body: str, spin: np.ndarray) -> bool:

@@ -1,0 +1,62 @@
+"""Loads that act in full at t = 0 on a scene that rests without them, and steps that had to be halved, most often because of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.verdict import Caution
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+
+MOST_NAMED = 3
+"""Loads, and times, that one sentence names."""
+
+
+def sudden_loads(scene: Scene) -> list[str]:
+    """Names of the loads that a motion meets at t = 0 and whose size is written: forces, torques, pressures, gravity."""
+    return [name for name, load in scene.loads.items() if any(_written(load)) and _at_start(load) != 0]
+
+
+def _written(load) -> Iterator[bool]:
+    """Of each field that a load is proportional to, whether it is not zero."""
+    return (bool(np.any(np.real(getattr(load, field)) != 0)) for field in load.proportional)
+
+
+def _at_start(load) -> float:
+    """What its time curve is at t = 0."""
+    curve = getattr(load, "curve", None)
+    return 1.0 if curve is None else float(np.real(curve.evaluate(np.zeros(1))[0, 0]))
+
+
+def told_loads(scene: Scene, options: RunOptions) -> str:
+    """What to know of loads that begin with a blow; empty where none does, or a motion starts in their equilibrium."""
+    names = sudden_loads(scene)
+    if not names or options.start != "given" or options.quasi_static:
+        return ""
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return (
+        f"At t = 0 {', '.join(map(repr, names[:MOST_NAMED]))}{more} {'sets' if len(names) == 1 else 'set'} in at once, with a blow. "
+        'solver.start = "equilibrium" begins in the equilibrium under the loads at t = 0; or let them grow by a curve.'
+    )
+
+
+def halved_steps(solution: Solution) -> Iterator[Caution]:
+    """Steps that were not taken as asked for, because Newton could do them in halves only."""
+    if not solution.halved:
+        return
+    options = solution.options or solution.system.scene.solver
+    lengths, count = np.diff(solution.whole_run), len(solution.halved)
+    when = ", ".join(f"{time:.4g}" for time in solution.halved[:MOST_NAMED])
+    more = f" and {count - MOST_NAMED} more" if count > MOST_NAMED else ""
+    why = told_loads(solution.system.scene, options) if solution.halved[0] == 0 and not solution.own_start else ""
+    yield Caution(
+        "halved-steps",
+        f"{count} {'step was' if count == 1 else 'steps were'} halved, because Newton did not converge in a whole one: at "
+        f"t = {when}{more}. "
+        f"{solution.steps} steps were taken, from {lengths.min():.2g} to {lengths.max():.2g}; gradients are those of these steps. "
+        f"{why or 'A smaller solver.step spares the search.'}",
+        doubt=False,
+    )
