@@ -20,6 +20,7 @@ from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
+from toolkit.sensitivity.errors.weighed_doubts import unless_it_converges
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
@@ -158,7 +159,8 @@ class Result:
             *self._undefined(),
             *self._of_vibrations(),
         )
-        return Verdict.of(without_false_zeros([*cautions(self.solution, measured), *about_responses]), measured)
+        about_states = unless_it_converges(cautions(self.solution, measured), self.solution, self.step_error, self.measures)
+        return Verdict.of(without_false_zeros([*about_states, *about_responses]), measured)
 
     @property
     def warnings(self) -> tuple[Caution, ...]:
