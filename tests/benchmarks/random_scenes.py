@@ -63,7 +63,6 @@ MODEL = frozenset(
         "critical-load",
         "reference-condition",
         "snap-through",
-        "stale-model",
         "shear",
         "tension",
         "weight-between-nodes",
@@ -76,6 +75,8 @@ GRADIENTS = frozenset({"gradient-steps", "geometric-gradients"})
 """Codes of doubts about gradients alone."""
 NOTHING = 1e-9
 """Error below which nothing is wrong at all."""
+UNJUDGED = frozenset({"curve-overshoot", "stale-model"})
+"""Codes of doubts about what was meant, which no finer run can judge."""
 PERCENT = re.compile(r"([0-9][0-9.e+]*) ?%")
 """The size of an error in the sentence of a doubt."""
 
@@ -111,7 +112,7 @@ class Judged:
     @property
     def judged(self) -> set[str]:
         """Codes of the doubts that the references can judge."""
-        return set(self.codes) - (frozenset() if self.model_known else MODEL)
+        return set(self.codes) - UNJUDGED - (frozenset() if self.model_known else MODEL)
 
     @property
     def doubted(self) -> bool:
@@ -274,8 +275,8 @@ def _told_against_true(all_found: list[Judged]) -> Iterator[str]:
     for code, told, true in (row for one in all_found for row in one.told):
         factors.setdefault(code, []).append(max(told, true) / max(min(told, true), NOTHING))
     yield "told against true errors: code, times, median factor, more than twice"
-    for code, found in sorted(factors.items()):
-        yield f"  {code:24s} {len(found):4d} {np.median(found):9.3g} {sum(factor > 2 for factor in found):4d}"
+    for code, listed in sorted(factors.items()):
+        yield f"  {code:24s} {len(listed):4d} {np.median(listed):9.3g} {sum(factor > 2 for factor in listed):4d}"
     told = [factor for found in factors.values() for factor in found]
     if told:
         yield f"  {'all':24s} {len(told):4d} {np.median(told):9.3g} {sum(factor > 2 for factor in told):4d}"

@@ -20,10 +20,10 @@ from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.errors.weighed_doubts import unless_it_converges
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
+from toolkit.sensitivity.errors.weighed_doubts import Answers, unless_it_converges, unless_unfelt
 from toolkit.sensitivity.frames.gradient_errors import FrameErrors, Reframed, doubtful_gradients, frame_errors
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
@@ -89,15 +89,21 @@ class Result:
     @cached_property
     def step_error(self) -> StepError | None:
         """Estimated errors by the length of the steps, measured by the same run with steps of another length when it is first asked for."""
-        scene, solution = self.solution.system.scene, self.solution
+        solution = self.solution
         if self.repeat is None or not moving(solution) or not self.values:
             return None
-        balance, responses = self.measures["energy_balance"], responses_of(scene)
-        suspicious = not max(balance.values(), default=0.0) <= SUSPICIOUS
+        suspicious = not max(self.measures["energy_balance"].values(), default=0.0) <= SUSPICIOUS
+        known = self._answers
+        return step_error(solution, self.values, self.gradients, known.scales, known.slope_scales, self.repeat, suspicious)
+
+    @cached_property
+    def _answers(self) -> Answers:
+        """The numbers of a motion, and what errors of them are compared with."""
+        solution = self.solution
+        responses = responses_of(solution.system.scene)
         largest = {name: largest_in(each, solution, self.values[name]) for name, each in responses.items()}
         scales = {name: magnitude_that_counts(each, solution, largest[name]) for name, each in responses.items()}
-        slopes = self._slope_scales(scales, largest)
-        return step_error(solution, self.values, self.gradients, scales, slopes, self.repeat, suspicious)
+        return Answers(self.values, self.gradients, scales, self._slope_scales(scales, largest))
 
     def _slope_scales(self, scales: dict[str, float], found: dict[str, Largest]) -> dict[str, dict[str, float]]:
         """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
@@ -160,6 +166,7 @@ class Result:
             *self._of_vibrations(),
         )
         about_states = unless_it_converges(cautions(self.solution, measured), self.solution, self.step_error, self.measures)
+        about_states = unless_unfelt(about_states, self.solution, self._answers)
         return Verdict.of(without_false_zeros([*about_states, *about_responses]), measured)
 
     @property
