@@ -121,8 +121,8 @@ class Judged:
 
     @property
     def alarmed(self) -> bool:
-        """Whether a doubt was said about right values, or about gradients that are right too."""
-        return self.doubted or (bool(GRADIENTS & self.judged) and self.gradient_error <= WRONG)
+        """Whether a doubt was said about right values with gradients that are not off, or about gradients that are right too."""
+        return bool(self.judged) and self.gradient_error <= (OFF if self.doubted else WRONG)
 
     @property
     def told(self) -> Iterator[tuple[str, float, float]]:

@@ -1,4 +1,4 @@
-"""Verdicts of a few random scenes whose true answers are known from finer runs of finer models: what is right is trusted, what is not is doubted.
+"""Verdicts of random scenes whose true answers are known from finer runs of finer models: what is right is trusted, and nothing else.
 
 `tests.benchmarks.random_scenes` finds these answers, of as many scenes as one likes.
 """
@@ -18,7 +18,6 @@ from toolkit.sensitivity.result import result
 
 RIGHT = {
     5017: "a derivative that three runs with other chosen steps agree on to 3 %",
-    5024: "energy that vanishes with the square of the step",
     5042: "a driver's work against weights, which cancels",
     5054: "a bent body that no answer feels",
 }
@@ -26,7 +25,7 @@ RIGHT = {
 WRONG = {
     5009: "values off by 25 %, by the length of the steps",
     5022: "a stress off by 9 %, which elements miss between their nodes",
-    5041: "values off by 23 %, of which energy tells, too",
+    6052: "forces off by 17 %, of links that come near to buckling",
 }
 
 
@@ -46,7 +45,7 @@ def doubts(seed: int, folder: Path) -> set[str]:
 
 @pytest.mark.parametrize("seed", RIGHT)
 def test_right_answers_are_trusted(seed, folder):
-    assert doubts(seed, folder) <= {"gradient-steps"} if seed == 5024 else not doubts(seed, folder)
+    assert not doubts(seed, folder)
 
 
 @pytest.mark.parametrize("seed", WRONG)
