@@ -2,8 +2,9 @@
 
 `python -m tests.benchmarks.random_scenes` runs every scene of `tests.random_scenes` as it was drawn, asks for its verdict
 (`verdict_of`), and compares its values with those of two runs with steps of a tenth, or less, by other formulations
-(`tests.random_scenes.reference`). It prints a line for each scene and then how many wrong answers left without a doubt (there should
-be none), and how many right answers were doubted (at most 5 %).
+(`tests.random_scenes.reference`), and with those of finer models: four elements in place of each, all of their shapes, four frames. It
+prints a line for each scene and then how many wrong answers left without a doubt (there should be none), how many right answers were
+doubted (at most 4 %), and by which factor the errors that doubts tell are from true ones.
 
     python -m tests.benchmarks.random_scenes --seeds 0:200 --folder output/random_scenes [--only 17,23] [--explain]
 
@@ -13,7 +14,7 @@ within seconds. The verdicts of the last call are in `judged.jsonl`, with all er
 What a scene may be:
 
     right      every value is known and within 5 % of the largest that it has during the motion
-    wrong      a value is off by more
+    wrong      a value is off by more, by its steps or by its model
     refused    the toolkit raised an error of its own
     dropped    right as far as is known, but the finer runs disagree about some value (by more than 1 %), or do not exist
     crashed    an error that is none of the toolkit's
@@ -25,10 +26,12 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import time
 import traceback
 import warnings
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from functools import partial
 from hashlib import sha256
@@ -37,7 +40,8 @@ from typing import Any
 
 import numpy as np
 
-from tests.random_scenes.reference import AGREED, Answers, Reference, answers, errors, reference
+from tests.random_scenes.finer import finer_scene
+from tests.random_scenes.reference import AGREED, Answers, Reference, answers, errors, model_reference, reference
 from tests.random_scenes.scene import named_scene
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
@@ -50,22 +54,31 @@ from toolkit.validity.motion.energy_balance import energy_balance
 
 WRONG, OFF = 0.05, 0.2
 """Error of a value above which it is wrong, and of a gradient above which it is off."""
-OTHERS = frozenset(
+MODEL = frozenset(
     {
         "large-deformation",
         "geometric-gradients",
         "frames",
         "critical-speed",
         "critical-load",
+        "reference-condition",
         "snap-through",
-        "stale-model",
+        "shear",
         "tension",
+        "weight-between-nodes",
+        "left-out-shapes",
     }
 )
-"""Codes of doubts that concern something else than accuracy."""
+"""Codes of doubts about a model, which only finer models can judge."""
 
-GRADIENT = "gradient-steps"
-"""Code of doubts about gradients alone."""
+GRADIENTS = frozenset({"gradient-steps", "geometric-gradients"})
+"""Codes of doubts about gradients alone."""
+NOTHING = 1e-9
+"""Error below which nothing is wrong at all."""
+UNJUDGED = frozenset({"curve-overshoot", "stale-model"})
+"""Codes of doubts about what was meant, which no finer run can judge."""
+PERCENT = re.compile(r"([0-9][0-9.e+]*) ?%")
+"""The size of an error in the sentence of a doubt."""
 
 HEAD = f"seed {'kind':15s} {'solver':40s}  steps outcome     error of               gradient   energy    local doubts"
 
@@ -94,16 +107,30 @@ class Judged:
     unknown: list[str] = field(default_factory=list)
     measures: dict[str, Any] = field(default_factory=dict)
     seconds: float = 0.0
+    model_known: bool = True
+
+    @property
+    def judged(self) -> set[str]:
+        """Codes of the doubts that the references can judge."""
+        return set(self.codes) - UNJUDGED - (frozenset() if self.model_known else MODEL)
 
     @property
     def doubted(self) -> bool:
         """Whether a doubt about the accuracy of values was said."""
-        return bool(set(self.codes) - OTHERS - {GRADIENT})
+        return bool(self.judged - GRADIENTS)
 
     @property
     def alarmed(self) -> bool:
-        """Whether a doubt was said about right values, or about gradients that are right too."""
-        return self.doubted or (GRADIENT in self.codes and self.gradient_error <= WRONG)
+        """Whether a doubt was said about right values with gradients that are not off, or about gradients that are right too."""
+        return bool(self.judged) and self.gradient_error <= (OFF if self.doubted else WRONG)
+
+    @property
+    def told(self) -> Iterator[tuple[str, float, float]]:
+        """Code, told and true error of each doubt that tells one in percent."""
+        for code, text in zip(self.codes, self.texts, strict=False):
+            size, true = PERCENT.search(text), self.gradient_error if code in GRADIENTS else self.error
+            if size and code in self.judged and true > 0:
+                yield code, float(size[1]) / 100, true
 
 
 def judge(seed: int, folder: Path, known: dict[str, Any]) -> Judged:
@@ -124,21 +151,22 @@ def judge(seed: int, folder: Path, known: dict[str, Any]) -> Judged:
         return found
     found.seconds, found.steps = time.perf_counter() - begun, solution.steps
     found.codes = [each.code for each in verdict.warnings if each.doubt]
-    found.texts = [each.text for each in verdict.warnings]
+    found.texts = [each.text for each in verdict.warnings]  # doubts first
     found.measures = {**_measures(solution), **dict(verdict.measures)}
     true = _reference(scene, seed, solution.steps, folder, known)
-    return _compared(found, scene, mine, true)
+    finer = _finer_model(scene, seed, true.finer * solution.steps, folder, known) if true.answers else None
+    return _compared(found, scene, mine, true, finer)
 
 
-def _compared(found: Judged, scene: Scene, mine: Answers, true: Reference) -> Judged:
+def _compared(found: Judged, scene: Scene, mine: Answers, true: Reference, finer: Reference | None) -> Judged:
     """Its errors and its outcome."""
     if true.answers is None:
         found.outcome, found.unknown = "dropped", [true.why]
         return found
-    found.unknown = true.unknown
-    values, gradients = errors(scene, mine, true.answers)
+    found.unknown, found.model_known = true.unknown, finer is None or finer.answers is not None
+    values, gradients = errors(scene, mine, finer.answers if finer and finer.answers else true.answers)
     found.values = {name: off for name, off in values.items() if name not in found.unknown}
-    slopes = {name: off for name, off in gradients.items() if true.gradients[name] <= AGREED and np.isfinite(off)}
+    slopes = {name: off for name, off in gradients.items() if true.gradients.get(name, 1.0) <= AGREED and np.isfinite(off)}
     found.worst, found.error = max(found.values.items(), key=lambda item: item[1], default=("", 0.0))
     found.worst_gradient, found.gradient_error = max(slopes.items(), key=lambda item: item[1], default=("", 0.0))
     found.outcome = "wrong" if found.error > WRONG else "dropped" if found.unknown else "right"
@@ -157,13 +185,33 @@ def _measures(solution: Solution) -> dict[str, float]:
 
 def _reference(scene: Scene, seed: int, steps: int, folder: Path, known: dict[str, Any]) -> Reference:
     """That of the file, or a new one, which is added to it."""
+    key = _key(scene, steps)
+    return _known(known, key) or _added(reference(scene, steps), key, seed, folder, known)
+
+
+def _finer_model(scene: Scene, seed: int, steps: int, folder: Path, known: dict[str, Any]) -> Reference | None:
+    """The same of the scene with finer models; None where it has none."""
+    finer = finer_scene(scene)
+    if finer is None:
+        return None
+    key = _key(finer, steps)
+    return _known(known, key) or _added(model_reference(finer, steps), key, seed, folder, known)
+
+
+def _key(scene: Scene, steps: int) -> str:
     written = repr(scene.model_copy(update={"directory": Path()}))
-    key = sha256(f"{steps} {written}".encode()).hexdigest()[:16]
-    if key in known:
-        record = dict(known[key])
-        given = record.pop("answers")
-        return Reference(Answers(**given) if given else None, **record)
-    true = reference(scene, steps)
+    return sha256(f"{steps} {written}".encode()).hexdigest()[:16]
+
+
+def _known(known: dict[str, Any], key: str) -> Reference | None:
+    if key not in known:
+        return None
+    record = dict(known[key])
+    given = record.pop("answers")
+    return Reference(Answers(**given) if given else None, **record)
+
+
+def _added(true: Reference, key: str, seed: int, folder: Path, known: dict[str, Any]) -> Reference:
     known[key] = asdict(true)
     with (folder / "references.jsonl").open("a") as file:
         file.write(json.dumps({"key": key, "seed": seed, **asdict(true)}) + "\n")
@@ -216,8 +264,22 @@ def summary(all_found: list[Judged]) -> str:
             f"right with a doubt: {len(alarmed)} of {len(of['right'])} {[each.seed for each in alarmed]}, {dict(codes)}",
             f"gradients off without a doubt, values right: {len(slopes)} {[each.seed for each in slopes]}",
             f"crashed: {[each.seed for each in of['crashed']]}",
+            *_told_against_true([each for name in ("right", "wrong") for each in of[name]]),
         ]
     )
+
+
+def _told_against_true(all_found: list[Judged]) -> Iterator[str]:
+    """A row for each code: how often it told an error, by which factor at the median, and how often by more than 2."""
+    factors: dict[str, list[float]] = {}
+    for code, told, true in (row for one in all_found for row in one.told):
+        factors.setdefault(code, []).append(max(told, true) / max(min(told, true), NOTHING))
+    yield "told against true errors: code, times, median factor, more than twice"
+    for code, listed in sorted(factors.items()):
+        yield f"  {code:24s} {len(listed):4d} {np.median(listed):9.3g} {sum(factor > 2 for factor in listed):4d}"
+    told = [factor for found in factors.values() for factor in found]
+    if told:
+        yield f"  {'all':24s} {len(told):4d} {np.median(told):9.3g} {sum(factor > 2 for factor in told):4d}"
 
 
 def main() -> None:

@@ -71,24 +71,45 @@ def model_file(directory: Path, name: str) -> str:
     return path.name
 
 
-def _build(directory: Path, name: str, path: Path) -> None:
+FINER = 4
+"""Elements of a finer model in place of each of a model."""
+
+
+def finer_file(directory: Path, name: str) -> str | None:
+    """The name of a file like that of `model_file` with more elements and all of their shapes; None where it is no beam."""
+    path = directory / f"{name}_finer.h5"
+    if name not in PLANAR and name not in SPATIAL:
+        return None
+    if not path.exists():
+        _build(directory, name, path, finer=FINER)
+    return path.name
+
+
+def _build(directory: Path, name: str, path: Path, finer: int = 1) -> None:
     if name in PLANAR:
         polygon, basis = PLANAR[name]
         nodes = np.array(polygon)
         lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1)))
         places = {"start": 0.0, "middle": float(lengths[len(lengths) // 2]), "end": float(lengths[-1])}
-        save_beam(path, nodes, BEAM, places, basis=basis)
+        save_beam(path, _refined(nodes, finer), BEAM, places, basis=basis if finer == 1 else BasisChoice("full"))
     elif name in SPATIAL:
         middle, end, elements, basis, section = SPATIAL[name]
-        text = FRAME.format(middle=middle, end=end, elements=elements, basis=basis, section=section)
-        (directory / f"{name}.toml").write_text(text)
-        save(build(directory / f"{name}.toml"), path)
+        basis = basis if finer == 1 else 'kind = "full"'
+        text = FRAME.format(middle=middle, end=end, elements=finer * elements, basis=basis, section=section)
+        path.with_suffix(".toml").write_text(text)
+        save(build(path.with_suffix(".toml")), path)
     else:
         folder = directory / name
         folder.mkdir(exist_ok=True)
         top = "[pressure_surfaces.top]\nbox = [0.0, -0.075, 0.06, 0.6, 0.075, 0.06]"
         brick = write_body(folder, box("hexahedron", (1, 1, 1), (0.6, 0.15, 0.12)), more=top)
         save(build(brick, values={"youngs_modulus": 1e7, "density": 1100.0, "damping_stiffness": 3e-4}), path)
+
+
+def _refined(nodes: np.ndarray, parts: int) -> np.ndarray:
+    """Nodes (n, 2) with so many elements in place of each."""
+    steps = np.arange(parts * (len(nodes) - 1) + 1) / parts
+    return np.stack([np.interp(steps, np.arange(len(nodes)), each) for each in nodes.T], axis=1)
 
 
 @cache

@@ -10,7 +10,7 @@ import numpy as np
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.responses.instant import Instant
-from toolkit.responses.motion import Rotation
+from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
@@ -26,6 +26,8 @@ MOST_STEPS = 24000
 """Steps of the finer of the two runs beyond which a scene has no reference."""
 SAMPLES = 48
 """Times at which an answer's size during the motion is looked for."""
+STILL = 1e-6
+"""Angle in rad, and displacement in parts of the scene's size, below which nothing moves."""
 ELASTICITY = 0.02
 """A gradient is compared with the largest it has during the motion, and at least with this part of answer over variable."""
 
@@ -83,13 +85,21 @@ def _floored(system: System, slopes: np.ndarray, size: float) -> np.ndarray:
 
 def errors(scene: Scene, found: Answers, true: Answers) -> tuple[dict[str, float], dict[str, float]]:
     """Relative errors of all values, and of all gradients by the name "response by variable"."""
-    values = {name: abs(_difference(scene, name, found, true)) / (true.sizes[name] or 1e-300) for name in true.values}
+    least = {name: _least(scene, name) for name in true.values}
+    values = {name: abs(_difference(scene, name, found, true)) / max(true.sizes[name], least[name]) for name in true.values}
     gradients = {
         f"{name} by {x}": abs(found.gradients[name][x] - slope) / (true.gradient_sizes[name][x] or 1e-300)
         for name, slopes in true.gradients.items()
         for x, slope in slopes.items()
+        if true.sizes[name] > least[name]
     }
     return values, gradients
+
+
+def _least(scene: Scene, name: str) -> float:
+    """A size below which an answer is zero: what a joint locks turns and moves by round-off."""
+    response = scene.responses[name]
+    return STILL * (1.0 if isinstance(response, Rotation) else scene.size if isinstance(response, Displacement) else 1e-300)
 
 
 def _difference(scene: Scene, name: str, found: Answers, true: Answers) -> float:
@@ -133,6 +143,14 @@ def reference(scene: Scene, steps: int) -> Reference:
         if not last.unknown and max(last.gradients.values(), default=0.0) <= AGREED:
             break
     return last
+
+
+def model_reference(finer: Scene, steps: int) -> Reference:
+    """Answers of a scene with finer models of its flexible bodies, in so many steps."""
+    try:
+        return Reference(answers(_run(finer, steps, "index-1", 0.5)), {}, {})
+    except (ToolkitError, FloatingPointError) as error:
+        return Reference(None, {}, {}, why=f"{type(error).__name__}: {error}")
 
 
 def _open(scene: Scene) -> bool:

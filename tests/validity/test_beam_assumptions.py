@@ -34,6 +34,13 @@ down = { type = "displacement", body = "beam", point = "T", component = "y" }
 f1 = { type = "frequency", number = 1 }
 f2 = { type = "frequency", number = 2 }
 """
+SUPPORTS = """[points.R]
+body = "beam"
+interface = "root"
+[joints]
+root = { type = "revolute", bodies = ["beam", "ground"], point = "R" }
+tip = { type = "slider", bodies = ["beam", "ground"], point = "T", axis = [1.0, 0.0] }
+[loads]"""
 
 
 def cantilever(folder, elements, thickness=0.02, frames=1, responses=("stress", "down"), **basis):
@@ -86,6 +93,22 @@ def test_stress_that_weight_adds_along_elements_is_said_as_large_as_it_is(tmp_pa
     (text,) = said(run, "weight-between-nodes")
     assert "some 25% of the largest" in text
     assert "5 times as many elements" in text  # ten: what the last one lacks is a twentieth
+
+
+@pytest.mark.parametrize(("elements", "doubted"), [(2, True), (4, False)])
+def test_stress_that_sags_between_supports_is_too_large_by_what_is_said(elements, doubted, tmp_path):
+    """Elements miss moments that bend them up at their ends: of p L^2 / 8 in the middle they tell p l^2 / 12 too much."""
+    cantilever(tmp_path, elements)
+    text = (tmp_path / "scene.toml").read_text().replace('frame = "grounded"', "").replace("[loads]", SUPPORTS)
+    (tmp_path / "scene.toml").write_text(text)
+    run = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml")).statics()
+    exact = RHO * G / 8 * 0.01 / (0.02**2 / 12)
+    off = run.values["stress"] / exact - 1
+    assert off == pytest.approx(2 / 3 / elements**2, rel=1e-3)
+    texts = said(run, "weight-between-nodes")
+    assert bool(texts) == doubted
+    if texts:
+        assert off / 2 < float(texts[0].partition("off by some ")[2].partition("%")[0]) / 100 < 2 * off
 
 
 def test_weight_is_not_said_where_no_stress_is_asked_for(tmp_path):

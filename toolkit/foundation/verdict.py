@@ -54,11 +54,17 @@ class Caution:
         What was found, with its numbers, and what to do next.
     doubt
         Whether the numbers are not to be trusted because of it; otherwise they are right, but may mean something else than one thinks.
+    body
+        The flexible body that a doubt about deflections is about, by which answers can weigh it; otherwise empty.
+    part
+        By which part these deflections are off.
     """
 
     code: str
     text: str
     doubt: bool = True
+    body: str = field(default="", compare=False)
+    part: float = field(default=math.inf, compare=False)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from toolkit.sensitivity.errors.lost_vibrations import lost_vibrations
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
+from toolkit.sensitivity.errors.weighed_doubts import Answers, unless_it_converges, unless_unfelt
 from toolkit.sensitivity.frames.gradient_errors import NONE, FrameErrors, Reframed, doubtful_gradients, frame_errors
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
@@ -101,18 +102,19 @@ class Result:
         if self.repeat is None or not moving(solution) or not self.values:
             return None
         suspicious = not max(self.measures["energy_balance"].values(), default=0.0) <= SUSPICIOUS
-        scales, slopes = self._scales
+        known = self._answers
         responses = {name: each for name, each in responses_of(solution.system.scene).items() if name in self.values}
-        lost = lost_vibrations(solution, responses, scales)
-        return step_error(solution, self.values, self.gradients, scales, slopes, self.repeat, suspicious, lost)
+        lost = lost_vibrations(solution, responses, known.scales)
+        return step_error(solution, self.values, self.gradients, known.scales, known.slope_scales, self.repeat, suspicious, lost)
 
     @cached_property
-    def _scales(self) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
-        """What errors of values, and of derivatives, of a motion are compared with."""
-        solution, responses = self.solution, responses_of(self.solution.system.scene)
+    def _answers(self) -> Answers:
+        """The numbers of a motion, and what errors of them are compared with."""
+        solution = self.solution
+        responses = responses_of(solution.system.scene)
         largest = {name: largest_in(each, solution, self.values[name]) for name, each in responses.items()}
         scales = {name: magnitude_that_counts(each, solution, largest[name]) for name, each in responses.items()}
-        return scales, self._slope_scales(scales, largest)
+        return Answers(self.values, self.gradients, scales, self._slope_scales(scales, largest))
 
     def _slope_scales(self, scales: dict[str, float], found: dict[str, Largest]) -> dict[str, dict[str, float]]:
         """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
@@ -141,7 +143,7 @@ class Result:
         bodies = frozen_bodies(scene, variables)
         if not bodies:
             return None
-        scales, slopes = self._scales if moving(self.solution) else (self._undecided, {})
+        scales, slopes = self._answers[2:] if moving(self.solution) else (self._undecided, {})
         return basis_errors(
             bodies,
             {f: (value, scales[f]) for f, value in self.values.items()},
@@ -201,7 +203,9 @@ class Result:
             *self._undefined(),
             *self._of_vibrations(),
         )
-        return Verdict.of(without_false_zeros([*cautions(self.solution, measured), *about_responses]), measured)
+        about_states = unless_it_converges(cautions(self.solution, measured), self.solution, self.step_error, self.measures)
+        about_states = unless_unfelt(about_states, self.solution, self._answers)
+        return Verdict.of(without_false_zeros([*about_states, *about_responses]), measured)
 
     @property
     def warnings(self) -> tuple[Caution, ...]:

@@ -11,6 +11,7 @@ from toolkit.foundation.verdict import Caution
 from toolkit.responses.vibrations.flutter import UNSTABLE, unstable_vibrations
 from toolkit.responses.vibrations.pencil import Pencil, real_pencil
 from toolkit.responses.vibrations.roots import SAME, find_vibration
+from toolkit.responses.vibrations.steadiness import free_spin
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency, OfVibration, any_pencil_of
 from toolkit.system.solution import Solution
 
@@ -56,6 +57,7 @@ def _fastest_growth(response: OfVibration, solution: Solution, pencil: Pencil, w
     counted = real_pencil(response.counting(solution, pencil))
     roots = response.vibrations(solution, pencil, weights)
     suspects = [k + 1 for k, s in enumerate(roots) if s.real > SUSPECT * abs(s) and s.imag > SAME * abs(s)]
-    found = [find_vibration(weights, counted, number, response.slowness).s for number in suspects]
+    idle = free_spin(solution) if suspects else None
+    found = [find_vibration(weights, counted, number, response.slowness, idle).s for number in suspects]
     growing = [s for s in found if s.real > SUSPECT * abs(s) and s.imag > SAME * abs(s)]
     return max(growing, key=lambda s: s.real / abs(s), default=None)

@@ -22,6 +22,9 @@ CLOSE = 0.01
 that is round-off goes half the way to zero, or anywhere."""
 
 
+Idle = Callable[[complex, np.ndarray], bool]
+
+
 class Vibration(NamedTuple):
     """s, its right and left vectors u and w (n,), and w^T (2 s M + C) u; if another has the same s it is not `alone`, and
     u and w (n_q,) are some of its vectors."""
@@ -33,13 +36,17 @@ class Vibration(NamedTuple):
     alone: bool
 
 
-def find_vibration(weights: np.ndarray, pencil: Pencil, number: int, slowness: Callable[[complex], float]) -> Vibration:
+def find_vibration(
+    weights: np.ndarray, pencil: Pencil, number: int, slowness: Callable[[complex], float], idle: Idle | None = None
+) -> Vibration:
     """The vibration of a number, from 1 on, of those whose `slowness` is no nan, in its order.
 
     Parameters
     ----------
     weights : (n_q,)
         What makes coordinates comparable, see `numbering.weights`.
+    idle
+        Whether a root with its vector (n_q,) is that of a motion that nothing holds, where the state itself leaves it undecided.
 
     Raises
     ------
@@ -49,7 +56,7 @@ def find_vibration(weights: np.ndarray, pencil: Pencil, number: int, slowness: C
         The joints leave no motion.
     """
     Z, reduced = free_pencil(weights, pencil)
-    values, left, right = _without_round_off(reduced, *all_roots(*reduced))
+    values, left, right = _without_round_off(reduced, *all_roots(*reduced), _among(Z, idle))
     order = _order(values, slowness)
     if len(order) < number:
         raise InputError(f"there are {len(order)} vibrations about this equilibrium; number = {number} is none of them.")
@@ -81,25 +88,33 @@ def _whole(weights: np.ndarray, pencil: Pencil, Z: np.ndarray, found: tuple[comp
     return Vibration(s, u, w, w @ (2 * s * pencil.mass + pencil.damping) @ u, alone=True)
 
 
-def all_vibrations(weights: np.ndarray, pencil: Pencil, slowness: Callable[[complex], float]) -> np.ndarray:
-    """s of all of them, in the order of their numbers."""
-    reduced = free_pencil(weights, pencil)[1]
-    values = _without_round_off(reduced, *all_roots(*reduced))[0]
+def all_vibrations(
+    weights: np.ndarray, pencil: Pencil, slowness: Callable[[complex], float], idle: Idle | None = None
+) -> np.ndarray:
+    """s of all of them, in the order of their numbers; `idle` as of `find_vibration`."""
+    Z, reduced = free_pencil(weights, pencil)
+    values = _without_round_off(reduced, *all_roots(*reduced), _among(Z, idle))[0]
     return values[_order(values, slowness)]
 
 
 def _without_round_off(
-    pencil: Pencil, values: np.ndarray, left: np.ndarray, right: np.ndarray
+    pencil: Pencil, values: np.ndarray, left: np.ndarray, right: np.ndarray, idle: Idle
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Roots with their vectors, with one s = 0 for every motion that nothing holds, of whose two roots round-off leaves anything near zero.
 
     A slow vibration is known from these by Rayleigh's quotient, which leaves it where it is.
     """
     small = np.flatnonzero([is_zero(s, np.abs(values).max(initial=0)) for s in values])
-    zero = [k for k in small if not _stays(pencil, values[k], right[:, k], left[:, k])]
+    zero = [int(k) for k in small if not _stays(pencil, values[k], right[:, k], left[:, k])]
+    zero += [k for k in range(len(values)) if k not in zero and idle(complex(values[k]), right[:, k])]
     values[zero] = 0.0
     kept = np.delete(np.arange(len(values)), zero[: len(zero) - len(zero) // 2])
     return values[kept], left[:, kept], right[:, kept]
+
+
+def _among(Z: np.ndarray, idle: Idle | None) -> Idle:
+    """The same of vectors in the motions Z that joints leave free."""
+    return lambda s, u: idle is not None and idle(s, Z @ u)
 
 
 def _stays(pencil: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> bool:

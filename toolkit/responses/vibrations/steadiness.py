@@ -6,11 +6,15 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import first_largest
+from toolkit.responses.vibrations.roots import Idle
 from toolkit.solvers.spin.constancy import refuse_what_changes
 from toolkit.solvers.spin.generator import Generator, angular_velocity, generator
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.solution import Solution
 
+LEAST, ALONG = 0.1, 0.99
+"""Part of what a motion lacks to a steady spin that moves the square of a root by all of it, at most; and the cosine between its vector and
+the spin, from which on it is that."""
 ALLOWED = 1e-3
 """What a motion may still vibrate by at its end, in parts of the scene's size (or rad): frequencies change by about as much."""
 
@@ -31,12 +35,9 @@ def refuse_unsteady(solution: Solution, frequency: float) -> None:
     InputError
         Names what moves most, and by how much.
     """
-    system, q, v, a = solution.system, *(np.real(each[-1]) for each in (solution.q, solution.v, solution.a))
-    weights, omega = system.weights[: system.n_q], angular_velocity(system, q, v)
-    still = np.zeros(system.scene.dimension)
-    motion = generator(system, omega, still)
-    motion = Generator(motion.matrix, motion.offset + _translation(solution, v - motion.velocity(q)))
-    left = np.maximum(np.abs(v - motion.velocity(q)) / frequency, np.abs(a - motion.acceleration(q)) / frequency**2) * weights
+    system, q = solution.system, np.real(solution.q[-1])
+    omega, motion, off, growth = _beside_a_spin(solution)
+    left = np.maximum(off / frequency, growth / frequency**2)
     if left.max(initial=0) > ALLOWED:
         name = system.numbering.names[first_largest(left)]
         raise InputError(
@@ -49,6 +50,41 @@ def refuse_unsteady(solution: Solution, frequency: float) -> None:
     if speed > ALLOWED * frequency:
         inputs = system.inputs(solution.times[-1], LEVELS)
         refuse_what_changes(system, inputs, motion, speed, q)
+
+
+def free_spin(solution: Solution) -> Idle | None:
+    """What tells the roots of a spin that nothing holds or drives from vibrations, at the end of a motion; None where it does not spin.
+
+    Such a spin has s^2 = 0: it may be turned further, and any speed of it stays. What the motion lacks to a steady one, the accelerations
+    a - S v of the size d, leaves anything up to d of s^2, growing or not. A root of that size whose vector is the spin itself is zero.
+    """
+    if not solution.steps:
+        return None
+    omega, motion, off, growth = _beside_a_spin(solution)
+    speed = float(np.sqrt(omega @ omega))
+    weights, left = (
+        solution.system.weights[: solution.system.n_q],
+        max(off.max(initial=0.0), growth.max(initial=0.0) / max(speed, 1e-300)),
+    )
+    if not 0.0 < left <= ALLOWED * speed:
+        return None
+    turned = weights * motion.velocity(np.real(solution.q[-1]))
+
+    def idle(s: complex, u: np.ndarray) -> bool:
+        undecided = max(growth.max() / LEAST, (off.max() / LEAST) ** 2)
+        size = float(np.linalg.norm(weights * u) * np.linalg.norm(turned))
+        return abs(s) ** 2 <= undecided and float(abs(turned @ (weights * u))) >= ALONG * size
+
+    return idle
+
+
+def _beside_a_spin(solution: Solution) -> tuple[np.ndarray, Generator, np.ndarray, np.ndarray]:
+    """Mean angular velocity of the end, the spin with it, and how far velocities and accelerations are off it, weighted, (n_q,)."""
+    system, q, v, a = solution.system, *(np.real(each[-1]) for each in (solution.q, solution.v, solution.a))
+    weights, omega = system.weights[: system.n_q], angular_velocity(system, q, v)
+    motion = generator(system, omega, np.zeros(system.scene.dimension))
+    motion = Generator(motion.matrix, motion.offset + _translation(solution, v - motion.velocity(q)))
+    return omega, motion, weights * np.abs(v - motion.velocity(q)), weights * np.abs(a - motion.acceleration(q))
 
 
 def _translation(solution: Solution, off: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ from toolkit.responses.response import Partials, Response
 from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of, real_pencil
 from toolkit.responses.vibrations.roots import SAME, all_vibrations, find_vibration
 from toolkit.responses.vibrations.spinning import spinning_change, spinning_pencil
-from toolkit.responses.vibrations.steadiness import refuse_unsteady
+from toolkit.responses.vibrations.steadiness import free_spin, refuse_unsteady
 from toolkit.solvers.free_motions import felt_state
 from toolkit.system.solution import Solution
 
@@ -114,12 +114,13 @@ class OfVibration(Response):
         weights : (n_q,)
             What makes coordinates of the pencil comparable.
         """
-        return all_vibrations(weights, real_pencil(self.counting(solution, pencil)), self.slowness)
+        return all_vibrations(weights, real_pencil(self.counting(solution, pencil)), self.slowness, free_spin(solution))
 
     def _of_a_state_that_moves(self, solution: Solution) -> Partials:
         """Of a steady spin, or of the end of a motion: with dampers, and in the frame that spins."""
         system, pencil = solution.system, any_pencil_of(solution)
-        found = find_vibration(system.weights[: system.n_q], real_pencil(pencil), self.number, self.slowness)
+        weights, idle = system.weights[: system.n_q], free_spin(solution)
+        found = find_vibration(weights, real_pencil(pencil), self.number, self.slowness, idle)
         s, u, w = found.s, found.right, found.left
         if solution.steps and system.compiled and s:
             refuse_unsteady(solution, abs(s))

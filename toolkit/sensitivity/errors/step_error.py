@@ -6,7 +6,8 @@ With f of steps h, g of steps r h, k of steps s h, and the order p of the scheme
 
 where all are near the limit. The larger of both is taken: f and g may be equally wrong where a vibration is damped away in both, or agree
 by chance, which k seldom does too. Longer steps cost three quarters of a run and are often too long to tell more than that something may
-be wrong; then a run with steps half as long (r = 1/2) says how wrong. If it denies what the longer ones say, one with a quarter decides.
+be wrong; then a run with steps half as long (r = 1/2) says how wrong. If it denies what the longer ones say, one with a quarter decides;
+these two are both compared with f, which is farther from the truth than they.
 """
 
 from __future__ import annotations
@@ -87,6 +88,11 @@ class StepError:
     step: float | None = None
 
     @property
+    def by_shorter_steps(self) -> bool:
+        """Whether it was shorter steps that told."""
+        return self.how in TIMES_AS_SHORT.values()
+
+    @property
     def largest(self) -> float:
         """Largest error of any value, and of any derivative in parts of what is allowed more for it."""
         slopes = (error / LENIENT for each in self.gradients.values() for error in each.values())
@@ -127,13 +133,15 @@ def step_error(
     if solution.halved:
         options = options.model_copy(update={"times": tuple(map(float, solution.whole_run))})
     options = options.model_copy(update={"halvings": 0})  # other steps are to be what they are called
-    known = Known(values, gradients, scales, slope_scales, 1 if _first_order(options) else 2)
+    known = Known(values, gradients, scales, slope_scales, 1 if first_order(options) else 2)
     if lost is not None and (resolved := _resolved(known, lost, solution, repeat)) is not None:
         return resolved
     longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
     found = _estimate(known, longer) if longer else None
     if found is None or suspicious or not found.largest <= SURE:
-        wanted = [(1 / parts, words, _shorter(options, solution.whole_run, parts)) for parts, words in TIMES_AS_SHORT.items()]
+        wanted = [
+            (1 / parts, words, shorter_steps(options, solution.whole_run, parts)) for parts, words in TIMES_AS_SHORT.items()
+        ]
         shorter = _tried(repeat, wanted[:1])
         half = _estimate(known, shorter) if shorter else None
         if found and half and found.largest > CONTRADICTED >= half.largest:
@@ -209,7 +217,8 @@ class Known(NamedTuple):
     order: int
 
 
-def _first_order(options: RunOptions) -> bool:
+def first_order(options: RunOptions) -> bool:
+    """Whether the scheme's errors fall with the step itself, and not with its square."""
     return options.quasi_static or (options.scheme == "paper" and options.rho_inf < 1)
 
 
@@ -219,7 +228,8 @@ def _estimate(known: Known, runs: list[Run]) -> StepError:
     def estimated(number: float, others: list[float], scale: float) -> float:
         """The largest estimate of a number that is `others` in the other runs, a part of its scale."""
         chain, ratios = [float(np.real(each)) for each in (number, *others)], [1.0, *(run.ratio for run in runs)]
-        steps = zip(pairwise(chain), pairwise(ratios), strict=True)
+        pairs = pairwise if runs[0].ratio > 1 else _with_the_first
+        steps = zip(pairs(chain), pairs(ratios), strict=True)
         return _relative(max(abs((b - a) / (s**known.order - r**known.order)) for (a, b), (r, s) in steps), scale)
 
     values = {f: estimated(value, [run.values[f] for run in runs], known.scales[f]) for f, value in known.values.items()}
@@ -236,6 +246,12 @@ def _estimate(known: Known, runs: list[Run]) -> StepError:
         for f, errors in gradients.items()
     }
     return StepError(runs[0].how, values, gradients, own, of_slopes, runs[0].values, runs[0].gradients, known.order)
+
+
+def _with_the_first(numbers: list[float]) -> list[tuple[float, float]]:
+    """Pairs of the first with each other one. Shorter steps are nearer to the truth than what they are compared with; the difference of
+    two of them, extrapolated to a run that is many times as wrong, would only make more of their own noise."""
+    return [(numbers[0], each) for each in numbers[1:]]
 
 
 def _own(error: float, number: Any, scale: float) -> float:
@@ -277,7 +293,7 @@ def _longer(options: RunOptions, times: np.ndarray, ratio: int) -> tuple[float, 
     return steps / fewer, f"with steps {steps / fewer:.3g} times as long", longer
 
 
-def _shorter(options: RunOptions, times: np.ndarray, parts: int) -> RunOptions:
+def shorter_steps(options: RunOptions, times: np.ndarray, parts: int) -> RunOptions:
     """The run with every step in so many parts."""
     if options.local_error is not None:
         return _looser(options, 1 / parts)

@@ -47,7 +47,7 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
     number = np.arange(system.n)
     for step in range(MOST):
         terms = system.evaluate(inputs, q, rest, acc)
-        shift = _shift(system, terms)
+        shift = _shift(system, terms, acc)
         matrix = static_matrix(system, terms) + shift * _metric(system)
         try:
             correction = solve_linear(system, matrix, terms.inertial + terms.applied, f"statics at load factor {factor:g}")
@@ -76,7 +76,7 @@ def _moving(system: System, correction: np.ndarray) -> np.ndarray:
     return np.flatnonzero(moved > 0.1 * moved.max(initial=0))
 
 
-def _shift(system: System, terms) -> float:
+def _shift(system: System, terms: Terms, acc: np.ndarray) -> float:
     """0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free."""
     n_b = system.n_b
     if _plainly_stable(system, terms):
@@ -85,6 +85,7 @@ def _shift(system: System, terms) -> float:
     stiffness, free = matrix[:n_b, :n_b], free_motions(matrix[:n_b, n_b:].T, system.weights[:n_b])
     if not free.shape[1]:
         return 0.0
+    bounds = np.sum(np.abs(free) * (np.abs(stiffness) @ np.abs(free)), axis=0)
     stiffness = free.T @ stiffness @ free
     if not np.all(np.isfinite(stiffness)):
         raise ConvergenceError(
@@ -94,7 +95,22 @@ def _shift(system: System, terms) -> float:
     pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_b]).max() / LONGEST
     if lowest > ROUND_OFF * max(np.abs(stiffness).max(), pull):
         return 0.0
+    held = float((np.abs(np.real(acc[system.n_q :])) / system.weights[system.n_q :]).max(initial=0.0))
+    if lowest > ROUND_OFF * max(held, pull) and _stable_by_itself(stiffness, bounds):
+        return 0.0
     return max(-2.0 * lowest, pull)
+
+
+def _stable_by_itself(stiffness: np.ndarray, bounds: np.ndarray) -> bool:
+    """Whether a stiffness is positive definite where every motion is compared with what it is made of, `bounds` (n,).
+
+    The weight of a hanging beam holds it by 1e-14 of what stretches its short elements; but no stretch is part of its turning, so that
+    the round-off of one is none of the other.
+    """
+    if not np.all(bounds > 0):
+        return False
+    scaled = stiffness / np.sqrt(bounds[:, None] * bounds)
+    return bool(scipy.linalg.eigvalsh((scaled + scaled.T) / 2, subset_by_index=[0, 0])[0] > len(bounds) * ROUND_OFF)
 
 
 def _plainly_stable(system: System, terms: Terms) -> bool:

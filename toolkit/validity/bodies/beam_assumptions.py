@@ -21,6 +21,8 @@ import numpy as np
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.verdict import Caution
+from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.stress.local_stress import LocalStress
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates, elements_of
 from toolkit.system.solution import Solution
@@ -67,8 +69,7 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
     for body in whole_bodies(scene) if pressed or heavy else ():
         parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
         found = [_strains(solution, name) for name in parts] if body in bodies_of_stress(scene) else []
-        told = [each for each in found if each is not None]
-        across, along, largest = (max((each[k] for each in told), default=0.0) for k in range(3))
+        across, along, largest = _missed([each for each in found if each is not None], _looks_anywhere(scene, body))
         lacking = across + along
         part = lacking / (largest + lacking) if lacking else 0.0
         if part > LIMIT:
@@ -79,8 +80,8 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
             named = f"{forces} {'does' if forces == 'its weight' else 'do'}"
             yield Caution(
                 "weight-between-nodes",
-                f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that: some "
-                f"{part:.0%} of the largest, while interface points are where they should be. Build the model with "
+                f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that: it is "
+                f"off by some {part:.0%} of the largest, while interface points are where they should be. Build the model with "
                 f"{times_as_many(factor)} as many {elements_of(scene, body)}, or with more modes.",
             )
 
@@ -94,9 +95,42 @@ def times_as_many(factor: float) -> str:
     return f"{max(np.ceil(10 * factor - ALMOST) / 10, 1.1):.3g} times"
 
 
-def _strains(solution: Solution, name: str) -> tuple[float, float, float] | None:
-    """The largest strains that these add between nodes, across the elements and along them, and the largest that the elements tell; None
-    where these are not known."""
+class Strains(NamedTuple):
+    """Strains of fibres (n_t, n_e): what elements miss between their nodes, across and along, what they tell, and both with their signs.
+
+    The last is known where all shapes of the elements are there; a basis lacks shapes under forces of joints besides.
+    """
+
+    across: np.ndarray
+    along: np.ndarray
+    told: np.ndarray
+    both: np.ndarray
+    known: bool
+
+
+def _missed(parts: list[Strains], anywhere: bool) -> tuple[float, float, float]:
+    """What the largest strain of a body's parts misses, across and along, and the largest that they tell.
+
+    The largest is what a response asks for. What elements miss where they are strained little does not count, unless it is asked for
+    `anywhere`; nor is it all that is missed at most, where signs are known.
+    """
+    if not parts:
+        return 0.0, 0.0, 0.0
+    strains = [(each.across, each.along, each.told, each.both) for each in parts]
+    across, along, told, both = (max(float(each.max()) for each in every) for every in zip(*strains, strict=True))
+    at_most = anywhere or not all(each.known for each in parts)
+    share = 1.0 if at_most else abs(both - told) / (across + along) if across + along else 0.0
+    return share * across, share * along, told
+
+
+def _looks_anywhere(scene: Scene, body: str) -> bool:
+    """Whether a response looks at the body's stress at a place of its own, and not for the largest."""
+    asked = [each.source if isinstance(each, OverTime) else each for each in scene.responses.values()]
+    return any(isinstance(each, LocalStress) and each.body == body for each in asked)
+
+
+def _strains(solution: Solution, name: str) -> Strains | None:
+    """Those of a part at its largest deformations; None where these are not known."""
     scene = solution.system.scene
     behind, body = chain(scene, name), scene.body(name)
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
@@ -114,17 +148,43 @@ def _strains(solution: Solution, name: str) -> tuple[float, float, float] | None
     stretched = np.abs(along) * found.lengths / 2 / found.axial
     told_apart = behind.is_full or behind.per_node > PlanarChain.per_node  # parts in space are looked at by `left_out_shapes`
     unknown = np.zeros((1, behind.forms.count)) if told_apart else _outside_the_basis(scene, name, behind, found, pull)
-    told = _fibre_strains(behind, found, behind.displacements(elastic[instants]))
-    across = between + _fibre_strains(behind, found, unknown)
-    return float(across.max()), float(stretched.max()), float(told.max())
-
-
-def _fibre_strains(behind: Chain, found: Beams, u: np.ndarray) -> np.ndarray:
-    """Largest strains (n_t, n_e) of nodal displacements (n_t, n)."""
+    u = behind.displacements(elastic[instants])
+    across = between + _fibre_strains(found, behind.forms.forces(unknown))
     forces = behind.forms.forces(u)
+    return Strains(across, stretched, _fibre_strains(found, forces), _with_loads(found, forces, pull), told_apart)
+
+
+def _with_loads(found: Beams, forces: np.ndarray, pull: np.ndarray) -> np.ndarray:
+    """Largest strains (n_t, n_e) of elements whose nodes are right, and which forces per length p (n_t, n_e, d) bend and stretch between.
+
+    With e along the element, which tells M_1, M_2 and N, its ends and its middle have
+
+        M_1 - (e x p) l^2 / 12,   M_2 + (e x p) l^2 / 12,   (M_2 - M_1) / 2 - (e x p) l^2 / 24,   N +- e . p l / 2
+    """
+    bend = _across(found.along, pull) * (found.lengths**2 / 12)[:, None]
+    first, last = np.moveaxis(forces[:, :, 1:].reshape(*bend.shape[:2], 2, -1), 2, 0)
+    stretch = np.einsum("tei,ei->te", pull, found.along) * found.lengths / 2
+    moments = (first - bend, (last - first) / 2 - bend / 2, last + bend)
+    normal = (forces[:, :, 0] + sign * stretch for sign in (1, 0, -1))
+    return np.max([_strain(found, n, np.linalg.norm(m, axis=2)) for n, m in zip(normal, moments, strict=True)], axis=0)
+
+
+def _across(along: np.ndarray, pull: np.ndarray) -> np.ndarray:
+    """e x p, (n_t, n_e, 1 or 3)."""
+    if along.shape[1] == 3:
+        return np.cross(along[None], pull)
+    return (along[:, 0] * pull[:, :, 1] - along[:, 1] * pull[:, :, 0])[:, :, None]
+
+
+def _strain(found: Beams, normal: np.ndarray, moment: np.ndarray) -> np.ndarray:
+    strain: np.ndarray = np.abs(normal) / found.axial + FIBRE * moment / (found.axial * np.sqrt(found.gyration))
+    return strain
+
+
+def _fibre_strains(found: Beams, forces: np.ndarray) -> np.ndarray:
+    """Largest strains (n_t, n_e) of forces of elements (n_t, n_e, k)."""
     moments = np.linalg.norm(forces[:, :, 1:].reshape(*forces.shape[:2], 2, -1), axis=3).max(axis=2)
-    strains: np.ndarray = np.abs(forces[:, :, 0]) / found.axial + FIBRE * moments / (found.axial * np.sqrt(found.gyration))
-    return strains
+    return _strain(found, forces[:, :, 0], moments)
 
 
 def _outside_the_basis(scene: Scene, name: str, behind: Chain, found: Beams, pull: np.ndarray) -> np.ndarray:

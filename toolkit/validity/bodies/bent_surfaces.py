@@ -64,9 +64,10 @@ def bent_surfaces(solution: Solution) -> Iterator[Caution]:
     for body in whole_bodies(solution.system.scene):
         found = bending(solution, body)
         if found is not None and not found.relative <= LIMIT:
-            yield Caution("large-deformation", _told(solution.system.scene, body, found))
+            yield Caution("large-deformation", _told(solution.system.scene, body, found), body=body, part=found.relative)
         if found is not None and found.load > LIMIT:
-            yield Caution("critical-load", _compressed(body, found.load), doubt=not found.load <= DOUBTFUL)
+            part = found.load / (1 - found.load) if found.load < 1 else np.inf
+            yield Caution("critical-load", _compressed(body, found.load), not found.load <= DOUBTFUL, body, part)
         if found is not None and found.blind:
             yield unseen(solution.system.scene, body, [repr(name) for name in found.blind])
 

@@ -40,6 +40,8 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
                 f"elements that turn with it would be off by about {each.error:.2g} {length} under the same forces, "
                 f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}){_cause(each)}. ffrf check-deformation computes this "
                 f"error; a stiffer body, or {divided(scene, body, each.relative / LIMIT)}, make it smaller.{advice_of_frame(scene, body)}",
+                body=body,
+                part=each.relative,
             )
 
 
@@ -67,7 +69,8 @@ def critical_loads(solution: Solution, lateral: bool = False) -> Iterator[Cautio
             yield Caution("critical-load", _stiffened(found), doubt=False)
             continue
         text = _feigned(found) if found.feigned > found.missed else _buckling(found, solution)
-        yield Caution("critical-load", text + advice_of_frame(scene, found.body))
+        part = max(found.feigned, found.missed) if found.load < 1 else np.inf
+        yield Caution("critical-load", text + advice_of_frame(scene, found.body), body=_written(scene, found.body), part=part)
 
 
 def _stiffened(found: Compression) -> str:
@@ -100,6 +103,8 @@ def turning(solution: Solution) -> Iterator[Caution]:
                 f"{found.body} has a frame that turns with one of its parts, and forces of {abs(found.force):.4g} {force} along the line "
                 f"through {found.chord.first!r} and {found.chord.second!r} turn with it{when}: deflections across this line are {how}."
                 f"{advice_of_frame(solution.system.scene, found.body)}",
+                body=found.body,
+                part=found.error,
             )
 
 
@@ -116,6 +121,12 @@ def _buckling(found: Compression, solution: Solution) -> str:
         f"of a body in its frame. Load it less, stiffen it, or {_more_parts(scene, found.body)}, which buckle as they should. "
         "ffrf check-deformation solves it with elements that turn."
     )
+
+
+def _written(scene: Scene, body: str) -> str:
+    """The body that a scene writes, of one of its parts."""
+    found = scene.body(body)
+    return found.whole if isinstance(found, FramedPart) else body
 
 
 def _more_parts(scene: Scene, body: str) -> str:

@@ -20,7 +20,9 @@ def divided(scene: Scene, body: str, excess: float) -> str:
     if not isinstance(written, CuttableBody) or not can_be_cut(scene.model(written.model, "elements")):
         return "several bodies in a row instead of one"
     now = len(written.cuts) - 1 if isinstance(written, CutBody) else 1
-    enough, most = max(now + 1, fewest_cut(scene, body), int(np.ceil(now * np.sqrt(excess)))), most_frames(scene, body)
+    most = most_frames(scene, body)
+    wanted = int(np.ceil(now * np.sqrt(excess))) if np.isfinite(excess) else most + 1
+    enough = max(now + 1, fewest_cut(scene, body), wanted)
     if enough > most:
         return (
             f"a model with more {elements_of(scene, body)}, and frames to match"

@@ -31,7 +31,8 @@ def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
     """
     found = too_large(solution)
     if found is not None and found.part > LIMIT:
-        yield Caution("tension", _too_large(solution, found))
+        part = found.part / (1 - found.part) if found.part < 1 else np.inf
+        yield Caution("tension", _too_large(solution, found), body=found.body, part=part)
     elif not solution.steps:
         yield from _of_derivatives(solution, lateral)
     yield from tension_of_vibrations(solution, asked_vibrations(solution))

@@ -1,0 +1,135 @@
+"""Doubts weighed by what was asked for: energy that steps took or created, and deflections that a model has wrong.
+
+A comparison of values with those of shorter steps tells how wrong they are, unless both runs lack the same: a vibration that steps damp
+away takes its energy with it in both. Then the defect of the energy stays what it is; where the scheme merely errs, it falls with the order
+p of the scheme,
+
+    E(h / 2) = E(h) / 2^p
+
+A body whose deflections are off by a part e under the same forces is as one with 1 / (1 + e) times its stiffness: a run with that tells
+what the answers feel of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toolkit.analyses.transient import simulate
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.verdict import Caution
+from toolkit.sensitivity.errors.step_cautions import VALUES
+from toolkit.sensitivity.errors.step_error import LENIENT, Gradients, StepError, Values, first_order, shorter_steps
+from toolkit.sensitivity.evaluation import evaluate_with_gradients
+from toolkit.system.softened import softened
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.description.mesh_cautions import bodies_of_stress
+from toolkit.validity.motion.created_energy import energy_defects
+from toolkit.validity.motion.motion import ENERGY
+
+SLOWER = 1.5
+"""The defect may fall by so much less than the order says: it is a largest value over time, and steps are not yet short."""
+
+AT_MOST = 0.5
+"""Part by which deflections are off, above which nobody knows what becomes of them."""
+UNCERTAIN = 2.0
+"""The estimated errors of deflections may be too small by this factor."""
+
+
+class Answers(NamedTuple):
+    """Values and gradients of a run, and what their errors are compared with."""
+
+    values: Values
+    gradients: Gradients
+    scales: Mapping[str, float]
+    slope_scales: Gradients
+
+
+def unless_it_converges(
+    cautions: Iterable[Caution], solution: Solution, error: StepError | None, measures: Mapping[str, Any]
+) -> Iterator[Caution]:
+    """The cautions, with those about energy as remarks where shorter steps tell that values are right and the defect goes away.
+
+    The price is a run with steps half as long, where there is such a doubt.
+    """
+    told = list(cautions)
+    doubted, balance = any(each.code == "energy" for each in told), measures["energy_balance"]
+    if not doubted or error is None or not _converges(solution, error, balance):
+        yield from told
+        return
+    yield from (each for each in told if each.code != "energy")
+    yield Caution(
+        "energy",
+        f"{max(balance.values()):.1%} of the largest energy or work came from nowhere or vanished (limit {ENERGY:.0%}), which the "
+        f"responses do not feel: with steps half as long this falls as the order of the scheme says, and they are right to "
+        f"{max(error.values.values()):.1e} of the largest that they are in the motion.",
+        doubt=False,
+    )
+
+
+def _converges(solution: Solution, error: StepError, balance: Mapping[str, float]) -> bool:
+    """Whether values are known to be right, and no defect stays."""
+    if not error.by_shorter_steps or not max(error.values.values(), default=0.0) <= VALUES:
+        return False
+    options = solution.options or solution.system.scene.solver
+    try:
+        halved = energy_defects(simulate(solution.system, shorter_steps(options, solution.whole_run, 2)))
+    except ToolkitError:
+        return False
+    allowed = SLOWER / 2 ** (1 if first_order(options) else 2)
+    before = (balance["created"], balance["lost"])
+    return all(now <= max(allowed * then, allowed * ENERGY) for now, then in zip(halved, before, strict=True))
+
+
+def unless_unfelt(cautions: Iterable[Caution], solution: Solution, answers: Answers) -> Iterator[Caution]:
+    """The cautions, with those about deflections as remarks where no answer feels them.
+
+    The price is a run, where there is such a doubt and no stress of the body is asked for, which is off by as much as its deflections.
+    """
+    told = list(cautions)
+    parts: dict[str, float] = {}
+    for each in told:
+        if each.doubt and each.body:
+            parts[each.body] = parts.get(each.body, 0.0) + each.part
+    felt = _felt(solution, answers, parts) if parts else LIMIT
+    for each in told:
+        unfelt = felt < LIMIT and each.doubt and each.body
+        said = f" The responses hardly feel it: they change by {felt:.1e} at most of the largest that they are, by this and as much again."
+        yield replace(each, text=each.text + said, doubt=False) if unfelt else each
+
+
+def _felt(solution: Solution, answers: Answers, parts: Mapping[str, float]) -> float:
+    """The largest change of an answer, of derivatives by what is allowed more for them, where deflections are off by twice these parts."""
+    asked = bodies_of_stress(solution.system.scene)
+    known = max(parts.values()) <= AT_MOST and not asked & set(parts) and solution.run_times is None
+    if not known or (answers.gradients and not solution.system.n_x):
+        return LIMIT
+    other = softened(solution.system, {body: 1 / (1 + UNCERTAIN * part) for body, part in parts.items()})
+    try:
+        values, gradients = evaluate_with_gradients(simulate(other, _same_steps(solution)))
+    except ToolkitError:
+        return LIMIT
+    changes = [_part(float(np.real(values[f])) - value, answers.scales[f]) for f, value in answers.values.items()]
+    slopes = [
+        _part(gradients[f][x] - slope, max(abs(slope), answers.slope_scales[f][x])) / LENIENT
+        for f, each in answers.gradients.items()
+        for x, slope in each.items()
+    ]
+    return float(np.nan_to_num(max([*changes, *slopes], default=0.0), nan=np.inf))
+
+
+def _part(change: float, scale: float) -> float:
+    return abs(change) / scale if scale > 0 else 0.0 if change == 0 else np.inf
+
+
+def _same_steps(solution: Solution) -> RunOptions:
+    """Its options, with the steps that it has chosen."""
+    options = solution.options or solution.system.scene.solver
+    if options.local_error is None:
+        return options
+    return options.model_copy(update={"times": tuple(map(float, solution.whole_run)), "local_error": None})
