@@ -99,7 +99,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from bent_pieces(solution)
     yield from critical_loads(solution)
     yield from tension(solution)
-    yield from unseen_tension(scene)
+    yield from unseen_tension(solution)
     yield from sheared(scene)
     yield from bent_between_nodes(solution)
     yield from fibres_alone(solution)
