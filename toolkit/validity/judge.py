@@ -108,7 +108,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from tension(solution)
     yield from merging_vibrations(solution)
     yield from parametric_resonance(solution)
-    yield from unseen_tension(scene)
+    yield from unseen_tension(solution)
     yield from sheared(solution)
     yield from bent_between_nodes(solution)
     yield from fibres_alone(solution)

@@ -35,7 +35,7 @@ def power_of_load(solution: Solution, name: str) -> Callable[[int], Partials]:
         a, b = motion.at(solution, step)
         size, w = len(a.y), np.concatenate([a.rate, b.rate, [0.0]])  # no work is done on a state
         own = solution.q[step, loads.state[k]] if loads.state[k] >= 0 else 0.0
-        force, f_z, f_w = _law(system, load, k, (a, b), own, curves[step, curve, 0] if curve >= 0 else 1.0)
+        force, f_z, f_w = law_of_load(system, load, k, (a, b), own, curves[step, curve, 0] if curve >= 0 else 1.0)
         by_z, by_w = (w @ f_z)[None], (force + w @ f_w)[None]
         design = np.zeros((1, system.n_x))
         by_parameter = np.real(by_z[0, 2 * size + loads.design_parameter[designs]]) * loads.design_value[designs]
@@ -50,7 +50,9 @@ def power_of_load(solution: Solution, name: str) -> Callable[[int], Partials]:
     return look
 
 
-def _law(system: System, load: Load, k: int, motions: tuple[Motion, Motion], own: Any, scale: Any) -> tuple[np.ndarray, ...]:
+def law_of_load(
+    system: System, load: Load, k: int, motions: tuple[Motion, Motion], own: Any, scale: Any
+) -> tuple[np.ndarray, ...]:
     """f (w,), f_z (w, z) and f_w (w, w) of load number k at poses and rates z and w of its markers, and at its `own` state."""
     a, b = motions
     z: np.ndarray = np.concatenate([a.y, b.y, system.plan.loads.parameter[k], [scale]]).astype(system.dtype)

@@ -23,7 +23,6 @@ from toolkit.system.flexible_bodies import design_point, elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain
 from toolkit.validity.bodies.compressed.carried_force import Carried, carried, still_points
-from toolkit.validity.bodies.compressed.unseen_tension import unseen
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import (
     LIMIT,
@@ -51,7 +50,6 @@ class Bending:
     rotation: float  # largest angle that a line turns by in the frame, rad; nan of a body without lines
     size: float  # extent of the undeformed body
     load: float  # the largest force along the body at any instant in parts of the critical one, about; zero where none compresses it
-    blind: tuple[str, ...]  # interface points whose forces along the body its basis does not see
 
     @property
     def relative(self) -> float:
@@ -68,8 +66,6 @@ def bent_surfaces(solution: Solution) -> Iterator[Caution]:
         if found is not None and found.load > LIMIT:
             part = found.load / (1 - found.load) if found.load < 1 else np.inf
             yield Caution("critical-load", _compressed(body, found.load), not found.load <= DOUBTFUL, body, part)
-        if found is not None and found.blind:
-            yield unseen(solution.system.scene, body, [repr(name) for name in found.blind])
 
 
 def geometric_errors(solution: Solution) -> dict[str, Measured | None]:
@@ -98,14 +94,12 @@ def bending(solution: Solution, body: str) -> Bending | None:
         error = extent * lost
     else:
         error, turned = CANTILEVER * distance**2 / extent, np.full(len(distance), np.nan)
-    force, blind = carried(solution, body, elastic, still_points(places, shapes))
+    force = carried(solution, body, instants, still_points(places, shapes))
     if force is not None:
         error = error + np.abs(force.load) * _aside(moved, force)
     k = first_largest(error)
     load = 0.0 if force is None else max(float(force.load.max()), 0.0)
-    return Bending(
-        float(distance[k]), float(error[k]), float(solution.times[instants[k]]), float(turned[k]), extent, load, tuple(blind)
-    )
+    return Bending(float(distance[k]), float(error[k]), float(solution.times[instants[k]]), float(turned[k]), extent, load)
 
 
 def _aside(moved: np.ndarray, force: Carried) -> np.ndarray:

@@ -19,8 +19,9 @@ import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.chord_condition import chord_of
-from toolkit.system.flexible_bodies import design_point, flexible_body, used_interfaces
+from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body, used_interfaces
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.compressed.forces_at_points import forces_at_points
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.bodies.turning_frame import compliance_across, motion_against_tangent
 from toolkit.validity.description.frame_choice import frame_choices
@@ -45,18 +46,17 @@ class Carried(NamedTuple):
     across: np.ndarray  # c (d, d) in parts of its largest
 
 
-def carried(solution: Solution, body: str, elastic: np.ndarray, still: np.ndarray | None) -> tuple[Carried | None, list[str]]:
-    """Of the point where it is largest, and the points whose forces along the body the basis does not see.
+def carried(solution: Solution, body: str, instants: np.ndarray, still: np.ndarray | None) -> Carried | None:
+    """Of the point where it is largest; where the basis holds no shape that stretches, by what loads and joints put on that point.
 
     Parameters
     ----------
-    elastic : (n_t, n_f)
+    instants : (n_t,) numbers of states
     still : (n, d) the places that hold a tangent frame; None of other frames
     """
-    every = {name: _carried(solution, body, *of_line, elastic) for name, of_line in _lines(solution, body, still)}
-    seen, blind = [each for each in every.values() if each is not None], [name for name, each in every.items() if each is None]
-    worst = first_largest(np.array([np.abs(each.load).max() for each in seen])) if seen else None
-    return (None if worst is None else seen[worst]), blind
+    every = [_carried(solution, body, instants, name, line) for name, line in _lines(solution, body, still)]
+    worst = first_largest(np.array([np.abs(each.load).max() for each in every])) if every else None
+    return None if worst is None else every[worst]
 
 
 def still_points(places: np.ndarray, shapes: np.ndarray) -> np.ndarray | None:
@@ -89,30 +89,37 @@ def _is_ahead(side: np.ndarray, behind: np.ndarray) -> bool:
     return bool((behind @ side).max() < (1 - SHORT) * (side @ side))
 
 
-def _lines(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[tuple[str, tuple[np.ndarray, np.ndarray, float]]]:
-    """Interface point, the motion (d, 1 + n_f) of one end of a line against the other, c / L (d, d), and its factor."""
+class _Line(NamedTuple):
+    """A line through a body."""
+
+    motion: np.ndarray  # (d, 1 + n_f) of its one end against the other
+    across: np.ndarray  # c / L (d, d)
+    factor: float
+
+
+def _lines(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[tuple[str, _Line]]:
+    """Interface points and the lines that end there."""
     scene = solution.system.scene
     chord = chord_of(design_point(scene, body, "interfaces").model.reference_condition)
     for name, _, motion in lines_between(solution, body, still):
         if chord is not None:
-            yield name, (motion, compliance_across(solution, body, motion_against_tangent(solution, body, chord)), PINNED)
+            yield name, _Line(motion, compliance_across(solution, body, motion_against_tangent(solution, body, chord)), PINNED)
         else:
             factor = PINNED if (choice := frame_choices(scene).get(body)) and choice.chord else CLAMPED
-            yield name, (motion, compliance_across(solution, body, motion), factor)
+            yield name, _Line(motion, compliance_across(solution, body, motion), factor)
 
 
-def _carried(
-    solution: Solution, body: str, motion: np.ndarray, across: np.ndarray, factor: float, elastic: np.ndarray
-) -> Carried | None:
-    length = np.linalg.norm(motion[:, 0])
-    along = motion[:, 0] / length
+def _carried(solution: Solution, body: str, instants: np.ndarray, name: str, line: _Line) -> Carried:
+    length = np.linalg.norm(line.motion[:, 0])
+    along = line.motion[:, 0] / length
     stiffness = np.real(design_point(solution.system.scene, body).value("stiffness"))
-    row = along @ motion[:, 1:]
-    compliance = row @ static_deflection(stiffness, row)
-    largest = np.linalg.eigvalsh(across)[-1]
-    if not compliance > SEEN * largest * length:
-        return None
-    load = -factor * largest * (elastic @ row) / compliance
+    row = along @ line.motion[:, 1:]
+    compliance, largest = row @ static_deflection(stiffness, row), np.linalg.eigvalsh(line.across)[-1]
+    if compliance > SEEN * largest * length:
+        force = np.real(solution.q[instants][:, elastic_coordinates(solution, body)]) @ row / compliance
+    else:
+        force = forces_at_points(solution, body, instants).get(name, np.zeros((len(instants), len(along)))) @ along
+    load = -line.factor * largest * force
     if flexible_body(solution.system.scene, body).stiffening(solution.system.scene) is not None:
         load = np.maximum(load, 0.0)  # its spin pulls at it, and that is in the equations
-    return Carried(load, along, across / largest)
+    return Carried(load, along, line.across / largest)

@@ -1,5 +1,7 @@
 """Bases that hold no shape which stretches a body: the checks read axial forces from its stretch, and see none where forces pull at it.
 
+What forces at points do is then found without the basis (`unseen_forces`); of weight it is told that nobody knows.
+
 Judged by unit forces f at the points of the body, and everywhere if it has weight: the axial forces N = F K^-1 Psi^T f of the basis against
 those of all its elements.
 """
@@ -13,8 +15,10 @@ import numpy as np
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, flexible_body, used_interfaces
+from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.compressed.unseen_forces import unseen_forces
 from toolkit.validity.bodies.deformation import flexible_bodies
 from toolkit.validity.bodies.static_deflection import static_deflection
 
@@ -25,14 +29,18 @@ SEEN = 0.2
 WEIGHT = "its weight"
 
 
-def unseen_tension(scene: Scene) -> Iterator[Caution]:
-    """Flexible bodies at whose points forces may pull that their bases do not see, or whose weight does."""
+def unseen_tension(solution: Solution) -> Iterator[Caution]:
+    """Flexible bodies whose points forces pull at that their bases do not see, or whose weight does."""
+    scene = solution.system.scene
     for body in flexible_bodies(scene):
         behind = chain(scene, body)
-        pulls = {} if behind is None or behind.is_full else _pulls(scene, body, behind)
-        blind = [name for name, loads in pulls.items() if behind is not None and missed_part(scene, body, behind, loads) > SEEN]
-        if blind:
-            yield unseen(scene, body, blind)
+        if behind is None or behind.is_full:
+            continue
+        missing = _missing(scene, body, behind)
+        if WEIGHT in missing:
+            yield unseen(scene, body, [WEIGHT])
+        if missing.keys() - {WEIGHT}:
+            yield from unseen_forces(solution, body, missing)
 
 
 def unseen(scene: Scene, body: str, pulls: Sequence[str]) -> Caution:
@@ -59,7 +67,7 @@ def _pulls(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
     found = {}
     for name in used_interfaces(scene, body):
         place = np.real(design.interface(name).here[0])[:, 0]
-        found[repr(name)] = _on(behind, [int(np.argmin(((nodes - place) ** 2).sum(axis=1)))])
+        found[name] = _on(behind, [int(np.argmin(((nodes - place) ** 2).sum(axis=1)))])
     if np.any(np.real(scene.gravity)):
         found[WEIGHT] = _on(behind, range(len(nodes)))
     return found
@@ -73,10 +81,18 @@ def _on(behind: Chain, loaded: Iterable[int]) -> np.ndarray:
     return loads.reshape(d, -1)
 
 
-def missed_part(scene: Scene, body: str, behind: Chain, loads: np.ndarray) -> float:
-    """Part of the axial forces under loads (n_t, n) on the nodes that the basis does not show."""
-    true = behind.axial_forces(behind.under(loads))
+def _missing(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
+    """Where forces pull -> axial forces (d, n_e) under unit forces that the basis does not show, if they are more than `SEEN`."""
+    found = {}
+    for name, loads in _pulls(scene, body, behind).items():
+        true, shown = axial_forces(scene, body, behind, loads)
+        if np.linalg.norm(shown - true) > SEEN * np.linalg.norm(true):
+            found[name] = true - shown
+    return found
+
+
+def axial_forces(scene: Scene, body: str, behind: Chain, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Axial forces of the elements (n_t, n_e) under loads (n_t, n) on the nodes, and what the basis shows of them."""
     stiffness = np.real(design_point(scene, body).value("stiffness"))
     elastic = static_deflection(stiffness, behind.shapes.T @ loads.T).T
-    largest = np.linalg.norm(true)
-    return float(np.linalg.norm(behind.axial_forces(behind.displacements(elastic)) - true) / largest) if largest else 0.0
+    return behind.axial_forces(behind.under(loads)), behind.axial_forces(behind.displacements(elastic))

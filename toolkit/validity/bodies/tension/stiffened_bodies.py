@@ -75,7 +75,7 @@ def _where_it_counts(solution: Solution, known: Mapping[str, PulledBody]) -> lis
             worst = first_largest(each)
             parts[kind].append((float(each[worst]), int(instants[worst])))
     found = [max(each, key=lambda pair: pair[0]) for each in parts if each]
-    enough = LIMIT if solution.steps else LIMIT / OF_DERIVATIVES
+    enough = LIMIT / OF_DERIVATIVES if solution.dq.shape[2] or not solution.steps else LIMIT
     return sorted({n for part, n in found if part > enough})
 
 

@@ -45,6 +45,7 @@ class StiffenedState(NamedTuple):
     adds: Form  # T of a motion (n_q,)
     pulls: Form  # G_1 + t G_2
     first: Form  # G_1
+    growing: np.ndarray  # (n_q,) what its growth pulls with at the coordinates, t times the forces of z
 
     def largest(self) -> float:
         """The largest part by which T stiffens the scene against any motion, about."""
@@ -78,7 +79,9 @@ def stiffened_state(solution: Solution, known: Mapping[str, PulledBody], n: int)
     moved = yields(forces)
     second = _form(places, {body: each.stiffness(moved[places[body]]) for body, each in found.items()})
     change, part = _change(yields, first, second, there)
-    return StiffenedState(n, yields, elastic, there, change, *_stiffness(first, second, there, change, part), first)
+    return StiffenedState(
+        n, yields, elastic, there, change, *_stiffness(first, second, there, change, part), first, part * forces
+    )
 
 
 def _form(places: Mapping[str, Any], matrices: Mapping[str, Any]) -> Form:

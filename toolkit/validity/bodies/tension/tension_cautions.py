@@ -11,6 +11,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.merging_vibrations import asked_vibrations
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.tension.pulled_joints import pulled_joints
 from toolkit.validity.bodies.tension.raised_vibrations import raised_by_tension
 from toolkit.validity.bodies.tension.stiffened_bodies import TooLarge, most_pulled, stiffened_states, too_large
 from toolkit.validity.bodies.tension.stiffened_state import StiffenedState
@@ -19,6 +20,8 @@ MANY = 20.0
 """Times a number is too large above which they are not counted."""
 NAMED = 3
 """So many vibrations are named at the most."""
+GROWS = 3.0
+"""Times a deflection's error that of its derivative by the load is: w (1 + c w^2) = f gives c w^2 and 3 c w^2."""
 
 
 def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
@@ -35,7 +38,19 @@ def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
         yield Caution("tension", _too_large(solution, found), body=found.body, part=part)
     elif not solution.steps:
         yield from _of_derivatives(solution, lateral)
+    elif found is not None and solution.dq.shape[2] and GROWS * found.part > LIMIT:
+        yield Caution("tension", _steeper(solution, found), body=found.body, part=GROWS * found.part)
+    if found is None or found.part <= LIMIT:
+        yield from pulled_joints(solution)
     yield from tension_of_vibrations(solution, asked_vibrations(solution))
+
+
+def _steeper(solution: Solution, found: TooLarge) -> str:
+    return (
+        f"tension stiffens {found.body} across itself, which these equations do not know: its displacements are {found.part:.1%} too "
+        f"large, and as tension grows with their square derivatives by what bends it are off by about {GROWS * found.part:.0%}. "
+        f"{_remedy(solution, found.body, GROWS * found.part)}"
+    )
 
 
 def tension_of_vibrations(solution: Solution, asked: Mapping[str, int]) -> Iterator[Caution]:

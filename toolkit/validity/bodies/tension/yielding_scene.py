@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -14,8 +15,27 @@ from toolkit.system.solution import Solution
 
 LONGER = 30.0
 """Times the motion: a thousandth of the stiffness of what vibrates once in it."""
-Yielding = Callable[[np.ndarray], np.ndarray]
-"""From forces (n_q,) to motions (n_q,) that joints allow."""
+Solver = Callable[[np.ndarray], np.ndarray]
+
+
+class Yielding(NamedTuple):
+    """From forces (n_q,) to motions (n_q,) that joints allow."""
+
+    solved: Solver  # of all unknowns, balanced
+    scale: np.ndarray  # (n,) what balances them
+    n_q: int
+
+    def __call__(self, forces: np.ndarray) -> np.ndarray:
+        return self._solution(forces)[: self.n_q]
+
+    def multipliers(self, forces: np.ndarray) -> np.ndarray:
+        """What joints hold these forces with."""
+        return self._solution(forces)[self.n_q :]
+
+    def _solution(self, forces: np.ndarray) -> np.ndarray:
+        whole = np.append(forces, np.zeros(len(self.scale) - self.n_q))
+        found: np.ndarray = self.scale * self.solved(self.scale * whole)
+        return found
 
 
 def yielding(solution: Solution, n: int) -> Yielding | None:
@@ -35,14 +55,7 @@ def yielding(solution: Solution, n: int) -> Yielding | None:
         matrix = matrix + rate * _of_coordinates(whole_array(system, np.real(terms.I_acc)), n_q)
     scale = balance(system, matrix)
     solved = _solver(balanced(system, matrix, scale))
-    if solved is None:
-        return None
-
-    def motion(forces: np.ndarray) -> np.ndarray:
-        found: np.ndarray = scale[:n_q] * solved(scale * np.append(forces, pad))[:n_q]
-        return found
-
-    return motion
+    return None if solved is None else Yielding(solved, scale, n_q)
 
 
 def _of_coordinates(mass: StaticArray, n_q: int) -> StaticArray:
@@ -55,7 +68,7 @@ def _of_coordinates(mass: StaticArray, n_q: int) -> StaticArray:
     return scipy.sparse.csr_array(only @ mass @ only)
 
 
-def _solver(matrix: StaticArray) -> Yielding | None:
+def _solver(matrix: StaticArray) -> Solver | None:
     """Of A x = f; None where A is singular."""
     if not isinstance(matrix, np.ndarray):
         try:

@@ -1,0 +1,117 @@
+"""Forces along bodies whose bases hold no shape that stretches them: what they do to deflections is in no equation, and is found by hand.
+
+Known are the forces at the interface points, those of loads and joints. What the basis misses of the axial forces N of the elements
+under them has the geometric stiffness G, and deflections z of the equations, with the compliance Y of the whole scene, should be z + d:
+
+    (1 + Y G) d = -Y G z
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.foundation.near_ties import first_largest
+from toolkit.foundation.verdict import Caution
+from toolkit.solvers.static.stability.static_array import as_dense
+from toolkit.system.flexible_bodies import elastic_coordinates
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.compressed.forces_at_points import forces_at_points
+from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening, stiffening
+from toolkit.validity.bodies.cut.more_frames import divided
+from toolkit.validity.bodies.deformation import LIMIT, largest_instants
+from toolkit.validity.bodies.tension.yielding_scene import yielding
+
+LOOKED_AT = 24
+"""Instants, evenly spread over the motion, among which the largest force along a body is looked for."""
+MANY = 20.0
+"""Times that a number is off above which they are not counted."""
+
+
+class Unseen(NamedTuple):
+    """What forces along a body do that its basis does not see."""
+
+    time: float
+    load: float  # in parts of what makes the scene give way; negative in tension
+    off: float  # part of the deflection: how much is missing, or too much if negative; inf from the critical load on
+
+
+def unseen_forces(solution: Solution, body: str, missing: Mapping[str, np.ndarray]) -> Iterator[Caution]:
+    """Doubts about one body.
+
+    Parameters
+    ----------
+    missing
+        Interface point -> axial forces (d, n_e) under unit forces there that the basis does not show.
+    """
+    law = stiffening(solution.system.scene, body)
+    found = [] if law is None else [_at(solution, body, law, *each) for each in _states(solution, body, law, missing)]
+    known = [each for each in found if each is not None]
+    if known:
+        worst = known[first_largest(np.array([min(np.abs(each.off), MANY) for each in known]))]
+        if not np.abs(worst.off) <= LIMIT:
+            code, lacks = ("critical-load", worst.off) if worst.load > 0 else ("tension", -worst.off / (1 + worst.off))
+            yield Caution(code, _told(solution, body, worst), body=body, part=lacks)
+
+
+def _states(
+    solution: Solution, body: str, law: Stiffening, missing: Mapping[str, np.ndarray]
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Numbers of the states of most compression and of most tension, and the axial forces (n_e,) there that the basis does not show."""
+    instants = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
+    forces = forces_at_points(solution, body, instants)
+    axial = sum((forces[name] @ each for name, each in missing.items() if name in forces), np.zeros((len(instants), 1)))
+    softer = -(axial * law.compliances).sum(axis=1)
+    for sign in (1.0, -1.0):
+        k = first_largest(sign * softer)
+        if sign * softer[k] > LIMIT / 2:
+            yield int(instants[k]), axial[k]
+
+
+def _at(solution: Solution, body: str, law: Stiffening, n: int, axial: np.ndarray) -> Unseen | None:
+    where, yields = elastic_coordinates(solution, body), yielding(solution, n)
+    elastic = np.real(solution.q[:, where])
+    largest = elastic[largest_instants(elastic)]
+    z = max(largest, key=lambda each: float(law.behind.distances(law.behind.displacements(each[None])).max()))
+    size = _farthest(law, z)
+    if yields is None or not size > 0:
+        return None
+    unit = np.zeros((solution.system.n_q, elastic.shape[1]))
+    unit[where] = np.eye(elastic.shape[1])
+    compliance = np.stack([yields(each)[where] for each in unit.T], axis=1)
+    added = compliance @ as_dense(law.of_axial(axial))
+    softened = -np.linalg.eigvals(added).real
+    load = float(softened.max() if softened.max() > -softened.min() else softened.min())
+    if load >= 1:
+        return Unseen(float(solution.times[n]), load, np.inf)
+    change = -np.linalg.solve(np.eye(len(added)) + added, added @ z)
+    part = _farthest(law, change) / size
+    return Unseen(float(solution.times[n]), load, part if load > 0 else -part)
+
+
+def _farthest(law: Stiffening, elastic: np.ndarray) -> float:
+    return float(law.behind.distances(law.behind.displacements(elastic[None])).max())
+
+
+def _told(solution: Solution, body: str, found: Unseen) -> str:
+    when = f" at t = {found.time:.4g}" if solution.steps else ""
+    how = "compress" if found.load > 0 else "pull at"
+    if found.off == np.inf:
+        what = "it buckles if that lasts, which these numbers do not show"
+    elif found.load > 0:
+        what = f"its deflections lack {found.off:.2g} times themselves, and frequencies are lower"
+    else:
+        what = _stiffer(found)
+    return (
+        f"forces at its points {how} {body}{when} with {np.abs(found.load):.2g} times the critical load, which its basis does not show: "
+        f"{what}. Linear FFRF has no geometric stiffness of a body in its frame. What helps: "
+        f"{divided(solution.system.scene, body, 1.0)}."
+    )
+
+
+def _stiffer(found: Unseen) -> str:
+    times = 1 / (1 + found.off) if found.off > -1 else np.inf
+    told = f"{times:.3g} times" if times < MANY else "many times"
+    return f"its deflections are {told} as large as they should be, and frequencies across it are higher"

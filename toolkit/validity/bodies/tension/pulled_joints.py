@@ -1,0 +1,101 @@
+"""Forces of joints that hold a body at both ends: its deflection pulls at them long before it is stiffer by that.
+
+A load across a body is held in proportion to the deflection w, the tension of the body grows with w^2: of a clamped bar that is bent by a
+fifth of its thickness the joints hold three times as much along it as across it, while its deflection is 3 % off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from toolkit.foundation.near_ties import first_largest
+from toolkit.foundation.units import unit
+from toolkit.foundation.verdict import Caution
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.over_time.over_time import OverTime
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import elastic_coordinates
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.cut.more_frames import divided
+from toolkit.validity.bodies.deformation import LIMIT, largest_instants
+from toolkit.validity.bodies.tension.pulled_body import PulledBody
+from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled, pulled_bodies
+from toolkit.validity.bodies.tension.stiffened_state import stiffened_state
+
+FELT = 1e-5
+"""Part of the critical force of a body below which its tension is no twentieth of what joints hold across it."""
+MANY = 100.0
+"""Times that a force is off above which they are not counted."""
+ROUND_OFF = 1e-9
+"""Part of the largest force in a joint below which a force is none."""
+NAMED = 3
+"""So many responses are named at the most."""
+LOOKED_AT = 24
+"""Instants among which the largest force of a joint is looked for."""
+
+
+def pulled_joints(solution: Solution) -> Iterator[Caution]:
+    """Responses that are forces of joints, at the end of a motion or over time, which lack what a deflection pulls with."""
+    asked = joint_forces(solution.system.scene)
+    known = pulled_bodies(solution) if asked and not solution.spins else {}
+    grown = _most_grown(solution, known)
+    if grown is None:
+        return
+    low: dict[str, tuple[float, float]] = {}
+    for n in {grown, len(solution.times) - 1}:
+        mine = {name: each for name, (each, at_end) in asked.items() if n == (len(solution.times) - 1 if at_end else grown)}
+        low |= _low(solution, known, n, mine)
+    if low:
+        body, scene = most_pulled(solution), solution.system.scene
+        told = [
+            f"{name} by {missing:.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {size:.3g} at the most"
+            for name, (missing, size) in list(low.items())[:NAMED]
+        ]
+        much = max(missing / size if size > 0 else MANY for missing, size in low.values())
+        yield Caution(
+            "tension",
+            f"the deflection of {body} pulls at what holds its ends, which these equations do not know: forces of joints are off, "
+            f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. What helps: "
+            f"{divided(scene, body, min(much, MANY) / LIMIT)}.",
+        )
+
+
+def joint_forces(scene: Scene) -> dict[str, tuple[JointForce, bool]]:
+    """Responses that are forces of a joint, or made of them, by name; and whether they are those at the end."""
+    found = {name: (getattr(each, "of", each), not isinstance(each, OverTime)) for name, each in scene.responses.items()}
+    return {name: (each, at_end) for name, (each, at_end) in found.items() if isinstance(each, JointForce)}
+
+
+def _most_grown(solution: Solution, known: Mapping[str, PulledBody]) -> int | None:
+    """Number of the state where deflections make lines grow most; None where no joint would feel it."""
+    parts: list[tuple[float, int]] = []
+    for body, law in known.items():
+        elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
+        instants = largest_instants(elastic)
+        grown = law.measures(elastic[instants])[1]
+        worst = first_largest(grown)
+        parts.append((float(grown[worst]), int(instants[worst])))
+    part, n = max(parts, default=(0.0, 0))
+    return n if part > FELT else None
+
+
+def _low(
+    solution: Solution, known: Mapping[str, PulledBody], n: int, asked: Mapping[str, JointForce]
+) -> dict[str, tuple[float, float]]:
+    """Responses that lack more than `LIMIT` at a state, what they lack, and the largest that they are in the motion."""
+    state = stiffened_state(solution, known, n) if asked else None
+    if state is None or not np.any(state.growing):
+        return {}
+    more = np.array(solution.multipliers)
+    more[n] = more[n] + state.yields.multipliers(state.growing)
+    pulled, found = replace(solution, multipliers=more), {}
+    steps = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
+    for name, response in asked.items():
+        here, there = (float(np.real(response.at(each, n).value)) for each in (solution, pulled))
+        size = max([abs(here), *(abs(float(np.real(response.at(solution, int(k)).value))) for k in steps)])
+        if abs(there - here) > max(LIMIT * size, ROUND_OFF * float(np.abs(np.real(solution.multipliers[n])).max())):
+            found[name] = (abs(there - here), size)
+    return found
