@@ -52,8 +52,8 @@ def unseen_forces(solution: Solution, body: str, missing: Mapping[str, np.ndarra
     if known:
         worst = known[first_largest(np.array([min(np.abs(each.off), MANY) for each in known]))]
         if not np.abs(worst.off) <= LIMIT:
-            code, lacks = ("critical-load", worst.off) if worst.load > 0 else ("tension", -worst.off / (1 + worst.off))
-            yield Caution(code, _told(solution, body, worst), body=body, part=lacks)
+            part = worst.off if worst.load > 0 else -worst.off / (1 + worst.off) if worst.off > -1 else np.inf
+            yield Caution("critical-load" if worst.load > 0 else "tension", _told(solution, body, worst), body=body, part=part)
 
 
 def _states(
