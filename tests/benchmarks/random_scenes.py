@@ -6,7 +6,9 @@
 prints a line for each scene and then how many wrong answers left without a doubt (there should be none), how many right answers were
 doubted (at most 4 %), and by which factor the errors that doubts tell are from true ones.
 
-    python -m tests.benchmarks.random_scenes --seeds 0:200 --folder output/random_scenes [--only 17,23] [--explain]
+    python -m tests.benchmarks.random_scenes --seeds 0:200 --folder output/random_scenes [--only 17,23] [--explain] [--strained]
+
+With `--strained` the scenes are those of `tests.random_scenes.strained`, at the edges of what bodies of one frame can tell.
 
 References are kept as JSON lines in the folder, and are found again as long as the scene they are of is the same: another verdict is judged
 within seconds. The verdicts of the last call are in `judged.jsonl`, with all errors and measures.
@@ -43,6 +45,7 @@ import numpy as np
 from tests.random_scenes.finer import finer_scene
 from tests.random_scenes.reference import AGREED, Answers, Reference, answers, errors, model_reference, reference
 from tests.random_scenes.scene import named_scene
+from tests.random_scenes.strained import strained_scene
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
@@ -133,9 +136,9 @@ class Judged:
                 yield code, float(size[1]) / 100, true
 
 
-def judge(seed: int, folder: Path, known: dict[str, Any]) -> Judged:
+def judge(seed: int, folder: Path, known: dict[str, Any], strained: bool = False) -> Judged:
     """Run a scene and compare it with its reference, a known one if there is one for this very scene."""
-    kind, scene = named_scene(seed, folder / "models")
+    kind, scene, fine = strained_scene(seed, folder / "models") if strained else (*named_scene(seed, folder / "models"), None)
     found = Judged(seed, kind, solver=_solver(scene))
     begun = time.perf_counter()
     try:
@@ -153,8 +156,8 @@ def judge(seed: int, folder: Path, known: dict[str, Any]) -> Judged:
     found.codes = [each.code for each in verdict.warnings if each.doubt]
     found.texts = [each.text for each in verdict.warnings]  # doubts first
     found.measures = {**_measures(solution), **dict(verdict.measures)}
-    true = _reference(scene, seed, solution.steps, folder, known)
-    finer = _finer_model(scene, seed, true.finer * solution.steps, folder, known) if true.answers else None
+    true = _reference(fine or scene, seed, solution.steps, folder, known)
+    finer = _finer_model(scene, seed, true.finer * solution.steps, folder, known) if true.answers and fine is None else None
     return _compared(found, scene, mine, true, finer)
 
 
@@ -288,6 +291,7 @@ def main() -> None:
     parser.add_argument("--seeds", default="0:200", help="first:last")
     parser.add_argument("--only", help="some seeds, with commas")
     parser.add_argument("--folder", type=Path, default=Path("output/random_scenes"))
+    parser.add_argument("--strained", action="store_true", help="scenes at the edges of what bodies of one frame can tell")
     parser.add_argument("--explain", action="store_true", help="texts of the cautions, and all errors")
     given = parser.parse_args()
     first, last = map(int, given.seeds.split(":"))
@@ -300,7 +304,7 @@ def main() -> None:
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         for seed in seeds:
-            found = judge(seed, given.folder, known)
+            found = judge(seed, given.folder, known, given.strained)
             all_found.append(found)
             print(line(found), flush=True)
             if given.explain or found.outcome == "crashed":
