@@ -50,6 +50,8 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import again
+from toolkit.sensitivity.errors.step_cautions import GRADIENTS as GRADIENT
+from toolkit.sensitivity.errors.step_cautions import VALUES
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.sensitivity.result import Result, result
 from toolkit.system.solution import Solution
@@ -80,6 +82,10 @@ NOTHING = 1e-9
 """Error below which nothing is wrong at all."""
 UNJUDGED = frozenset({"curve-overshoot", "stale-model"})
 """Codes of doubts about what was meant, which no finer run can judge."""
+STEPS = frozenset({"steps", "gradient-steps", "lost-vibrations", "energy"})
+"""Codes of doubts about steps."""
+MOVED = ("way", "turn", "middle", "end", "most", "cross")
+"""How names of responses begin that are displacements."""
 PERCENT = re.compile(r"([0-9][0-9.e+]*) ?%")
 """The size of an error in the sentence of a doubt."""
 
@@ -111,6 +117,8 @@ class Judged:
     measures: dict[str, Any] = field(default_factory=dict)
     seconds: float = 0.0
     model_known: bool = True
+    gradients: dict[str, float] = field(default_factory=dict)
+    parts: list[float | None] = field(default_factory=list)
 
     @property
     def judged(self) -> set[str]:
@@ -129,11 +137,31 @@ class Judged:
 
     @property
     def told(self) -> Iterator[tuple[str, float, float]]:
-        """Code, told and true error of each doubt that tells one in percent."""
-        for code, text in zip(self.codes, self.texts, strict=False):
-            size, true = PERCENT.search(text), self.gradient_error if code in GRADIENTS else self.error
-            if size and code in self.judged and true > 0:
-                yield code, float(size[1]) / 100, true
+        """Code, told and true error of each number of a doubt: by responses where they tell of these, otherwise by the largest true error.
+
+        Where both a model and steps are in doubt nobody can tell which of them an error is of.
+        """
+        by_model, by_steps = self.judged & MODEL, self.judged & STEPS
+        if by_steps and not by_model:
+            yield from self._told_of_steps()
+        if by_model and not by_steps:
+            moved = max((off for name, off in self.values.items() if name.startswith(MOVED)), default=0.0)
+            for code, part, text in zip(self.codes, self.parts, self.texts, strict=False):
+                told = PERCENT.search(text) if code in self.judged and part is None else None
+                if code in self.judged and part is not None and moved > 0:
+                    yield code, part / (1 + part) if code == "critical-load" else part, moved
+                elif told:
+                    yield code, float(told[1]) / 100, self.gradient_error if code in GRADIENTS else self.error
+
+    def _told_of_steps(self) -> Iterator[tuple[str, float, float]]:
+        told = self.measures.get("estimated_error", {})
+        for name, error in told.get("responses", {}).items():
+            if VALUES < error < 1 and 0 < self.values.get(name, 0.0) < 1:
+                yield "steps", error, self.values[name]
+        for name, errors_by in told.get("gradients", {}).items():
+            for x, error in errors_by.items():
+                if GRADIENT < error < 1 and 0 < self.gradients.get(f"{name} by {x}", 0.0) < 1:
+                    yield "gradient-steps", error, self.gradients[f"{name} by {x}"]
 
 
 def judge(seed: int, folder: Path, known: dict[str, Any], strained: bool = False) -> Judged:
@@ -155,6 +183,7 @@ def judge(seed: int, folder: Path, known: dict[str, Any], strained: bool = False
     found.seconds, found.steps = time.perf_counter() - begun, solution.steps
     found.codes = [each.code for each in verdict.warnings if each.doubt]
     found.texts = [each.text for each in verdict.warnings]  # doubts first
+    found.parts = [float(each.part) if each.body and np.isfinite(each.part) else None for each in verdict.warnings if each.doubt]
     found.measures = {**_measures(solution), **dict(verdict.measures)}
     true = _reference(fine or scene, seed, solution.steps, folder, known)
     finer = _finer_model(scene, seed, true.finer * solution.steps, folder, known) if true.answers and fine is None else None
@@ -170,6 +199,7 @@ def _compared(found: Judged, scene: Scene, mine: Answers, true: Reference, finer
     values, gradients = errors(scene, mine, finer.answers if finer and finer.answers else true.answers)
     found.values = {name: off for name, off in values.items() if name not in found.unknown}
     slopes = {name: off for name, off in gradients.items() if true.gradients.get(name, 1.0) <= AGREED and np.isfinite(off)}
+    found.gradients = slopes
     found.worst, found.error = max(found.values.items(), key=lambda item: item[1], default=("", 0.0))
     found.worst_gradient, found.gradient_error = max(slopes.items(), key=lambda item: item[1], default=("", 0.0))
     found.outcome = "wrong" if found.error > WRONG else "dropped" if found.unknown else "right"

@@ -192,7 +192,7 @@ def pulled(d: Draft) -> None:
 def away(d: Draft) -> None:
     """A cantilever whose basis was made at another design."""
     values = {name: THICKNESS * d.draw.about(0.5, 2.0) for name in ("thickness_root", "thickness_outer") if d.draw.chance(0.7)}
-    _, middle, end = _beam(d, ("kept_modes", "kept_craig", "modes", "craig"), **values)
+    _, middle, end = _beam(d, ("kept_modes", "kept_craig", "full"), **values)
     force = d.draw.about(0.002, 0.03) * 3 * STIFFNESS / LENGTH**2
     d.loads["push"] = PointForce(body="beam", point=d.draw.one((middle, end)), force=(0.0, force), curve=_curve(d))
     d.vary("loads.push.force.y")
