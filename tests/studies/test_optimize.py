@@ -18,6 +18,8 @@ from scipy.optimize import rosen, rosen_der
 from typer.testing import CliRunner
 
 import toolkit as ffrf
+from preprocessing.elements.section import Section
+from tests.models.beam_models import save_beam
 from tests.models.truss import STIFFNESS, force, force_slope, height, limit_load, snapped_height, write_truss
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
@@ -216,6 +218,39 @@ def test_an_optimum_is_trusted_where_its_own_simulation_is(tmp_path, step, wrong
     assert run.verdict.codes == (("steps",) if wrong else ())
     assert found.success
     assert (found.verdict.codes, found.verdict.trusted) == (run.verdict.codes, run.verdict.trusted)
+
+
+COLUMN = """units = "m-kg-s"
+points = { T = { body = "beam", interface = "tip" } }
+bodies = { beam = { type = "flexible", model = "beam.h5", frame = "grounded" } }
+loads = { push = { type = "point-force", body = "beam", point = "T", force = [-1000.0, 0.0] } }
+responses = { x = { type = "displacement", body = "beam", point = "T", component = "x" } }
+solver = { end_time = 1.0 }
+"""
+SHORTER = """scene = "scene.toml"
+[variables]
+"loads.push.force.x" = { between = [LEAST, -100.0] }
+[objective]
+minimize = "x"
+[search]
+certify = false
+"""
+
+
+@pytest.mark.parametrize("margin", ["", "[constraints]\nload_margin = { above = 1.5 }\n"])
+def test_the_load_margin_of_a_column_in_one_frame_is_not_trusted(tmp_path, margin):
+    """Euler's column at 0.8 of pi^2 E I / (4 L^2) buckles at 1.25 times its load: its shortening is right, its margin of 1.5 is not."""
+    section = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.02)
+    save_beam(tmp_path / "beam.h5", np.column_stack([np.linspace(0, 1, 9), np.zeros(9)]), section, {"root": 0.0, "tip": 1.0})
+    (tmp_path / "scene.toml").write_text(COLUMN)
+    least = -0.8 * np.pi**2 / 4 * 210e9 * 0.02**4 / 12
+    (tmp_path / "study.toml").write_text(SHORTER.replace("LEAST", str(least)) + margin)
+    found = ffrf.optimize(tmp_path / "study.toml")
+    assert found.success
+    assert found.variables["loads.push.force.x"] == pytest.approx(least)
+    doubts = [each.code for each in found.verdict.warnings if each.doubt]
+    assert doubts == (["critical-load"] if margin else [])
+    assert ffrf.compile(found.scene).statics().verdict.trusted
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,9 @@ def resolved_frequency(scene: Scene, body: str) -> float:
 def raised_by_elements(frequency: float, limit: float) -> float:
     """Part e by which a frequency is too high where `limit` is `resolved_frequency`.
 
-    The error is that of the true frequency, which is 1 + e times less:   e (1 + e)^2 = LIMIT (frequency / limit)^2
+    The error is that of the true frequency, which is 1 + e times less.
+
+        e (1 + e)^2 = LIMIT (frequency / limit)^2
     """
     error = wanted = LIMIT * (frequency / limit) ** 2
     for _ in range(ITERATIONS):  # Newton's, from above

@@ -61,7 +61,8 @@ def cautions_of_few_shapes(scene: Scene, frequencies: Mapping[str, float], doubt
         yield Caution(
             "left-out-shapes",
             f"frequencies may be too high where {least.body} vibrates, {listed_parts(high, 'up to')}: its basis leaves out shapes that "
-            f"vibrate from {least.slowest:.4g} {label} on. Build it with more modes, or in more pieces: what is left out from "
+            f"vibrate from {least.slowest:.4g} {label} on. Others are so by less than {TOLD:.0%}. Build it with "
+            "more modes, or in more pieces: what is left out from "
             f"{1 / ENOUGH:.0f} times a frequency on makes it {TOLD:.0%}.",
             doubt and max(high.values()) > DOUBTFUL,
         )
