@@ -10,6 +10,7 @@ from tests.models.directions import along, derivative_along
 from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
 from toolkit.bodies.planar.rigid import Rigid
+from toolkit.curves.kinds.ramp import Ramp
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
@@ -162,3 +163,19 @@ def test_modes_that_dampers_make_flutter_are_doubted():
     assert found.verdict.codes[0] == "unstable-vibration"
     assert "0.1122 cycles per time" in found.verdict.reasons[0]
     assert "exp(0.01452 t)" in found.verdict.reasons[0]
+
+
+@pytest.mark.parametrize(("force", "kick", "told"), [(2.0, 0.0, True), (1.3, 0.0, False), (2.0, 1e-3, False)])
+def test_a_straight_motion_that_flutter_would_end_is_doubted(force, kick, told):
+    """The same for 500 s; from the end of the pulse on a disturbance grows by exp(0.01452 t), and one that is there shows it by itself."""
+    given = ziegler(force, 0.02)
+    pulse = PointForce(body="b", point="B", force=(0.0, kick), curve=Ramp(initial=1.0, final=0.0, start=1.0, end=2.0))
+    bodies = {"a": Rigid(mass=2.0, inertia=1e-6, center="A"), "b": Rigid(mass=1.0, inertia=1e-6, center="B")}
+    changes = {"bodies": bodies, "loads": {**given.loads, "pulse": pulse}, "responses": {}}
+    found = ffrf.compile(
+        given.model_copy(update={**changes, "solver": RunOptions(end_time=500.0, step=0.25, rho_inf=1.0)})
+    ).simulate()
+    doubts = [each.text for each in found.verdict.warnings if each.code == "unstable-vibration"]
+    assert len(doubts) == told
+    grown = [float(each.split("what does becomes ")[1].split(" times")[0]) for each in doubts]
+    assert grown == pytest.approx([np.exp(0.01452 * 498)] * told, rel=0.01)

@@ -83,7 +83,7 @@ def merging_vibrations(solution: Solution, lateral: bool = False) -> Iterator[Ca
         yield Caution("merging-vibrations", _faster(found, grows.s) + _remedy(solution, found))
     elif grows and not told:
         lacking = f" These equations, which lack the geometric stiffness inside of the frames of {found.body}, do not show it."
-        yield Caution(UNSTABLE, f"{grows.text}{REMEDY}{lacking} {_remedy(solution, found)}")
+        yield Caution(UNSTABLE, f"{grows.told('equilibrium')}{REMEDY}{lacking} {_remedy(solution, found)}")
     paths = [path for each in solution.system.design.variables for path in each.paths]
     of_loads = any(path.startswith("loads.") for path in paths) if paths else True if lateral else None
     yield from merging_of(solution, asked_vibrations(solution), of_loads)
