@@ -24,7 +24,6 @@ from toolkit.responses.vibrations.spinning import spinning_pencil
 from toolkit.solvers.free_motions import ROUND_OFF, UNSYMMETRIC, is_symmetric_everywhere
 from toolkit.solvers.roots import all_roots, refined
 from toolkit.solvers.static.equilibrium import LEVELS
-from toolkit.solvers.static.stability.saddle import free_count
 from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, whole_array
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -80,7 +79,9 @@ def may_grow(solution: Solution) -> bool:
     """Whether the stiffness is unsymmetric, or dampers may give energy: quick, and of sparse matrices where they are large."""
     if may_grow not in solution.known:
         keeps = _keeps_spinning if solution.spins else _is_conservative
-        solution.known[may_grow] = free_count(solution.system) > 0 and not keeps(solution)
+        system = solution.system
+        moves = system.n_b + system.n_q + len(system.plan.dropped) > system.n  # more coordinates than constraints
+        solution.known[may_grow] = moves and not keeps(solution)
     found: bool = solution.known[may_grow]
     return found
 
