@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import toolkit as ffrf
 from tests.models.directions import along, derivative_along
@@ -152,6 +153,23 @@ def test_what_flutters_is_doubted(force, damping, asked):
     found = [warning for warning in run.verdict.warnings if warning.code == "unstable-vibration"]
     assert [each.doubt for each in found] == ([] if force == 2.5 else ["zeta" not in asked])
     assert all(f"{np.exp(2 * np.pi * s.real / abs(s.imag)):.4g} times as large" in each.text for each in found)
+
+
+@pytest.mark.parametrize(("beyond", "doubted"), [(2e-5, False), (2e-3, True)])
+def test_a_flutter_that_the_damping_of_any_structure_holds_is_no_doubt(beyond, doubted):
+    """Just beyond the force at which the squares of the same column are double, (tr)^2 = 4 det; Re s / |s| is 0.5 % and 5 %."""
+    mass = np.array([[4 / 3, 1 / 2], [1 / 2, 1 / 3]])
+
+    def squares(force: float) -> np.ndarray:
+        return np.linalg.eigvals(np.linalg.solve(mass, [[2 - force, force - 1], [-1.0, 1.0]]))
+
+    critical = brentq(lambda force: np.real((squares(force)[0] - squares(force)[1]) ** 2), 2.0, 3.0)
+    given = ziegler((1 + beyond) * critical, 0.0)
+    found = ffrf.compile(given.model_copy(update={"responses": {}})).statics().verdict
+    part = max(np.sqrt(-squares((1 + beyond) * critical)), key=lambda s: s.real)
+    (caution,) = (each for each in found.warnings if each.code == "unstable-vibration")
+    assert caution.doubt == doubted == (part.real / abs(part) > 0.01)
+    assert (f"{part.real / abs(part):.1%} of the critical one would hold it" in caution.text) == (not doubted)
 
 
 def test_modes_that_dampers_make_flutter_are_doubted():

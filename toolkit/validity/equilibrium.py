@@ -54,7 +54,7 @@ def stays_in_unstable(solution: Solution) -> Iterator[Caution]:
     pencil = real_pencil(pencil_of(solution))
     grows = growth_of(solution, pencil)
     growth = np.exp(min(grows.s.real * _lasting(solution), 700.0)) if grows else 1.0
-    if grows is None or growth < SETS_OFF:
+    if grows is None or not grows.doubtful or growth < SETS_OFF:
         return
     row = grows.left @ (2 * grows.s * pencil.mass + pencil.damping)[:n_q, :n_q]
     size = np.abs(grows.right * system.weights[:n_q]).max() / abs(row @ grows.right)

@@ -32,6 +32,9 @@ UNSTABLE = "unstable-vibration"
 """Code of what is told."""
 GROWS = 1e-5
 """Growth, a part of |s|, below which a vibration counts as one that stays: it needs ten thousand cycles to become twice as large."""
+HOLDS = 0.01
+"""Growth, a part of |s|, up to which the damping of what is real holds a vibration of a scene that has none: a square shaft under any
+torque about a fixed axis flutters without damping (Nicolai), by 0.6 % where its shear stress is 60 MPa, and stands still in fact."""
 SLOWEST = 60
 """So many vibrations without dampers are looked at: what flutters is slow, and prices go with the third power of the number."""
 
@@ -42,15 +45,28 @@ class Growth(NamedTuple):
     s: complex
     right: np.ndarray
     left: np.ndarray
+    damped: bool  # whether the scene has any damping
+
+    @property
+    def part(self) -> float:
+        """In parts of the critical damping."""
+        return self.s.real / abs(self.s)
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether a real scene would do so, too."""
+        return self.damped or self.part > HOLDS
 
     def told(self, state: str) -> str:
         """What it does about a state that is called so."""
         if self.s.imag <= SAME * abs(self.s):
             return f"a small disturbance of this {state} grows like exp({self.s.real:.4g} t), so that nothing comes to rest here."
         larger = np.exp(2 * np.pi * self.s.real / self.s.imag)
+        held = "" if self.doubtful else f" The scene has no damping, and {self.part:.1%} of the critical one would hold it."
         return (
             f"a vibration with {self.s.imag / (2 * np.pi):.4g} cycles per time about this {state} grows like "
             f"exp({self.s.real:.4g} t): after each cycle it is {larger:.4g} times as large, so that nothing comes to rest here (flutter)."
+            f"{held}"
         )
 
 
@@ -64,7 +80,7 @@ def unstable_vibrations(solution: Solution, doubt: bool = True) -> Iterator[Caut
     """That small motions about an equilibrium or a steady spin grow, with its dampers; nothing of motions."""
     grows = None if solution.steps else fastest_growth(solution)
     if grows is not None:
-        yield Caution(UNSTABLE, grows.told("spin" if solution.spins else "equilibrium") + REMEDY, doubt)
+        yield Caution(UNSTABLE, grows.told("spin" if solution.spins else "equilibrium") + REMEDY, doubt and grows.doubtful)
 
 
 def fastest_growth(solution: Solution) -> Growth | None:
@@ -137,14 +153,14 @@ def growth_of(solution: Solution, pencil: Pencil) -> Growth | None:
     basis = _slow_motions(Z[system.n_b :], reduced)
     values, left, right = all_roots(*(basis.T @ each @ basis for each in reduced))
     sizes = Pencil(*(np.abs(each[: system.n_q, : system.n_q]) for each in pencil))
-    growing = []
+    growing, damped = [], bool(np.any(pencil.damping))
     for k in np.flatnonzero((values.real > GROWS / 2 * np.abs(values)) & (values.imag >= 0)):
         with np.errstate(all="ignore"):
             s, u, w = refined(*reduced, values[k], basis @ right[:, k], basis @ left[:, k])
         scale = abs(w @ (2 * s * reduced.mass + reduced.damping) @ u)
         if s.real * scale > max(GROWS * abs(s) * scale, _round_off(sizes, s, np.abs(Z @ u), np.abs(Z @ w))):
-            growing.append(Growth(complex(s.real, abs(s.imag)), Z @ u, Z @ w))
-    return max(growing, key=lambda each: each.s.real / abs(each.s), default=None)
+            growing.append(Growth(complex(s.real, abs(s.imag)), Z @ u, Z @ w, damped))
+    return max(growing, key=lambda each: each.part, default=None)
 
 
 def _round_off(sizes: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> float:
