@@ -360,3 +360,15 @@ def test_a_controlled_bead_on_a_spinning_arm_stands_where_its_spring_or_its_inte
         solver={"end_time": 1.0, "equilibrium": "spinning"},
     )
     assert ffrf.compile(scene).statics().values["radius"] == pytest.approx(radius, rel=1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(("part", "grows"), [(0.95, False), (1.05, True)])
+def test_an_equilibrium_that_a_controller_makes_flutter_is_doubted(dimension, part, grows):
+    """m s^3 + k_d s^2 + k_p s + k_i = 0 has roots to the right from k_i = k_p k_d / m on (Hurwitz)."""
+    k_p, k_d = GAINS["proportional_gain"], GAINS["derivative_gain"]
+    integral = part * k_p * k_d / MASS
+    rate = max(np.roots([MASS, k_d, k_p, integral]).real)
+    found = ffrf.compile(block(dimension, integral_gain=integral)).statics().verdict
+    assert found.trusted == (not grows) == (rate < 0)
+    assert all(f"grows like exp({rate:.4g} t)" in each for each in found.reasons)

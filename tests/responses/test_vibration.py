@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import toolkit as ffrf
 from tests.models.directions import along, derivative_along
 from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
 from toolkit.bodies.planar.rigid import Rigid
+from toolkit.curves.kinds.ramp import Ramp
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
@@ -153,6 +155,23 @@ def test_what_flutters_is_doubted(force, damping, asked):
     assert all(f"{np.exp(2 * np.pi * s.real / abs(s.imag)):.4g} times as large" in each.text for each in found)
 
 
+@pytest.mark.parametrize(("beyond", "doubted"), [(2e-5, False), (2e-3, True)])
+def test_a_flutter_that_the_damping_of_any_structure_holds_is_no_doubt(beyond, doubted):
+    """Just beyond the force at which the squares of the same column are double, (tr)^2 = 4 det; Re s / |s| is 0.5 % and 5 %."""
+    mass = np.array([[4 / 3, 1 / 2], [1 / 2, 1 / 3]])
+
+    def squares(force: float) -> np.ndarray:
+        return np.linalg.eigvals(np.linalg.solve(mass, [[2 - force, force - 1], [-1.0, 1.0]]))
+
+    critical = brentq(lambda force: np.real((squares(force)[0] - squares(force)[1]) ** 2), 2.0, 3.0)
+    given = ziegler((1 + beyond) * critical, 0.0)
+    found = ffrf.compile(given.model_copy(update={"responses": {}})).statics().verdict
+    part = max(np.sqrt(-squares((1 + beyond) * critical)), key=lambda s: s.real)
+    (caution,) = (each for each in found.warnings if each.code == "unstable-vibration")
+    assert caution.doubt == doubted == (part.real / abs(part) > 0.01)
+    assert (f"{part.real / abs(part):.1%} of the critical one would hold it" in caution.text) == (not doubted)
+
+
 def test_modes_that_dampers_make_flutter_are_doubted():
     """The same: real frequencies without dampers, and s = 0.0145 +- 0.7048 i with them for point masses of 2 and 1 kg at the ends."""
     given = ziegler(2.0, 0.02)
@@ -162,3 +181,19 @@ def test_modes_that_dampers_make_flutter_are_doubted():
     assert found.verdict.codes[0] == "unstable-vibration"
     assert "0.1122 cycles per time" in found.verdict.reasons[0]
     assert "exp(0.01452 t)" in found.verdict.reasons[0]
+
+
+@pytest.mark.parametrize(("force", "kick", "told"), [(2.0, 0.0, True), (1.3, 0.0, False), (2.0, 1e-3, False)])
+def test_a_straight_motion_that_flutter_would_end_is_doubted(force, kick, told):
+    """The same for 500 s; from the end of the pulse on a disturbance grows by exp(0.01452 t), and one that is there shows it by itself."""
+    given = ziegler(force, 0.02)
+    pulse = PointForce(body="b", point="B", force=(0.0, kick), curve=Ramp(initial=1.0, final=0.0, start=1.0, end=2.0))
+    bodies = {"a": Rigid(mass=2.0, inertia=1e-6, center="A"), "b": Rigid(mass=1.0, inertia=1e-6, center="B")}
+    changes = {"bodies": bodies, "loads": {**given.loads, "pulse": pulse}, "responses": {}}
+    found = ffrf.compile(
+        given.model_copy(update={**changes, "solver": RunOptions(end_time=500.0, step=0.25, rho_inf=1.0)})
+    ).simulate()
+    doubts = [each.text for each in found.verdict.warnings if each.code == "unstable-vibration"]
+    assert len(doubts) == told
+    grown = [float(each.split("what does becomes ")[1].split(" times")[0]) for each in doubts]
+    assert grown == pytest.approx([np.exp(0.01452 * 498)] * told, rel=0.01)

@@ -46,7 +46,8 @@ def test_a_block_on_a_radial_spring_of_a_table_that_spins(make):
 def test_a_table_that_spins_faster_than_its_spring_can_hold_has_an_unstable_state():
     """k < m Omega^2: the state beyond the axis is one that a block runs away from, with exp(sqrt(Omega^2 - k / m) t)."""
     speed, k, m = 6.0, 50.0, 2.0
-    _, modes = spin(table(speed, k, m, damping=0.0))
+    state, modes = spin(table(speed, k, m, damping=0.0))
+    assert f"grows like exp({np.sqrt(speed**2 - k / m):.4g} t)" in " ".join(state.verdict.reasons)
     assert modes.frequencies == pytest.approx([-np.sqrt(speed**2 - k / m) / (2 * np.pi)], rel=ROUND_OFF)
     (caution,) = modes.verdict.warnings
     assert (caution.code, caution.doubt) == ("unstable", True)
@@ -126,7 +127,7 @@ def test_a_shaft_with_inner_damping_whirls_stably_below_its_critical_speed_alone
     assert modes.frequencies[vibrating] == pytest.approx(np.abs(roots.imag)[order] / (2 * np.pi), rel=close)
     assert modes.damping[vibrating] == pytest.approx((-roots.real / np.abs(roots))[order], rel=10 * close)
     assert (modes.damping.min() < 0) == (part > 1) == ("unstable" in modes.verdict.codes)
-    assert ("critical-speed" in state.verdict.codes) == (part > 1)
+    assert ("critical-speed" in state.verdict.codes) == ("unstable-vibration" in state.verdict.codes) == (part > 1)
 
 
 @pytest.mark.parametrize("part", [0.4, 1.6])

@@ -18,6 +18,7 @@ from toolkit.door.run import Run
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.loads.gravity import UniformGravity
+from toolkit.responses.vibrations.flutter import UNSTABLE
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
@@ -257,7 +258,9 @@ class Model:
         state = at_rest(system) if as_given else solve(system, "static", progress, options)
         found = solve_modes(state, count)
         told = [FREE] if floating else []
-        return found._replace(verdict=Verdict.of([*told, *found.verdict.warnings, *state.verdict.warnings]))
+        growing = "unstable" in found.verdict.codes  # what grows about a spin is said once
+        of_state = [each for each in state.verdict.warnings if not (growing and each.code == UNSTABLE)]
+        return found._replace(verdict=Verdict.of([*told, *found.verdict.warnings, *of_state]))
 
     def campbell(
         self,

@@ -1,11 +1,25 @@
-"""Cautions about an equilibrium: which limit points lie before it, and whether anybody looked."""
+"""Cautions about an equilibrium: which limit points lie before it, and whether a motion that stays in it would leave it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from toolkit.foundation.verdict import Caution
+from toolkit.responses.vibrations.flutter import REMEDY, UNSTABLE, growth_of, may_grow
+from toolkit.responses.vibrations.pencil import pencil_of, real_pencil
 from toolkit.system.solution import Solution
+
+STILL, SHOWN = 0.1, 0.05
+"""How far a motion may go, in parts of the scene's size or rad, so that its end tells its stability; and which part of that it goes along
+what grows, so that it shows it."""
+STRAIGHT = 1e-9
+"""Part of the scene's size or rad below which a motion is round-off."""
+SETS_OFF = 100.0
+"""Growth over the motion from which on it is no answer to stay: whatever disturbs a real one is so many times as large at its end."""
+LASTS = 0.05
+"""Part of a load by which it may change while it lasts."""
 
 
 def limits_passed(solution: Solution) -> Iterator[Caution]:
@@ -28,3 +42,35 @@ def limits_passed(solution: Solution) -> Iterator[Caution]:
         f"this equilibrium lies BEYOND A SNAP-THROUGH. The path from the unloaded state turns back at limit points ({passed}); a real "
         f"structure jumps at the first, and may come to rest elsewhere.{others}",
     )
+
+
+def stays_in_unstable(solution: Solution) -> Iterator[Caution]:
+    """A motion that stays where it is, or moves another way, although small motions about it grow: nothing disturbs it, as in statics."""
+    system, n_b, n_q = solution.system, solution.system.n_b, solution.system.n_q
+    moves = np.real(solution.q - solution.q[0])
+    moved = float(np.max(np.abs(moves[:, :n_b]) * system.weights[:n_b], initial=0.0))
+    if moved > STILL or not may_grow(solution):
+        return
+    pencil = real_pencil(pencil_of(solution))
+    grows = growth_of(solution, pencil)
+    growth = np.exp(min(grows.s.real * _lasting(solution), 700.0)) if grows else 1.0
+    if grows is None or not grows.doubtful or growth < SETS_OFF:
+        return
+    row = grows.left @ (2 * grows.s * pencil.mass + pencil.damping)[:n_q, :n_q]
+    size = np.abs(grows.right * system.weights[:n_q]).max() / abs(row @ grows.right)
+    along = float(np.abs(moves @ row).max() * size)
+    if along < max(SHOWN * moved, STRAIGHT):
+        yield Caution(
+            UNSTABLE,
+            f"{grows.told('state')} This motion does not show it, because hardly anything disturbs it: what does becomes "
+            f"{growth:.3g} times as large until its end.{REMEDY}",
+        )
+
+
+def _lasting(solution: Solution) -> float:
+    """How long loads have been about what they are at the end."""
+    curves = solution.system.plan.loads.curve
+    values = np.real(solution.system.curves(solution.times)[0])[:, np.unique(curves[curves >= 0]), 0]
+    differs = np.any(np.abs(values - values[-1]) > LASTS * np.abs(values[-1]), axis=1)
+    first = int(np.flatnonzero(differs)[-1]) if differs.any() else 0
+    return float(solution.times[-1] - solution.times[first])

@@ -29,7 +29,7 @@ from toolkit.validity.curves.idle_curves import idle_curves
 from toolkit.validity.curves.load_curves import unseen_curves
 from toolkit.validity.description.frame_number import frames_chosen
 from toolkit.validity.description.scene_cautions import cautions_of_scene
-from toolkit.validity.equilibrium import limits_passed
+from toolkit.validity.equilibrium import limits_passed, stays_in_unstable
 from toolkit.validity.motion.bushing_turns import bushings_turned_far
 from toolkit.validity.motion.creeping_friction import creeping_friction, friction_at_rest
 from toolkit.validity.motion.left_out import left_out
@@ -87,6 +87,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from creeping_friction(solution)
         yield from turns_in_a_step(solution)
         yield from left_out(solution)
+        yield from stays_in_unstable(solution)
     else:
         yield from limits_passed(solution)
         if solution.spins:

@@ -1,4 +1,4 @@
-"""Whether small motions about an equilibrium at rest grow: statics alone do not see what flutters.
+"""Whether small motions about an equilibrium or a steady spin grow: statics alone do not see what flutters.
 
 Statics follow a path of positive stiffness, so that an equilibrium whose stiffness is symmetric and whose dampers take energy is stable.
 Forces that follow a body, moments about fixed axes and controllers make the stiffness unsymmetric, and vibrations may grow, damped ones
@@ -20,10 +20,10 @@ import scipy
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.vibrations.pencil import Pencil, pencil_of, real_pencil
 from toolkit.responses.vibrations.roots import SAME, free_pencil
+from toolkit.responses.vibrations.spinning import spinning_pencil
 from toolkit.solvers.free_motions import ROUND_OFF, UNSYMMETRIC, is_symmetric_everywhere
 from toolkit.solvers.roots import all_roots, refined
 from toolkit.solvers.static.equilibrium import LEVELS
-from toolkit.solvers.static.stability.saddle import free_count
 from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, whole_array
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -32,25 +32,41 @@ UNSTABLE = "unstable-vibration"
 """Code of what is told."""
 GROWS = 1e-5
 """Growth, a part of |s|, below which a vibration counts as one that stays: it needs ten thousand cycles to become twice as large."""
+HOLDS = 0.01
+"""Growth, a part of |s|, up to which the damping of what is real holds a vibration of a scene that has none: a square shaft under any
+torque about a fixed axis flutters without damping (Nicolai), by 0.6 % where its shear stress is 60 MPa, and stands still in fact."""
 SLOWEST = 60
 """So many vibrations without dampers are looked at: what flutters is slow, and prices go with the third power of the number."""
 
 
 class Growth(NamedTuple):
-    """A vibration, or a motion that runs away, about an equilibrium."""
+    """A vibration, or a motion that runs away, about an equilibrium, with its right and left vectors (n_q,)."""
 
     s: complex
+    right: np.ndarray
+    left: np.ndarray
+    damped: bool  # whether the scene has any damping
 
     @property
-    def text(self) -> str:
-        """What it does."""
-        runs = f"a small disturbance runs away from this equilibrium like exp({self.s.real:.4g} t)"
+    def part(self) -> float:
+        """In parts of the critical damping."""
+        return self.s.real / abs(self.s)
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether a real scene would do so, too."""
+        return self.damped or self.part > HOLDS
+
+    def told(self, state: str) -> str:
+        """What it does about a state that is called so."""
         if self.s.imag <= SAME * abs(self.s):
-            return f"{runs}, so that nothing comes to rest here."
+            return f"a small disturbance of this {state} grows like exp({self.s.real:.4g} t), so that nothing comes to rest here."
         larger = np.exp(2 * np.pi * self.s.real / self.s.imag)
+        held = "" if self.doubtful else f" The scene has no damping, and {self.part:.1%} of the critical one would hold it."
         return (
-            f"a vibration with {self.s.imag / (2 * np.pi):.4g} cycles per time about this equilibrium grows like "
+            f"a vibration with {self.s.imag / (2 * np.pi):.4g} cycles per time about this {state} grows like "
             f"exp({self.s.real:.4g} t): after each cycle it is {larger:.4g} times as large, so that nothing comes to rest here (flutter)."
+            f"{held}"
         )
 
 
@@ -61,16 +77,16 @@ REMEDY = (
 
 
 def unstable_vibrations(solution: Solution, doubt: bool = True) -> Iterator[Caution]:
-    """That small motions about an equilibrium at rest grow, with its dampers; nothing of motions and spins."""
-    grows = None if solution.steps or solution.spins else fastest_growth(solution)
+    """That small motions about an equilibrium or a steady spin grow, with its dampers; nothing of motions."""
+    grows = None if solution.steps else fastest_growth(solution)
     if grows is not None:
-        yield Caution(UNSTABLE, grows.text + REMEDY, doubt)
+        yield Caution(UNSTABLE, grows.told("spin" if solution.spins else "equilibrium") + REMEDY, doubt and grows.doubtful)
 
 
 def fastest_growth(solution: Solution) -> Growth | None:
-    """The motion about an equilibrium at rest that grows fastest for its size |s|; None if none grows, or if none can."""
+    """The motion about an equilibrium or a steady spin that grows fastest for its size |s|; None if none grows, or if none can."""
     if Growth not in solution.known:
-        solution.known[Growth] = growth_of(solution, real_pencil(pencil_of(solution))) if may_grow(solution) else None
+        solution.known[Growth] = growth_of(solution, _pencil(solution)) if may_grow(solution) else None
     found: Growth | None = solution.known[Growth]
     return found
 
@@ -78,9 +94,30 @@ def fastest_growth(solution: Solution) -> Growth | None:
 def may_grow(solution: Solution) -> bool:
     """Whether the stiffness is unsymmetric, or dampers may give energy: quick, and of sparse matrices where they are large."""
     if may_grow not in solution.known:
-        solution.known[may_grow] = free_count(solution.system) > 0 and not _is_conservative(solution)
+        keeps = _keeps_spinning if solution.spins else _is_conservative
+        system = solution.system
+        moves = system.n_b + system.n_q + len(system.plan.dropped) > system.n  # more coordinates than constraints
+        solution.known[may_grow] = moves and not keeps(solution)
     found: bool = solution.known[may_grow]
     return found
+
+
+def _pencil(solution: Solution) -> Pencil:
+    return real_pencil(spinning_pencil(solution) if solution.spins else pencil_of(solution))
+
+
+def _keeps_spinning(solution: Solution) -> bool:
+    """Whether the stiffness in the frame that spins is symmetric and positive, and dampers take energy: gyroscopic forces do no work."""
+    n_q, pencil = solution.system.n_q, _pencil(solution)
+    if not is_symmetric_everywhere(pencil.stiffness[:n_q, :n_q]):
+        return False
+    reduced = free_pencil(solution.system.weights[:n_q], pencil)[1]
+    try:
+        np.linalg.cholesky((reduced.stiffness + reduced.stiffness.T) / 2)
+    except np.linalg.LinAlgError:
+        return False
+    damping = (reduced.damping + reduced.damping.T) / 2
+    return bool(np.linalg.eigvalsh(damping).min(initial=0.0) >= -UNSYMMETRIC * np.abs(reduced.damping).max(initial=0.0))
 
 
 def _is_conservative(solution: Solution) -> bool:
@@ -116,15 +153,14 @@ def growth_of(solution: Solution, pencil: Pencil) -> Growth | None:
     basis = _slow_motions(Z[system.n_b :], reduced)
     values, left, right = all_roots(*(basis.T @ each @ basis for each in reduced))
     sizes = Pencil(*(np.abs(each[: system.n_q, : system.n_q]) for each in pencil))
-    growing = []
+    growing, damped = [], bool(np.any(pencil.damping))
     for k in np.flatnonzero((values.real > GROWS / 2 * np.abs(values)) & (values.imag >= 0)):
         with np.errstate(all="ignore"):
             s, u, w = refined(*reduced, values[k], basis @ right[:, k], basis @ left[:, k])
         scale = abs(w @ (2 * s * reduced.mass + reduced.damping) @ u)
         if s.real * scale > max(GROWS * abs(s) * scale, _round_off(sizes, s, np.abs(Z @ u), np.abs(Z @ w))):
-            growing.append(complex(s.real, abs(s.imag)))
-    worst = max(growing, key=lambda s: s.real / abs(s), default=None)
-    return None if worst is None else Growth(worst)
+            growing.append(Growth(complex(s.real, abs(s.imag)), Z @ u, Z @ w, damped))
+    return max(growing, key=lambda each: each.part, default=None)
 
 
 def _round_off(sizes: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> float:

@@ -29,8 +29,10 @@ def growing_vibrations(solution: Solution, values: Mapping[str, Any]) -> Iterato
     told = any(value < 0 for name, value in values.items() if isinstance(responses[name], DampingRatio))
     of_state = list(unstable_vibrations(solution, doubt=not told))
     yield from of_state
+    if of_state:
+        return
     if not (solution.steps or solution.spins):
-        wanted = {} if of_state else {kind: each for kind, each in wanted.items() if issubclass(kind, Frequency)}
+        wanted = {kind: each for kind, each in wanted.items() if issubclass(kind, Frequency)}
     if not wanted:
         return
     pencil, weights = any_pencil_of(solution), solution.system.weights[: solution.system.n_q]

@@ -79,11 +79,11 @@ def merging_vibrations(solution: Solution, lateral: bool = False) -> Iterator[Ca
     if found is None:
         return
     told, grows = fastest_growth(solution), growth_of(solution, found.pencil)
-    if told and grows and abs(told.s.real / grows.s.real - 1) > LIMIT:
+    if told and grows and told.doubtful and abs(told.s.real / grows.s.real - 1) > LIMIT:
         yield Caution("merging-vibrations", _faster(found, grows.s) + _remedy(solution, found))
-    elif grows and not told:
+    elif grows and grows.doubtful and not (told and told.doubtful):
         lacking = f" These equations, which lack the geometric stiffness inside of the frames of {found.body}, do not show it."
-        yield Caution(UNSTABLE, f"{grows.text}{REMEDY}{lacking} {_remedy(solution, found)}")
+        yield Caution(UNSTABLE, f"{grows.told('equilibrium')}{REMEDY}{lacking} {_remedy(solution, found)}")
     paths = [path for each in solution.system.design.variables for path in each.paths]
     of_loads = any(path.startswith("loads.") for path in paths) if paths else True if lateral else None
     yield from merging_of(solution, asked_vibrations(solution), of_loads)
