@@ -4,8 +4,8 @@ A force that grows by dg at once leaves in the mode i, of the angular frequency 
 
     -dg (a_i / w^2) exp(i w t - zeta w t),    a_i the modal acceleration by the whole force,
 
-and one that grows slowly the sum of these, with their phases. Of each the scheme keeps the part rho^n after n steps, rho being the
-spectral radius of its amplification matrix at w h.
+and one that grows slowly the sum of these, with their phases. Of each the scheme keeps the part (z exp(-i w h))^n after n
+steps, z being the largest eigenvalue of its amplification matrix at w h.
 """
 
 from __future__ import annotations

@@ -10,8 +10,9 @@ from toolkit.sensitivity.errors.numerical_damping import part_kept
 from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.system.solution import Solution
 
-GONE = 0.5
-"""Part of an amplitude that is left at the end, from which on runs with other steps tell the difference."""
+GONE, LIVES = 0.6, np.exp(-1)
+"""Part of an amplitude that steps leave, from which on runs with other steps tell the difference: at the end, or where damping has left so
+much of it."""
 SHAKES = 1e-3
 """Part of its variation from which on a curve excites what counts."""
 LOOKED_FOR = np.geomspace(0.3, 30.0, 12)
@@ -29,13 +30,14 @@ def lost_parts(solution: Solution, history: History | None, begin: float, rates:
     """What is lost at all times, (n_t, m), complex, of modes with angular frequencies and damping ratios (m,).
 
     Every growth dg of the curve within a step leaves a vibration that is a part dg of what a sudden one would, with its phase, which is
-    zero at the time `begin`; without a curve the force is there at once. Of modes of which more is left at the end, nothing counts.
+    zero at the time `begin`; without a curve the force is there at once. Of modes that last, nothing counts.
     """
     options, times = solution.options or solution.system.scene.solver, solution.times
     lengths = np.diff(times)
     keeps = part_kept(generalized_alpha(options.scheme, options.rho_inf), rates, lengths)
     fades = np.exp(-np.outer(lengths, rates * np.minimum(damping, 1.0)))
-    counting = keeps.prod(axis=0) < GONE
+    lives = np.cumprod(np.vstack([np.ones(len(rates)), fades[:-1]]), axis=0) > LIVES
+    counting = np.where(lives, np.abs(keeps), 1.0).prod(axis=0) < GONE
     if history is None:
         there, kept = (np.vstack([np.ones(len(rates)), np.cumprod(each, axis=0)]) for each in (fades, fades * keeps))
         return (there - kept).astype(complex) * counting

@@ -86,7 +86,7 @@ class LostVibrations(NamedTuple):
 
     def told(self, unit: str) -> str:
         """Them in words, with frequencies in a unit."""
-        frequencies = [f"{each.rate / (2 * np.pi):.4g}" for each in self.vibrations]
+        frequencies = list(dict.fromkeys(f"{each.rate / (2 * np.pi):.4g}" for each in self.vibrations))
         if len(frequencies) == 1:
             return f"a vibration of {frequencies[0]} {unit}"
         return f"vibrations of {frequencies[0]} to {frequencies[-1]} {unit}"

@@ -8,9 +8,9 @@ from toolkit.solvers.transient.scheme import Scheme
 
 
 def part_kept(scheme: Scheme, rates: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-    """Part of the amplitude of modes (m,) that each step of some lengths (n,) keeps, (n, m)."""
+    """Part of the complex amplitude of modes (m,) that each step of some lengths (n,) keeps, (n, m), its phase behind the true one."""
     different, which = np.unique(lengths.round(15), return_inverse=True)
-    return np.array([[spectral_radius(scheme, w * h) for w in rates] for h in different])[which]
+    return np.array([[root(scheme, w * h) * np.exp(-1j * w * h) for w in rates] for h in different])[which]
 
 
 def amplification(scheme: Scheme, phase: float) -> np.ndarray:
@@ -36,13 +36,15 @@ def amplification(scheme: Scheme, phase: float) -> np.ndarray:
     return found
 
 
-def spectral_radius(scheme: Scheme, phase: float) -> float:
-    """Part of an amplitude that a step keeps."""
-    return float(min(np.abs(np.linalg.eigvals(amplification(scheme, phase))).max(), 1.0))
+def root(scheme: Scheme, phase: float) -> complex:
+    """The eigenvalue of the amplification matrix that stays longest, with the phase of a step; no larger than one."""
+    values = np.linalg.eigvals(amplification(scheme, phase))
+    forward = values[values.imag >= 0]
+    found = complex(forward[np.argmax(np.abs(forward))])
+    return found / max(abs(found), 1.0)
 
 
 def error_after(scheme: Scheme, rate: float, step: float, time: float) -> float:
     """Error of a vibration of some angular frequency, by its phase and by what is damped away, after some time; 1 if all is wrong."""
-    values = np.linalg.eigvals(amplification(scheme, rate * step))
-    slowest = values[np.argmin(np.abs(values - np.exp(1j * rate * step)))]
-    return float(min(abs((slowest * np.exp(-1j * rate * step)) ** (time / step) - 1), 1.0))
+    kept = root(scheme, rate * step) * np.exp(-1j * rate * step)
+    return float(min(abs(kept ** (time / step) - 1), 1.0))
