@@ -10,6 +10,7 @@ from toolkit.compilation.quantities import pressures_of
 from toolkit.cost_summary.asked import asking
 from toolkit.cost_summary.line import Line
 from toolkit.reduced_model.file import stored_bytes
+from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS
 from toolkit.reduced_model.questions.mesh_questions import mesh_record
 from toolkit.responses.shape_error import ShapeResponse
 from toolkit.responses.stress.stress import model_parameter
@@ -31,6 +32,7 @@ UNREAD = {
     "surface_loads": "no load presses on a surface of the body",
     "piece_loads": "no load presses on a surface of a body with several frames",
     "mesh": "for pictures, and after a run for the small-deformation meter",
+    **dict.fromkeys(RICHER_PARTS, "no frozen body is off its design, no variable turns its shapes"),
 }
 
 
@@ -77,6 +79,8 @@ def _reason(system: System, path: str, group: str) -> str:
             if any(model_parameter(scene, name, path) in nominal for name in bodies for path in each.paths)
         ]
         return f"for {', '.join(asked)}" if asked else "a parameter is off its nominal value"
+    if group in RICHER_PARTS:
+        return "to judge what frozen shapes lack"
     if group == "shape":
         return f"for {', '.join(name for body in bodies for name in asking(scene, ShapeResponse, body))}"
     if group in ("surface_loads", "piece_loads"):

@@ -62,12 +62,12 @@ def richer_model(model: ReducedModel) -> ReducedModel:
     return found
 
 
-def turning(model: ReducedModel) -> frozenset[str]:
-    """Parameters that turn the shapes which the body needs; of a model in more shapes, as few shapes show less of it."""
-    if ("turning",) not in model.told:
-        model.told["turning",] = frozenset(name for name in model.parameters if _turns(model, name))
-    found: frozenset[str] = model.told["turning",]
-    return found
+def turns(model: ReducedModel, parameter: str) -> bool:
+    """Whether a parameter turns the shapes which the body needs; to be asked of a model in more shapes, as few show less of it."""
+    key = ("turned by", parameter)
+    if key not in model.told:
+        model.told[key] = _turns(model, parameter)
+    return bool(model.told[key])
 
 
 def _turns(model: ReducedModel, parameter: str) -> bool:

@@ -20,6 +20,7 @@ from toolkit.scene.scene import Scene
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.reduced.frozen_bases import FrozenBody, frozen_bodies
 
+CODE = "frozen-basis"
 TOLD = 0.02
 """Part of a number that a frozen basis may be off by without a word; from `LIMIT` on it is a doubt."""
 UNIMPORTANT = 0.02
@@ -117,29 +118,29 @@ def cautions_of_frozen(found: BasisErrors | None) -> Iterator[Caution]:
         return
     for body in found.bodies:
         if not body.known:
-            yield Caution(
-                "frozen-basis",
-                f"{_state(body)}: by how much numbers are off is not known, as {body.model} does not hold the body in more shapes. Build "
-                f"it again with ffrf-preprocess, {_remedy(body)}.",
+            yield _not_known(
+                [body],
+                f"{body.model} does not hold the body in more shapes. Build it again with ffrf-preprocess, {_remedy(body)}.",
             )
     known = [body for body in found.bodies if body.known]
     if found.failure:
-        yield Caution(
-            "frozen-basis",
-            f"{'; '.join(map(_state, known))}: by how much numbers are off is not known, as the same analysis with more shapes fails. "
-            f"{found.failure}",
-        )
+        yield _not_known(known, f"the same analysis with more shapes fails. {found.failure}")
     off = {name: each for name, each in found.numbers.items() if abs(each.part) > TOLD}
     if off:
         worst = sorted(off, key=lambda name: -abs(off[name].part))
         more = f" and {len(worst) - NAMED} more" if len(worst) > NAMED else ""
         yield Caution(
-            "frozen-basis",
+            CODE,
             f"{'; '.join(map(_state, known))}: {', '.join(_words(name, off[name]) for name in worst[:NAMED])}{more}. So says the same "
             f"analysis with {', '.join(f'{b.shapes[1]} shapes of {b.name} instead of {b.shapes[0]}' for b in known)}, the price of this "
             f"check. Build {', '.join(b.model for b in known)} {_remedy(known[0])}.",
             doubt=abs(off[worst[0]].part) > LIMIT,
         )
+
+
+def _not_known(bodies: Sequence[FrozenBody], why: str) -> Caution:
+    """A doubt without a number."""
+    return Caution(CODE, f"{'; '.join(map(_state, bodies))}: by how much numbers are off is not known, as {why}")
 
 
 def _words(name: str, each: Compared) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.reduced_model.model import ReducedModel, place_parameter
-from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, RicherModel, is_frozen, richer_model, turning
+from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, RicherModel, is_frozen, richer_model, turns
 from toolkit.responses.stress.stress import model_parameter
 from toolkit.scene.scene import Scene
 
@@ -99,5 +99,5 @@ def _asked(scene: Scene, name: str, variables: Collection[str]) -> Iterator[tupl
 def _turns(model: ReducedModel, parameter: str) -> bool:
     """Whether a parameter, or the place of an interface point, turns the shapes; few shapes alone may not show it."""
     if parameter in model.nominal:
-        return parameter in turning(model if model.richer_invariants is None else richer_model(model))
+        return turns(model if model.richer_invariants is None else richer_model(model), parameter)
     return not model.basis.startswith(MODES_ALONE)
