@@ -28,7 +28,7 @@ from toolkit.sensitivity.errors.step_cautions import VALUES
 from toolkit.sensitivity.errors.step_error import LENIENT, Gradients, StepError, Values, first_order, shorter_steps
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates
-from toolkit.system.softened import softened
+from toolkit.system.renewal import softened
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.deformation import LIMIT
