@@ -57,6 +57,8 @@ from toolkit.sensitivity.result import Result, result
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.energy_balance import energy_balance
 
+PROMISED = 0.1
+"""Error of a gradient that verdicts allow: beyond it a doubt is no false alarm, whatever it names."""
 WRONG, OFF = 0.05, 0.2
 """Error of a value above which it is wrong, and of a gradient above which it is off."""
 MODEL = frozenset(
@@ -132,8 +134,8 @@ class Judged:
 
     @property
     def alarmed(self) -> bool:
-        """Whether a doubt was said about right values with gradients that are not off, or about gradients that are right too."""
-        return bool(self.judged) and self.gradient_error <= (OFF if self.doubted else WRONG)
+        """Whether a doubt was said about right values with gradients as right as is promised, or about gradients that are right too."""
+        return bool(self.judged) and self.gradient_error <= (PROMISED if self.doubted else WRONG)
 
     @property
     def told(self) -> Iterator[tuple[str, float, float]]:

@@ -109,6 +109,18 @@ def test_eigenmodes_are_exact_alone_and_not_known_where_joints_pull(tmp_path):
     assert "not known: its basis leaves out shapes that move where joints or springs hold it, at tip" in caution.text
 
 
+def test_free_modes_of_a_free_body_are_exact_and_not_doubted(tmp_path):
+    """Against all coordinates, of one frame; a joint at a point that shapes move ends that."""
+    found, few = [], BasisChoice("eigenmodes", boundary="free", count=6)
+    for basis in (few, BasisChoice("full")):
+        run = solve_modes(undeformed(compile_scene(scene(tmp_path, basis, ""))), 9)
+        found.append(run.frequencies)
+        assert not said(run.verdict)
+    assert found[0][3:] == pytest.approx(found[1][3:], rel=1e-7)
+    held = solve_modes(undeformed(compile_scene(scene(tmp_path, few, "", PIN.replace("POINT", "tip")))), 9)
+    assert said(held.verdict)
+
+
 def test_a_file_that_does_not_know_what_it_leaves_out_says_so(tmp_path):
     """One that an earlier version has written."""
     scene(tmp_path, FEW[1], ', frame = "grounded"')

@@ -26,7 +26,7 @@ from toolkit.sensitivity.errors.lost_vibrations import lost_vibrations
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
-from toolkit.sensitivity.errors.weighed_doubts import Answers, unless_it_converges, unless_unfelt
+from toolkit.sensitivity.errors.weighed_doubts import Answers, turned_displacements, unless_it_converges, unless_unfelt
 from toolkit.sensitivity.frames.gradient_errors import NONE, FrameErrors, Reframed, doubtful_gradients, frame_errors
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
@@ -200,6 +200,7 @@ class Result:
             *dead_points_passed(self.solution, variables),
             *folded_rotations(self.solution),
             *missed_peaks(self.solution),
+            *turned_displacements(self.solution, self.values, self._answers.scales),
             *self._undefined(),
             *self._of_vibrations(),
         )

@@ -22,11 +22,15 @@ from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
+from toolkit.responses.motion import Displacement
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_cautions import VALUES
 from toolkit.sensitivity.errors.step_error import LENIENT, Gradients, StepError, Values, first_order, shorter_steps
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
-from toolkit.system.softened import softened
+from toolkit.system.flexible_bodies import deforming, elastic_coordinates
+from toolkit.system.renewal import softened
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 from toolkit.validity.motion.created_energy import energy_defects
@@ -39,6 +43,9 @@ AT_MOST = 0.5
 """Part by which deflections are off, above which nobody knows what becomes of them."""
 UNCERTAIN = 2.0
 """The estimated errors of deflections may be too small by this factor."""
+
+STILL = 1e-5
+"""Part of the scene's size that is no displacement worth a word."""
 
 
 class Answers(NamedTuple):
@@ -133,3 +140,37 @@ def _same_steps(solution: Solution) -> RunOptions:
     if options.local_error is None:
         return options
     return options.model_copy(update={"times": tuple(map(float, solution.whole_run)), "local_error": None})
+
+
+def turned_displacements(solution: Solution, values: Mapping[str, float], scales: Mapping[str, float]) -> Iterator[Caution]:
+    """Displacements of bodies that the ground alone holds, which elements that turn would change by more than `LIMIT` of their scale."""
+    scene = solution.system.scene
+    for name in values:
+        response = scene.responses.get(name)
+        if isinstance(response, Displacement) and _is_held_by_its_frame(scene, response.body):
+            off = _missed(solution, response)
+            if scales[name] > 0 and off > max(LIMIT * scales[name], STILL * scene.size):
+                yield Caution(
+                    "large-deformation",
+                    f"{name} is off by about {off / scales[name]:.1%} of the largest that it is: {response.body} bends aside by more, and "
+                    "elements that turn come back along it, which linear bodies do not know. frames = 2 or more in its table make this "
+                    "smaller.",
+                )
+
+
+def _is_held_by_its_frame(scene: Scene, body: str) -> bool:
+    """Whether a body stands on the ground and joints tie it to nothing, which could hold it back."""
+    found: Any = deforming(scene).get(body)
+    return found is not None and found.frame == "grounded" and not any(body in each.bodies for each in scene.joints.values())
+
+
+def _missed(solution: Solution, response: Displacement) -> float:
+    """The change of the response by the displacement of second order of its body; zero where its elements are not known."""
+    behind = chain(solution.system.scene, response.body)
+    if behind is None or not behind.is_full:
+        return 0.0
+    step, where = response.step(solution), elastic_coordinates(solution, response.body)
+    lacks = behind.second_order(behind.displacements(np.real(solution.q[step : step + 1, where])))
+    by_q = response.at(solution, step).q
+    change = np.linalg.lstsq(behind.shapes, lacks[0])[0]
+    return 0.0 if by_q is None else float(abs(np.real(by_q[where]) @ change))

@@ -22,6 +22,7 @@ from toolkit.bodies.body import CENTRE
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.loads.load import Load
+from toolkit.reduced_model.model import MEAN_AXES
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.validity.bodies.deformation import whole_bodies
@@ -97,8 +98,18 @@ def left_out(scene: Scene) -> Iterator[FewShapes]:
             yield FewShapes(
                 name, np.nan, f"its basis leaves out shapes that move where joints or springs hold it, at {at}. {better}"
             )
-        elif "interface" in model.left_out or flexible_body(scene, name).frame_size:  # else modes that no inertia couples
+        elif "interface" in model.left_out or _coupled(scene, name):
             yield FewShapes(name, min(model.left_out.values()) * _speeded(scene, name))
+
+
+def _coupled(scene: Scene, body: str) -> bool:
+    """Whether inertia couples shapes that are left out with the frame's motion or kept ones: not where the frame stands still, nor of free
+    modes about mean axes, which float by themselves, at the numbers that they were found with."""
+    written = flexible_body(scene, body)
+    design = written.design_point(scene)
+    nominal = design.model.invariants
+    same = all(np.array_equal(np.real(design.value(name)), each) for name, each in vars(nominal).items())
+    return bool(written.frame_size) and not (design.model.reference_condition == MEAN_AXES and same)
 
 
 def _pulled(scene: Scene, body: str, held: bool) -> list[str]:
