@@ -15,6 +15,7 @@ from toolkit.responses.folded_rotations import folded_equilibria, folded_rotatio
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.responses.over_time.loose_maxima import loose_maxima
 from toolkit.responses.over_time.missed_peaks import missed_peaks
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.vibrations.growing import growing_vibrations
@@ -133,9 +134,9 @@ class Result:
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             folded = folded_equilibria(self.solution) if self.values and not self.solution.steps else ()
-            return Verdict.of(
-                without_false_zeros([*found.warnings, *self._of_vibrations(), *folded, *self._undefined()]), found.measures
-            )
+            loose = loose_maxima(self.solution) if self.values else ()
+            every = [*found.warnings, *self._of_vibrations(), *folded, *loose, *self._undefined()]
+            return Verdict.of(without_false_zeros(every), found.measures)
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
@@ -155,6 +156,7 @@ class Result:
             *dead_points_passed(self.solution, variables),
             *folded_rotations(self.solution),
             *missed_peaks(self.solution),
+            *loose_maxima(self.solution),
             *self._undefined(),
             *self._of_vibrations(),
         )
