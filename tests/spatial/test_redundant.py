@@ -113,9 +113,9 @@ def test_two_hinges_share_the_load_as_least_squares_says(opened):
 
 
 def wrenches(solution: Solution, multipliers: np.ndarray | None = None) -> np.ndarray:
-    """Forces, times the scene's size, and torques of both hinges at the end."""
+    """Forces, times the distance of the hinges, and torques of both hinges at the end."""
     system, lam = solution.system, solution.multipliers[-1] if multipliers is None else multipliers
-    scale = np.repeat([system.scene.size, 1.0], 3)
+    scale = np.repeat([HEIGHT, 1.0], 3)
     return np.concatenate([scale * spatial_joint_force(system, j, solution.q[-1], lam)[0] for j in range(2)])
 
 
@@ -128,10 +128,23 @@ def test_no_other_forces_that_balance_the_door_have_a_smaller_sum_of_squares(ope
     free = null_space(phi_q.T, rcond=1e-9)
     G = np.column_stack([wrenches(opened, column) for column in free.T])
     least = wrenches(opened) - G @ np.linalg.lstsq(G, wrenches(opened), rcond=None)[0]
-    scale = np.repeat([scene.size, 1.0], 3)
+    scale = np.repeat([HEIGHT, 1.0], 3)
     ours = [JointForce(joint=j, component=c) for j in scene.joints for c in SPACE.wrench]
     found = np.array([force.partials(opened).value for force in ours]) * np.tile(scale, 2)
     np.testing.assert_allclose(found, least, atol=1e-7 * np.abs(least).max())  # the constraints hold to 1e-8
+
+
+@pytest.mark.parametrize("more", ["a rod far away", "a point far away"])
+def test_joint_forces_do_not_depend_on_what_touches_nothing(opened, more):
+    scene = door("least-squares")
+    update = {"points": {**scene.points, **at(P=(20, 0, 0), Q=(21, 0, 0))}}
+    if more == "a rod far away":
+        update["bodies"] = {**scene.bodies, "rod": SpatialRod(between=("P", "Q"), area=1e-3, density=1e4)}
+    solution = simulate(compile_scene(scene.model_copy(update=update)))
+    for joint in ("lower", "upper"):
+        for c in SPACE.wrench:
+            force = JointForce(joint=joint, component=c)
+            assert force.partials(solution).value == pytest.approx(force.partials(opened).value, abs=1e-6)  # of 150 N
 
 
 @pytest.mark.parametrize("change", ["tilted", "swapped"])

@@ -15,6 +15,7 @@ from toolkit.responses.folded_rotations import folded_equilibria, folded_rotatio
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.responses.over_time.loose_maxima import loose_maxima
 from toolkit.responses.over_time.missed_peaks import missed_peaks
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.vibrations.flutter import unstable_vibrations
@@ -178,9 +179,11 @@ class Result:
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             folded = folded_equilibria(self.solution) if self.values and not self.solution.steps else ()
+            loose = loose_maxima(self.solution) if self.values else ()
             of_state = set(unstable_vibrations(self.solution))  # said again by what was asked for
             others = [each for each in found.warnings if each not in of_state]
-            return Verdict.of(without_false_zeros([*others, *self._of_vibrations(), *folded, *self._undefined()]), found.measures)
+            every = [*others, *self._of_vibrations(), *folded, *loose, *self._undefined()]
+            return Verdict.of(without_false_zeros(every), found.measures)
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
@@ -201,6 +204,7 @@ class Result:
             *folded_rotations(self.solution),
             *missed_peaks(self.solution),
             *turned_displacements(self.solution, self.values, self._answers.scales),
+            *loose_maxima(self.solution),
             *self._undefined(),
             *self._of_vibrations(),
         )

@@ -12,6 +12,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.beam_assumptions import bent_between_nodes
 from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
+from toolkit.validity.bodies.chains.lines_on_bodies import lines_on_bodies
 from toolkit.validity.bodies.chosen.outgrown_choices import outgrown_choices
 from toolkit.validity.bodies.compressed.merging_vibrations import merging_vibrations
 from toolkit.validity.bodies.compressed.parametric_resonance import parametric_resonance
@@ -97,6 +98,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
             yield from friction_at_rest(solution)
     yield from bushings_turned_far(solution)
     yield from opened_profiles(solution)
+    yield from lines_on_bodies(solution)
     yield from cautions_of_start(solution)
     yield from cautions_of_scene(scene)
     yield from left_over(solution)

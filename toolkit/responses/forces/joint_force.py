@@ -12,7 +12,7 @@ from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import InputError
 from toolkit.joints.kernels.planar.joint_kernel import change_number, evaluate_planar_joint
 from toolkit.joints.kernels.records import CURVED, DESIGN
-from toolkit.responses.forces.least_squares_forces import least_squares_forces
+from toolkit.responses.forces.least_squares_forces import least_squares_forces, lengths_of_joints
 from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
@@ -90,12 +90,16 @@ class JointForce(Instant):
 
 
 def _wrenches(system: System, q: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Forces, times the scene's size, and torques of all joints, with their derivatives."""
+    """Forces, times the size of what its joints connect, and torques of all joints, with their derivatives."""
     of_joint, d = _WRENCH[system.scene.space], system.scene.dimension
     found = [of_joint(system, j, q, lam) for j in range(len(system.scene.joints))]
-    scale = np.concatenate([np.where(np.arange(len(each[0])) < d, system.scene.size, 1.0) for each in found])
-    value, *partials = (np.concatenate([each[k] for each in found]) for k in range(4))
-    return scale * value, *(scale[:, None] * each for each in partials)
+    lengths, lengths_x = system.placed.once(("lengths of joints", *system.design.names), partial(lengths_of_joints, system))
+    force = np.concatenate([np.arange(len(each[0])) < d for each in found])
+    joint = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
+    scale, scale_x = np.where(force, lengths[joint], 1.0), np.where(force[:, None], lengths_x[joint], 0.0)
+    value, by_q, by_lam, by_x = (np.concatenate([each[k] for each in found]) for k in range(4))
+    column = scale[:, None]
+    return scale * value, column * by_q, column * by_lam, column * by_x + scale_x * value[:, None]
 
 
 def _planar_force(

@@ -1,7 +1,7 @@
 """Multipliers of redundant constraints: of all that give the same forces on the bodies those of least squares.
 
 The run has multipliers lam that are zero for rows that repeat others (see `redundant_joints`), whose null vectors are N, J^T N = 0. With
-w = G lam the forces and torques of all joints, forces times the scene's size, that of the least sum w . w is
+w = G lam the forces and torques of all joints, forces times a length, that of the least sum w . w is
 
     mu = lam - N (N^T G^T G N)^-1 N^T G^T G lam
 
@@ -17,8 +17,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from toolkit.compilation.redundant_rows import null_vectors
+from toolkit.system.marker_states import marker_states
 from toolkit.system.redundant_joints import joint_terms
 from toolkit.system.system import System
 
@@ -33,6 +35,48 @@ class Forces(NamedTuple):
     by_q: np.ndarray  # (n_lam, n_q)
     by_lam: np.ndarray  # (n_lam, n_lam)
     by_x: np.ndarray  # (n_lam, n_x)
+
+
+def lengths_of_joints(system: System) -> tuple[np.ndarray, np.ndarray]:
+    """Length (n_j,) that compares the forces of every joint with its torques, and its design derivatives (n_j, n_x).
+
+    It is twice the root of the mean square distance of the undeformed places of joints from their mean, of all joints that bodies connect
+    with this one other than through the ground: the distance of two hinges. So forces do not depend on what else is in the scene.
+    """
+    (places, places_x), groups = _places(system), _connected(system)
+    lengths, lengths_x = np.ones(len(groups), places.dtype), np.zeros((len(groups), system.n_x))
+    for group in np.unique(groups):
+        own = groups == group
+        away, away_x = (each[own].reshape(2 * np.count_nonzero(own), *each.shape[2:]) for each in (places, places_x))
+        away, away_x = away - away.mean(axis=0), away_x - away_x.mean(axis=0)
+        square = 4 * np.sum(away * away) / len(away)
+        if np.real(square) > 0:
+            lengths[own] = np.sqrt(square)
+            lengths_x[own] = 4 * np.real(np.einsum("md,mdx->x", away, away_x) / (len(away) * np.sqrt(square)))
+    return lengths, lengths_x
+
+
+def _places(system: System) -> tuple[np.ndarray, np.ndarray]:
+    """Undeformed places of both ends of every joint (n_j, 2, d), and their design derivatives (n_j, 2, d, n_x)."""
+    (q, dq), markers, d = system.undeformed(), system.plan.markers, system.scene.dimension
+    state, count = marker_states(system, q[: system.n_q]), len(markers.start) - 1
+    places, changes = state.y[:, :d].copy(), np.zeros((count, d, system.n_x))
+    for m in range(count):
+        columns = slice(*markers.start[m : m + 2])
+        changes[m] = np.real(state.B[columns, :d]).T @ dq[markers.coordinate[columns]]
+        for k in range(*markers.design_start[m : m + 2]):
+            changes[m, :, markers.design_variable[k]] += np.real(state.y_x[k, :d])
+    return places[system.plan.joints.marker], changes[system.plan.joints.marker]
+
+
+def _connected(system: System) -> np.ndarray:
+    """Number of the set of joints that each one belongs to, (n_j,): those that bodies connect, other than the ground."""
+    bodies = [[name for name in joint.bodies if name != "ground"] for joint in system.scene.joints.values()]
+    names = {name: k for k, name in enumerate(sorted({name for pair in bodies for name in pair}))}
+    ties = np.array([[names[pair[0]], names[pair[-1]]] for pair in bodies], int).reshape(-1, 2)
+    graph = scipy.sparse.coo_array((np.ones(len(ties)), ties.T), (len(names), len(names)))
+    found: np.ndarray = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][ties[:, 0]]
+    return found
 
 
 def least_squares_forces(system: System, q: np.ndarray, lam: np.ndarray, wrenches: Wrenches) -> Forces:
