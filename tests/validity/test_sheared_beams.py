@@ -34,7 +34,7 @@ FREQUENCIES = [81.16, 486.4, 1279.4]
 STRIP = """units = "m-kg-s"
 clamp = ["A"]
 nodes = { A = [0.0, 0.0, 0.0], B = [1.0, 0.0, 0.0] }
-beams = [{ from = "A", to = "B", section = "s", elements = 3 }]
+beams = [{ from = "A", to = "B", section = "s", elements = 1 }]
 sections.s = { kind = "rectangle", thickness = 0.02, width = 0.4, material = "m" }
 materials.m = { youngs_modulus = 2e11, density = 7800.0, poisson_ratio = 0.3 }
 interface_points.tip = { node = "B" }
