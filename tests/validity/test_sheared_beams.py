@@ -44,7 +44,7 @@ interface_points.tip = { node = "B" }
 def cantilever(folder, thickness, elements=4, responses="", direction="[0.0, 1.0]"):
     section = Section(youngs_modulus=E, density=RHO, thickness=thickness, width=WIDTH)
     nodes = np.column_stack([np.linspace(0, 1, elements + 1), np.zeros(elements + 1)])
-    save_beam(folder / "beam.h5", nodes, section, {"root": 0.0, "tip": 1.0})
+    save_beam(folder / "beam.h5", nodes, section, {"root": 0.0, "tip": 1.0}, rotary_inertia=True)
     (folder / "scene.toml").write_text(SCENE.replace("DIRECTION", direction) + responses)
     return ffrf.read_scene(folder / "scene.toml")
 
