@@ -27,7 +27,7 @@ BENT = """units = "m-kg-s"
 dimension = {dimension}
 clamp = ["A"]
 nodes = {{ A = {A}, B = {B} }}
-beams = [{{ from = "A", to = "B", section = "s", elements = 3 }}]
+beams = [{{ from = "A", to = "B", section = "s", elements = 1 }}]
 sections.s = {{ kind = "rectangle", thickness = 0.2, width = 0.05, material = "m" }}
 materials.m = {{ youngs_modulus = 2e11, density = 7800.0{ratio} }}
 interface_points.B = {{ node = "B" }}
@@ -76,7 +76,7 @@ def test_a_beam_of_the_plane_has_the_inertia_of_the_same_beam_in_space(tmp_path)
     path = tmp_path / "space" / "frame.toml"
     path.write_text(BENT.format(dimension=3, A=[0.1, 0.3, 0], B=[0.7, 1.1, 0], ratio=", poisson_ratio = 0.3"))
     space = build(path)
-    kept = [0, *(1 + 6 * node + k for node in range(3) for k in (0, 1, 5))]
+    kept = [0, *(1 + 6 * node + k for node in range(1) for k in (0, 1, 5))]
     xx, yy, *_, xy = space.invariants.second_moment[:, kept][:, :, kept]
     scale = np.abs(flat.invariants.inertia).max()
     np.testing.assert_allclose(flat.invariants.inertia, xx + yy, atol=1e-14 * scale)
@@ -90,7 +90,7 @@ def test_derivatives_of_rotary_inertia_are_those_of_complex_steps(name, tmp_path
     model, space = planar(tmp_path), frame_space(FrameRecipe.read(tmp_path / "frame.toml").file)
     stepped = {**space.values, name: space.values[name] + 1e-30j}
     at = space.discretise(stepped)
-    z = np.column_stack([undeformed(at.nodes), np.eye(12)[:, 3:]])
+    z = np.column_stack([undeformed(at.nodes), np.eye(6)[:, 3:]])
     exact, found = contract(at.parts.at(stepped), z), DesignPoint(model, {name: stepped[name]})
     for item in ("inertia", "gyroscopic", "first_moment"):
         rate = np.imag(getattr(exact, item))

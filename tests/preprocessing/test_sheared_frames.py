@@ -96,26 +96,23 @@ def test_sections_and_shear_are_read_back_from_the_model(cantilever):
     np.testing.assert_allclose(found.phi, T**2 / SHEAR * 16**2, rtol=1e-6)  # 12 E I / (kappa G A L^2)
 
 
-@pytest.mark.parametrize("axis", [1, 2])
-def test_both_planes_of_a_beam_in_space_are_sheared(axis, tmp_path):
+def test_both_planes_of_a_beam_in_space_are_sheared(tmp_path):
     """One element is exact: K u = P for the deflection of its end along y, over the thickness, and along z, over the width."""
-    model = build(written(tmp_path, 3, elements=1))
-    force = np.zeros(6)
-    force[axis] = 1.0
-    h, b = (T, B) if axis == 1 else (B, T)
-    exact = 1 / (3 * E * b * h**3 / 12) + 1 / (SHEAR * E * b * h)
-    assert np.linalg.solve(model.invariants.stiffness, force)[axis] == pytest.approx(exact, rel=1e-10)
+    found = np.linalg.inv(build(written(tmp_path, 3, elements=1)).invariants.stiffness)
+    for axis, h, b in ((1, T, B), (2, B, T)):
+        exact = 1 / (3 * E * b * h**3 / 12) + 1 / (SHEAR * E * b * h)
+        assert found[axis, axis] == pytest.approx(exact, rel=1e-10)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("name", ["thickness_s", "width_s", "poisson_ratio_m", "x_B"])
 def test_derivatives_are_those_of_complex_steps(name, dimension, tmp_path):
-    path = written(tmp_path, dimension, ends=([0.1, 0.3, 0.2], [0.7, 1.1, 0.4]))
+    path = written(tmp_path, dimension, 4 - dimension, ends=([0.1, 0.3, 0.2], [0.7, 1.1, 0.4]))
     model, space = build(path), frame_space(FrameRecipe.read(path).file)
     stepped = {**space.values, name: space.values[name] + 1e-30j}
     at = space.discretise(stepped)
     xi = undeformed(at.nodes)
-    z = np.column_stack([xi, np.eye(len(xi))[:, len(xi) // 4 :]])
+    z = np.column_stack([xi, np.eye(len(xi))[:, 3 * dimension - 3 :]])
     exact, found = contract(at.parts.at(stepped), z), DesignPoint(model, {name: stepped[name]})
     for item in ("mass", "first_moment", "stiffness", "stress_operator", "inertia" if dimension == 2 else "second_moment"):
         rate, size = np.imag(getattr(exact, item)), np.abs(getattr(exact, item)).max()

@@ -34,7 +34,7 @@ FREQUENCIES = [81.16, 486.4, 1279.4]
 STRIP = """units = "m-kg-s"
 clamp = ["A"]
 nodes = { A = [0.0, 0.0, 0.0], B = [1.0, 0.0, 0.0] }
-beams = [{ from = "A", to = "B", section = "s", elements = 3 }]
+beams = [{ from = "A", to = "B", section = "s", elements = 1 }]
 sections.s = { kind = "rectangle", thickness = 0.02, width = 0.4, material = "m" }
 materials.m = { youngs_modulus = 2e11, density = 7800.0, poisson_ratio = 0.3 }
 interface_points.tip = { node = "B" }
@@ -44,7 +44,7 @@ interface_points.tip = { node = "B" }
 def cantilever(folder, thickness, elements=4, responses="", direction="[0.0, 1.0]"):
     section = Section(youngs_modulus=E, density=RHO, thickness=thickness, width=WIDTH)
     nodes = np.column_stack([np.linspace(0, 1, elements + 1), np.zeros(elements + 1)])
-    save_beam(folder / "beam.h5", nodes, section, {"root": 0.0, "tip": 1.0})
+    save_beam(folder / "beam.h5", nodes, section, {"root": 0.0, "tip": 1.0}, rotary_inertia=True)
     (folder / "scene.toml").write_text(SCENE.replace("DIRECTION", direction) + responses)
     return ffrf.read_scene(folder / "scene.toml")
 
