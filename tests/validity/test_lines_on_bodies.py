@@ -1,4 +1,4 @@
-"""Joints whose line lies on a flexible body: doubted with the number that a force on the deformed body has, silent where that is the same."""
+"""Joints whose line lies on a flexible body: doubted with the number of a force on the deformed body, silent where that is the same."""
 
 from __future__ import annotations
 
