@@ -17,7 +17,7 @@ from toolkit.description.time_grid import step_lengths
 from toolkit.foundation.errors import ConvergenceError, LimitPositionError, SingularSystemError, retold
 from toolkit.solvers.transient.adaptive import MOST, attempt
 from toolkit.solvers.transient.formulation import relaxed
-from toolkit.solvers.transient.newton import NOT_CONVERGED, NOT_FINITE, SINGULAR
+from toolkit.solvers.transient.newton import CONVERGED, NOT_CONVERGED, NOT_FINITE, SINGULAR
 from toolkit.solvers.transient.prediction import STEEP
 from toolkit.solvers.transient.run import Run, at_limit_position, check_memory
 from toolkit.solvers.transient.step_memory import ITERATIONS, STATUS, STEP, History
@@ -64,9 +64,9 @@ def can_be_halved(run: Run) -> bool:
 
 
 def advance_in_halves(
-    run: Run, history: History, error: StepError, progress: Callable[[int, int], None] | None = None
+    run: Run, history: History, stopped: int, error: StepError, progress: Callable[[int, int], None] | None = None
 ) -> tuple[Run, History, tuple[float, ...]]:
-    """Go on where a run stopped with an error, in halves of the steps that fail or open the joints.
+    """Go on at the step for which a run stopped with an error, in halves of those that fail or open the joints.
 
     Returns
     -------
@@ -78,7 +78,6 @@ def advance_in_halves(
     ConvergenceError, SingularSystemError
         The error itself, and that halves of the step have failed, too.
     """
-    stopped = int(run.outcome.counts[STEP])
     thrown = _first_thrown(run, history, stopped)
     try:
         return _in_halves(run, history, (thrown, stopped), error, progress)
@@ -94,7 +93,8 @@ def _in_halves(
 ) -> tuple[Run, History, tuple[float, ...]]:
     """The same, with the first and the last of the steps that are halved from the beginning."""
     (thrown, stopped), grid = steps, run.times
-    kept = stopped if thrown == stopped else 0  # memory stands where the run stopped; elsewhere the run begins anew
+    stands = thrown == stopped and run.outcome.counts[STATUS] != CONVERGED  # the memory, where the run stopped
+    kept = stopped if stands else 0  # elsewhere the run begins anew
     chunks: list[States] = [tuple(array[: kept + 1] for array in history[:6])]
     times, halvings = list(map(float, run.times[: kept + 1])), [Ahead(float(run.times[k]), 0) for k in range(thrown, stopped + 1)]
     ahead = [Ahead(float(time), 0) for time in run.times[: stopped + 1 : -1]]

@@ -14,6 +14,7 @@ from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.chosen.outgrown_choices import outgrown_choices
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
+from toolkit.validity.bodies.fibres.folded_skins import folded_skins
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
@@ -103,6 +104,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from tension(solution)
     yield from unseen_tension(scene)
     yield from sheared(scene)
+    yield from folded_skins(scene)
     yield from bent_between_nodes(solution)
     yield from fibres_alone(solution)
     yield from turning(solution)
