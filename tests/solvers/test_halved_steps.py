@@ -94,6 +94,6 @@ def test_a_trial_of_frames_that_fails_is_not_known_and_not_the_end(tmp_path, mon
 @pytest.mark.parametrize("thickness", [9.8, 9.9])
 def test_a_skin_is_doubted_where_half_its_thickness_exceeds_the_radius_of_its_nose(thickness, tmp_path):
     """The section's smallest radius of curvature, by the spline through its points, is 4.93 mm."""
-    verdict = ffrf.compile(wing("", tmp_path, frames=2).with_number("t_w", thickness)).statics().verdict
+    verdict = ffrf.compile(wing("", tmp_path, frames=2).with_number("bodies.skin.thickness", thickness)).statics().verdict
     assert ("folded-skin" in verdict.codes) == (thickness > 2 * 4.93)
     assert verdict.trusted == (thickness < 2 * 4.93)

@@ -78,9 +78,9 @@ def advance_in_halves(
     ConvergenceError, SingularSystemError
         The error itself, and that halves of the step have failed, too.
     """
-    thrown = _first_thrown(run, history, stopped)
+    thrown = first_thrown(run, history, stopped)
     try:
-        return _in_halves(run, history, (thrown, stopped), error, progress)
+        return _in_halves(run, history, (thrown, min(thrown + BEFORE, stopped)), error, progress)
     except (ConvergenceError, SingularSystemError) as again:
         before = max(0, stopped - BEFORE)
         if isinstance(again, LimitPositionError) or before >= thrown:
@@ -118,18 +118,15 @@ def _in_halves(
             check_memory(run.system, run.options, len(times) + len(ahead))
         if progress:
             progress(len(times) - 1, len(times) + len(ahead) - 1)
-    return (*_joined(run, times, chunks), tuple(begin for begin, depth in halvings if depth == 0))
+    return (*_joined(run, times, chunks), tuple(sorted(begin for begin, depth in halvings if depth == 0)))
 
 
-def _first_thrown(run: Run, history: History, stopped: int) -> int:
-    """The first of the steps right before the one at which a run stopped that were too long for their own errors, see `THROWN`."""
-    scheme, weights, n_q = run.scheme, run.system.weights, run.system.n_q
-    while stopped > 0:
-        h, change = run.lengths[stopped - 1], np.real(history.acc[stopped, :n_q] - history.acc[stopped - 1, :n_q])
-        if abs(scheme.error) * h * h * np.max(weights[:n_q] * np.abs(change)) <= THROWN:
-            break
-        stopped -= 1
-    return stopped
+def first_thrown(run: Run, history: History, stopped: int) -> int:
+    """The first of the last `FEW` steps before one that were too long for their own errors, see `THROWN`; itself if none was."""
+    first, weights, n_q = max(0, stopped - FEW), run.system.weights, run.system.n_q
+    changes = weights[:n_q] * np.abs(np.diff(np.real(history.acc[first : stopped + 1, :n_q]), axis=0))
+    errors = abs(run.scheme.error) * run.lengths[first:stopped] ** 2 * np.max(changes, axis=1, initial=0.0)
+    return first + int(np.argmax(errors > THROWN)) if np.any(errors > THROWN) else stopped
 
 
 def _halves(begin: float, step: Ahead) -> list[Ahead]:

@@ -31,11 +31,11 @@ def drift(system: System, times: np.ndarray, q: np.ndarray) -> np.ndarray:
     return found
 
 
-def thrown_open(run: Run, q: np.ndarray) -> int | None:
-    """The step of a run to the first of its states (n_t, n) in which its joints are open by `THROWN_OPEN` or more; None without any."""
-    if not can_be_closed(run) or drift(run.system, run.times, q)[0] <= THROWN_OPEN:
+def first_opened(run: Run, q: np.ndarray, allowed: float) -> int | None:
+    """The step of a run to the first of its states (n_t, n) in which its joints are open by more than is allowed; None without any."""
+    if not can_be_closed(run) or drift(run.system, run.times, q)[0] <= allowed:
         return None
-    ends = (k for k in range(1, len(q)) if not drift(run.system, run.times[k : k + 1], q[k : k + 1])[0] <= THROWN_OPEN)
+    ends = (k for k in range(1, len(q)) if not drift(run.system, run.times[k : k + 1], q[k : k + 1])[0] <= allowed)
     return next(ends, 1) - 1
 
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from toolkit.analyses.halved_steps import advance_in_halves, can_be_halved, most_halvings
-from toolkit.analyses.joint_drift import check_drift, thrown_open
+from toolkit.analyses.halved_steps import advance_in_halves, can_be_halved, first_thrown, most_halvings
+from toolkit.analyses.joint_drift import THROWN_OPEN, check_drift, first_opened
 from toolkit.analyses.run_start import run_start
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import watched_compilation
@@ -129,6 +129,14 @@ def _integrated(
     return run, history, ()
 
 
+def _thrown_open(run: Run, history: History) -> int | None:
+    """The step of a run that has opened its joints, if it has thrown them open, or has followed upon one that was thrown out itself."""
+    if (step := first_opened(run, history.q, THROWN_OPEN)) is not None:
+        return step
+    step = first_opened(run, history.q, run.options.drift_tolerance)
+    return None if step is None or first_thrown(run, history, step + 1) > step else step
+
+
 def _with_closed_joints(
     run: Run, history: History, halved: tuple[float, ...], progress: Callable[[int, int], None] | None
 ) -> tuple[Run, History, tuple[float, ...], float]:
@@ -136,7 +144,7 @@ def _with_closed_joints(
     try:
         return run, history, halved, check_drift(run, history.q, 0)
     except ConvergenceError as error:
-        step = None if halved or most_halvings(run.options) == 0 else thrown_open(run, history.q)
+        step = None if halved or most_halvings(run.options) == 0 else _thrown_open(run, history)
         if isinstance(error, LimitPositionError) or step is None:
             raise
         run, history, halved = advance_in_halves(run, history, step, error, progress)
