@@ -97,3 +97,31 @@ def test_a_skin_is_doubted_where_half_its_thickness_exceeds_the_radius_of_its_no
     verdict = ffrf.compile(wing("", tmp_path, frames=2).with_number("bodies.skin.thickness", thickness)).statics().verdict
     assert ("folded-skin" in verdict.codes) == (thickness > 2 * 4.93)
     assert verdict.trusted == (thickness < 2 * 4.93)
+
+
+SLOPE = """units = "m-kg-s"
+points.B = [0.0, 0.0]
+bodies.block = { type = "rigid", mass = 2.0, center = "B", inertia = 0.01 }
+joints.slope = { type = "slider", bodies = ["block", "ground"], point = "B", axis = [1.0, 0.0], lock_rotation = true }
+loads.push = { type = "point-force", body = "block", point = "B", force = [3.0, 0.0] }
+responses.x = { type = "displacement", body = "block", point = "B", component = "x" }
+solver = { end_time = 1.0, step = 0.01 }
+
+[loads.friction]
+type = "sliding-friction"
+bodies = ["block", "ground"]
+point = "B"
+axis = [1.0, 0.0]
+level = 5.0
+"""
+
+
+def test_a_friction_whose_width_sets_the_step_is_named_with_its_time(tmp_path):
+    """Below its width d it is a damper F / d, which stops the mass m in m d / F = 4e-6 s; a step of 0.01 s would do with 0.025 m/s."""
+    path = tmp_path / "slope.toml"
+    path.write_text(SLOPE + "width = 1e-5\n")
+    told = r"width of 1e-05 m/s loads.friction stops what moves in 4e-06 s.*widen it to 0.025 m/s, or take steps of 4e-06"
+    with pytest.raises(ConvergenceError, match=told):
+        ffrf.compile(read_scene(path)).simulate()
+    path.write_text(SLOPE + "width = 0.03\n")
+    assert "halved-steps" not in ffrf.compile(read_scene(path)).simulate().verdict.codes

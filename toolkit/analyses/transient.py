@@ -26,6 +26,7 @@ from toolkit.system.system import System
 from toolkit.validity.bodies.physics import speed_limits
 from toolkit.validity.bodies.spinning.critical_speed import fast_bodies
 from toolkit.validity.judge import judge
+from toolkit.validity.motion.creeping_friction import told_frictions
 from toolkit.validity.start.sudden_loads import told_loads
 
 PIECE, MANY = 200, 1_000_000
@@ -108,6 +109,7 @@ def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
     none = np.zeros((1, run.system.n, 0))
     last = Solution.from_padded(run.system, np.array([time]), (q[None], v[None], np.zeros((1, run.system.n)), none, none, none))
     yield speed_limits(run.system.scene, fast_bodies(last))
+    yield told_frictions(run.system, q, run.options.step)
     if time < run.options.step:
         yield told_loads(run.system.scene, run.options)
 
