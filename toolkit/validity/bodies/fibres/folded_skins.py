@@ -26,7 +26,7 @@ def folded_skins(scene: Scene) -> Iterator[Caution]:
     There the inner fibre has no length, so that the curved beam that a straight element stands for does not exist; mass is counted twice.
     """
     for name, body in scene.bodies.items():
-        if not isinstance(body, ModelBody) or scene.dimension != 2 or is_in_pieces(scene, name):
+        if not isinstance(body, ModelBody) or is_in_pieces(scene, name):
             continue
         model = scene.model(body.model, "mesh")
         values = {**model.nominal, **body.model_values()}
