@@ -73,10 +73,12 @@ WRONG = {
     "g/cm3 in mm-t-s": ("mm-t-s", 210e3, 7.85, ("density = 7.85 t/mm^3", "7.85 reads as g/cm^3", ": 7.85e-09"), True),
     "kg/mm3 in mm-t-s": ("mm-t-s", 210e3, 7.85e-6, ("density = 7.85e-06", "reads as kg/mm^3", ": 7.85e-09"), True),
     "kPa in mm-t-s": ("mm-t-s", 2.1e8, 7.85e-9, ("youngs_modulus = 2.1e+08 MPa", "reads as kPa", ": 210000"), True),
-    "GPa in m-kg-s": ("m-kg-s", 210.0, 7850.0, ("youngs_modulus = 210 Pa", "210 reads as GPa", "Pa: 2.1e+11"), False),
+    "GPa in m-kg-s": ("m-kg-s", 210.0, 7850.0, ("youngs_modulus = 210 Pa", "210 reads as GPa", "Pa: 2.1e+11"), True),
     "t/mm3 in m-kg-s": ("m-kg-s", 210e9, 7.85e-9, ("density = 7.85e-09 kg/m^3", "reads as t/mm^3", ": 7850"), True),
-    "MPa in m-kg-s": ("m-kg-s", 210e3, 7850.0, ("210000 Pa with a density", "softer than", "reads as MPa", "2.1e+11"), False),
-    "MPa of aluminium": ("m-kg-s", 70e3, 2700.0, ("70000 Pa with a density", "softer than", "reads as MPa", "7e+10"), False),
+    "MPa in m-kg-s": ("m-kg-s", 210e3, 7850.0, ("210000 Pa with a density", "softer than", "reads as MPa", "2.1e+11"), True),
+    "MPa of aluminium": ("m-kg-s", 70e3, 2700.0, ("70000 Pa with a density", "softer than", "reads as MPa", "7e+10"), True),
+    "GPa of aluminium": ("mm-t-s", 70.0, 2.7e-9, ("70 MPa with a density", "softer than", "reads as GPa", "of aluminium"), True),
+    "no metal": ("mm-t-s", 30.0, 2.7e-9, ("30 MPa with a density", "softer than"), False),
     "g/cm3 in m-kg-s": ("m-kg-s", 210e9, 7.85, ("with a density of 7.85 kg/m^3", "stiffer", "reads as g/cm^3", ": 7850"), False),
     "no unit at all": ("m-kg-s", 1e30, 7850.0, ("youngs_modulus = 1e+30 Pa", "fix the exponent or the units"), True),
 }
@@ -166,7 +168,7 @@ def pendulum(dimension: int, units: str, gravity: float, **bodies: Any) -> Scene
 )
 def test_the_gravity_of_other_units_is_questioned(dimension, units, gravity, meant):
     (caution,) = cautions_of_scene(pendulum(dimension, units, gravity))
-    assert (caution.code, caution.doubt) == ("unit-of-gravity", False)
+    assert (caution.code, caution.doubt) == ("unit-of-gravity", gravity == 9.81)
     assert caution.text.endswith(f"that of the earth is {meant}.")
 
 

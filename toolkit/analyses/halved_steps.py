@@ -17,7 +17,7 @@ from toolkit.description.time_grid import step_lengths
 from toolkit.foundation.errors import ConvergenceError, LimitPositionError, SingularSystemError, retold
 from toolkit.solvers.transient.adaptive import MOST, attempt
 from toolkit.solvers.transient.formulation import relaxed
-from toolkit.solvers.transient.newton import NOT_CONVERGED, NOT_FINITE, SINGULAR
+from toolkit.solvers.transient.newton import CONVERGED, NOT_CONVERGED, NOT_FINITE, SINGULAR
 from toolkit.solvers.transient.prediction import STEEP
 from toolkit.solvers.transient.run import Run, at_limit_position, check_memory
 from toolkit.solvers.transient.step_memory import ITERATIONS, STATUS, STEP, History
@@ -64,9 +64,9 @@ def can_be_halved(run: Run) -> bool:
 
 
 def advance_in_halves(
-    run: Run, history: History, error: StepError, progress: Callable[[int, int], None] | None = None
+    run: Run, history: History, stopped: int, error: StepError, progress: Callable[[int, int], None] | None = None
 ) -> tuple[Run, History, tuple[float, ...]]:
-    """Go on where a run stopped with an error, in halves of the steps that fail or open the joints.
+    """Go on at the step for which a run stopped with an error, in halves of those that fail or open the joints.
 
     Returns
     -------
@@ -78,10 +78,9 @@ def advance_in_halves(
     ConvergenceError, SingularSystemError
         The error itself, and that halves of the step have failed, too.
     """
-    stopped = int(run.outcome.counts[STEP])
-    thrown = _first_thrown(run, history, stopped)
+    thrown = first_thrown(run, history, stopped)
     try:
-        return _in_halves(run, history, (thrown, stopped), error, progress)
+        return _in_halves(run, history, (thrown, min(thrown + BEFORE, stopped)), error, progress)
     except (ConvergenceError, SingularSystemError) as again:
         before = max(0, stopped - BEFORE)
         if isinstance(again, LimitPositionError) or before >= thrown:
@@ -94,7 +93,8 @@ def _in_halves(
 ) -> tuple[Run, History, tuple[float, ...]]:
     """The same, with the first and the last of the steps that are halved from the beginning."""
     (thrown, stopped), grid = steps, run.times
-    kept = stopped if thrown == stopped else 0  # memory stands where the run stopped; elsewhere the run begins anew
+    stands = thrown == stopped and run.outcome.counts[STATUS] != CONVERGED  # the memory, where the run stopped
+    kept = stopped if stands else 0  # elsewhere the run begins anew
     chunks: list[States] = [tuple(array[: kept + 1] for array in history[:6])]
     times, halvings = list(map(float, run.times[: kept + 1])), [Ahead(float(run.times[k]), 0) for k in range(thrown, stopped + 1)]
     ahead = [Ahead(float(time), 0) for time in run.times[: stopped + 1 : -1]]
@@ -118,18 +118,15 @@ def _in_halves(
             check_memory(run.system, run.options, len(times) + len(ahead))
         if progress:
             progress(len(times) - 1, len(times) + len(ahead) - 1)
-    return (*_joined(run, times, chunks), tuple(begin for begin, depth in halvings if depth == 0))
+    return (*_joined(run, times, chunks), tuple(sorted(begin for begin, depth in halvings if depth == 0)))
 
 
-def _first_thrown(run: Run, history: History, stopped: int) -> int:
-    """The first of the steps right before the one at which a run stopped that were too long for their own errors, see `THROWN`."""
-    scheme, weights, n_q = run.scheme, run.system.weights, run.system.n_q
-    while stopped > 0:
-        h, change = run.lengths[stopped - 1], np.real(history.acc[stopped, :n_q] - history.acc[stopped - 1, :n_q])
-        if abs(scheme.error) * h * h * np.max(weights[:n_q] * np.abs(change)) <= THROWN:
-            break
-        stopped -= 1
-    return stopped
+def first_thrown(run: Run, history: History, stopped: int) -> int:
+    """The first of the last `FEW` steps before one that were too long for their own errors, see `THROWN`; itself if none was."""
+    first, weights, n_q = max(0, stopped - FEW), run.system.weights, run.system.n_q
+    changes = weights[:n_q] * np.abs(np.diff(np.real(history.acc[first : stopped + 1, :n_q]), axis=0))
+    errors = abs(run.scheme.error) * run.lengths[first:stopped] ** 2 * np.max(changes, axis=1, initial=0.0)
+    return first + int(np.argmax(errors > THROWN)) if np.any(errors > THROWN) else stopped
 
 
 def _halves(begin: float, step: Ahead) -> list[Ahead]:

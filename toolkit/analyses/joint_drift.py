@@ -11,6 +11,9 @@ from toolkit.validity.motion.drift import largest_drift
 
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 
+THROWN_OPEN = 0.05
+"""Violation of a joint, a part of the scene's size (or rad), that is no error of long steps: Newton has found another solution there."""
+
 
 def can_be_closed(run: Run) -> bool:
     """Whether joints that have come apart are a matter of the steps alone: positions are stabilised, and no joint was left out."""
@@ -26,6 +29,14 @@ def drift(system: System, times: np.ndarray, q: np.ndarray) -> np.ndarray:
         np.zeros(system.n, system.dtype), found, system.work,
     )  # fmt: skip
     return found
+
+
+def first_opened(run: Run, q: np.ndarray, allowed: float) -> int | None:
+    """The step of a run to the first of its states (n_t, n) in which its joints are open by more than is allowed; None without any."""
+    if not can_be_closed(run) or drift(run.system, run.times, q)[0] <= allowed:
+        return None
+    ends = (k for k in range(1, len(q)) if not drift(run.system, run.times[k : k + 1], q[k : k + 1])[0] <= allowed)
+    return next(ends, 1) - 1
 
 
 def check_drift(run: Run, q: np.ndarray, first: int) -> float:

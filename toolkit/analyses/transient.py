@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from toolkit.analyses.halved_steps import advance_in_halves, can_be_halved
-from toolkit.analyses.joint_drift import check_drift
+from toolkit.analyses.halved_steps import advance_in_halves, can_be_halved, first_thrown, most_halvings
+from toolkit.analyses.joint_drift import THROWN_OPEN, check_drift, first_opened
 from toolkit.analyses.run_start import run_start
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import watched_compilation
@@ -26,6 +26,7 @@ from toolkit.system.system import System
 from toolkit.validity.bodies.physics import speed_limits
 from toolkit.validity.bodies.spinning.critical_speed import fast_bodies
 from toolkit.validity.judge import judge
+from toolkit.validity.motion.creeping_friction import told_frictions
 from toolkit.validity.start.sudden_loads import told_loads
 
 PIECE, MANY = 200, 1_000_000
@@ -82,12 +83,13 @@ def simulate(
         if system.compiled:  # a complex step takes the steps of its real design, which have been checked
             refuse_passed_limits(system, run.options, run.times, history.q, history.acc)
     refuse_half_turns(system, run.times, history.q)
+    run, history, halved, drift = _with_closed_joints(run, history, halved, progress)
     system.give_back(Memory, run.memory)
     return Solution.from_padded(
         system,
         run.times,
         history[:6],
-        drift=check_drift(run, history.q, 0),
+        drift=drift,
         correction=float(run.outcome.correction[LARGEST]),
         local_error=run.largest_local_error,
         options=run.options,
@@ -107,6 +109,7 @@ def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
     none = np.zeros((1, run.system.n, 0))
     last = Solution.from_padded(run.system, np.array([time]), (q[None], v[None], np.zeros((1, run.system.n)), none, none, none))
     yield speed_limits(run.system.scene, fast_bodies(last))
+    yield told_frictions(run.system, q, run.options.step)
     if time < run.options.step:
         yield told_loads(run.system.scene, run.options)
 
@@ -124,8 +127,30 @@ def _integrated(
     except (ConvergenceError, SingularSystemError) as error:
         if isinstance(error, LimitPositionError) or not can_be_halved(run):
             raise
-        return advance_in_halves(run, history, error, progress)
+        return advance_in_halves(run, history, int(run.outcome.counts[STEP]), error, progress)
     return run, history, ()
+
+
+def _thrown_open(run: Run, history: History) -> int | None:
+    """The step of a run that has opened its joints, if it has thrown them open, or has followed upon one that was thrown out itself."""
+    if (step := first_opened(run, history.q, THROWN_OPEN)) is not None:
+        return step
+    step = first_opened(run, history.q, run.options.drift_tolerance)
+    return None if step is None or first_thrown(run, history, step + 1) > step else step
+
+
+def _with_closed_joints(
+    run: Run, history: History, halved: tuple[float, ...], progress: Callable[[int, int], None] | None
+) -> tuple[Run, History, tuple[float, ...], float]:
+    """The run itself, or with halves of steps that threw its joints open, and how far they are open at the most."""
+    try:
+        return run, history, halved, check_drift(run, history.q, 0)
+    except ConvergenceError as error:
+        step = None if halved or most_halvings(run.options) == 0 else _thrown_open(run, history)
+        if isinstance(error, LimitPositionError) or step is None:
+            raise
+        run, history, halved = advance_in_halves(run, history, step, error, progress)
+    return run, history, halved, check_drift(run, history.q, 0)
 
 
 def advance(run: Run, history: History, first: int, progress: Callable[[int, int], None] | None = None) -> None:

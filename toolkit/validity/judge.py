@@ -18,6 +18,7 @@ from toolkit.validity.bodies.compressed.merging_vibrations import merging_vibrat
 from toolkit.validity.bodies.compressed.parametric_resonance import parametric_resonance
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
+from toolkit.validity.bodies.fibres.folded_skins import folded_skins
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed
 from toolkit.validity.bodies.shear.sheared_deflections import sheared
@@ -113,6 +114,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from parametric_resonance(solution)
     yield from unseen_tension(solution)
     yield from sheared(solution)
+    yield from folded_skins(scene)
     yield from bent_between_nodes(solution)
     yield from fibres_alone(solution)
     yield from turning(solution)

@@ -84,6 +84,7 @@ drive_angle = { type = "rotation", body = "body2", point = "A" }
 [solver]
 end_time = 1.2
 step = 0.05
+start = "equilibrium"  # under the loads at t = 0, so that gravity, if you add it, begins without a blow
 """)
 
 STUDY = Template("""\

@@ -44,6 +44,17 @@ STIFFEST = 1e9
 SOFTEST = {2500.0: 1e9, 1600.0: 5e5}
 """Density in kg/m^3 above which no material is softer than that many Pa: metals, stones and ceramics (lead has 1.6e10), filled rubbers."""
 
+METALS = {
+    "steel": ((190e9, 215e9), (7700.0, 8050.0)),
+    "aluminium": ((67e9, 76e9), (2640.0, 2850.0)),
+    "titanium": ((100e9, 122e9), (4400.0, 4600.0)),
+    "copper": ((108e9, 132e9), (8850.0, 9000.0)),
+}
+"""Name -> modulus in Pa and density in kg/m^3, of the metal and its usual alloys (Ashby 2011): a modulus with these digits, at this
+density, is the metal's in another unit. Soft fillings of that weight (rubbers with barite or tungsten) have other digits."""
+MISREAD = (1e3, 1e6, 1e9)
+"""Sizes in each other of the units of modulus."""
+
 
 def material_questions(values: Mapping[str, float], units: str, where: str) -> Iterator[Caution]:
     """Cautions of the parameters of a reduced model.
@@ -62,7 +73,7 @@ def material_questions(values: Mapping[str, float], units: str, where: str) -> I
             yield Caution(
                 f"unit-of-{kind.replace('_', '-')}",
                 f"{where}.{name} = {value:g} {unit(units, band.quantity)}{more}: no material has that. {_reading(band, value, units)}",
-                doubt=_beyond(band, value, units),
+                doubt=_beyond(band, value, units) or _is_metal(kind, name, values, units),
             )
     yield from _pairs(values, units, where)
 
@@ -75,6 +86,17 @@ def _within(band: Band, value: float, units: str) -> bool:
 def _beyond(band: Band, value: float, units: str) -> bool:
     low, high = band.extreme
     return not low / BEYOND <= value * IN_SI[units][band.quantity] <= high * BEYOND
+
+
+def _is_metal(kind: str, name: str, values: Mapping[str, float], units: str) -> bool:
+    """Whether a modulus is that of a metal in another unit, by the density beside it."""
+    rho = values.get(name.replace(kind, "density", 1), values.get("density"))
+    si = IN_SI[units]
+    return (
+        kind == "youngs_modulus"
+        and rho is not None
+        and misread_metal(values[name] * si["stress"], rho * si["density"]) is not None
+    )
 
 
 def _reading(band: Band, value: float, units: str) -> str:
@@ -107,6 +129,16 @@ def _pairs(values: Mapping[str, float], units: str, where: str) -> Iterator[Caut
             yield Caution("unit-of-density", f"{told}: {why}", doubt=E_si > BEYOND * STIFFEST * rho_si)
             return
         if any(rho_si > heavy and E_si < softest for heavy, softest in SOFTEST.items()):
+            metal = misread_metal(E_si, rho_si)
             why = f"softer than any material that is so heavy. {_reading(modulus, value, units)}"
-            yield Caution("unit-of-youngs-modulus", f"{told}: {why}", doubt=False)
+            why += f" With the digits and the density of {metal}, it is that in another unit." if metal else ""
+            yield Caution("unit-of-youngs-modulus", f"{told}: {why}", doubt=metal is not None)
             return
+
+
+def misread_metal(modulus: float, density: float) -> str | None:
+    """The metal whose modulus and density, in SI units, these would be in another unit of the modulus."""
+    for name, ((softest, stiffest), (lightest, heaviest)) in METALS.items():
+        if lightest <= density <= heaviest and any(softest <= modulus * times <= stiffest for times in MISREAD):
+            return name
+    return None

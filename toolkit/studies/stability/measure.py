@@ -116,7 +116,9 @@ def _without_gradient(scene: Scene, error: Exception) -> Measured:
 
 def _without_limit(scene: Scene):
     memory = min(scene.solver.memory, MOST_MEMORY)
-    return scene.solver.model_copy(update={"drift_tolerance": NO_LIMIT, "memory": memory})
+    return scene.solver.model_copy(
+        update={"drift_tolerance": NO_LIMIT, "memory": memory, "halvings": 0}
+    )  # steps are as long as told
 
 
 def _patience() -> Callable[[int, int], None]:

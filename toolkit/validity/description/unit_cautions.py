@@ -25,6 +25,9 @@ FAR_OUT = 30.0
 """Radius of gyration of a rigid body, in extents of the scene's points, above which its inertia is questioned."""
 EARTH = {"m-kg-s": 9.81, "mm-t-s": 9810.0}
 READ_AS = {"m-kg-s": ("mm/s^2", 9810.0), "mm-t-s": ("m/s^2", 9.81)}
+STANDARD = 9.78, 9.84
+"""Gravity of the earth in m/s^2, from the equator to the poles: who writes it in a scene of mm has forgotten a factor of 1000, and nobody
+needs a thousandth of it. 9810 m/s^2 may be a centrifuge."""
 LIKE_EARTH = 0.06
 """Relative distance from the earth's gravity within which a number is meant to be it: also 10 m/s^2 and 9.78, but no other planet's."""
 
@@ -121,5 +124,5 @@ def _of_gravity(scene: Scene) -> Iterator[Caution]:
             "unit-of-gravity",
             f"gravity of {size:g} reads as {reads}; in {scene.units} its unit is {label}, and that of the earth is "
             f"{EARTH[scene.units]:g} {label}.",
-            doubt=False,
+            doubt=scene.units == "mm-t-s" and STANDARD[0] <= size <= STANDARD[1],
         )

@@ -15,11 +15,17 @@ from toolkit.foundation.verdict import Caution
 from toolkit.loads.friction import Friction
 from toolkit.responses.kinematics.marker_motion import MarkerMotion
 from toolkit.system.solution import Solution
+from toolkit.system.system import System, compile_scene
 
 LOOKED_AT = 2000
 """Instants, evenly spread over the motion."""
 STILL = 1e-9
 """Part of what the width itself would creep that is round-off of a scene at rest."""
+
+MOST = 500
+"""Unknowns of the largest scene whose frictions are asked for their rates, by dense matrices."""
+ACCELERATIONS = np.array([1.0, 0.0, 0.0])
+"""Weights of the constraints' accelerations, velocities and positions."""
 
 
 def creeping_friction(solution: Solution) -> Iterator[Caution]:
@@ -55,6 +61,42 @@ def friction_at_rest(solution: Solution) -> Iterator[Caution]:
                 "motion that comes to rest where that matters.",
                 doubt=False,
             )
+
+
+def told_frictions(system: System, q: np.ndarray, step: float) -> str:
+    """What to know of frictions whose width sets the step, in a position (n,); empty where steps resolve them all."""
+    scene, found = system.scene, []
+    frictions = {name: load for name, load in scene.loads.items() if isinstance(load, Friction) and np.real(load.width) > 0}
+    if not frictions or system.n > MOST:
+        return ""
+    narrow = _damping(system, q)
+    for name, load in frictions.items():
+        width = float(np.real(load.width))
+        without = compile_scene(scene.with_number(f"loads.{name}.width", width / STILL))
+        fastest = np.abs(_eigenvalues(system, q, narrow - _damping(without, q))).max(initial=0.0)
+        if fastest * step > 1:
+            label = unit(scene.units, load.rate)
+            found.append(
+                f"Below its width of {width:g} {label} loads.{name} stops what moves in {1 / fastest:.2g} s, which steps of {step:g} do "
+                f"not resolve: widen it to {width * fastest * step:.2g} {label}, or take steps of {1 / fastest:.1g}."
+            )
+    return " ".join(found)
+
+
+def _damping(system: System, q: np.ndarray) -> np.ndarray:
+    """Derivatives (n, n) of the forces by the velocities, at rest."""
+    rest = np.zeros(system.n)
+    return np.real(system.dense(system.evaluate(system.inputs(0.0, ACCELERATIONS), q, rest, rest).A_v))
+
+
+def _eigenvalues(system: System, q: np.ndarray, damping: np.ndarray) -> np.ndarray:
+    """Rates at which a damping matrix (n, n) stops the bodies, as their joints let them move; none where those are redundant."""
+    rest = np.zeros(system.n)
+    inertia = np.real(system.dense(system.evaluate(system.inputs(0.0, ACCELERATIONS), q, rest, rest).I_acc))
+    try:
+        return np.linalg.eigvals(np.linalg.solve(inertia, damping))
+    except np.linalg.LinAlgError:
+        return np.zeros(0)
 
 
 def _rates(solution: Solution, name: str, k: int, steps: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
+from toolkit.validity.motion.creeping_friction import told_frictions
 
 MOST_NAMED = 3
 """Loads, and times, that one sentence names."""
@@ -43,6 +44,11 @@ def told_loads(scene: Scene, options: RunOptions) -> str:
     )
 
 
+def _padded(solution: Solution) -> np.ndarray:
+    """Coordinates (n,) of the start."""
+    return np.append(np.real(solution.q[0]), np.zeros(solution.system.n - solution.system.n_q))
+
+
 def halved_steps(solution: Solution) -> Iterator[Caution]:
     """Steps that were not taken as asked for, because Newton could do them in halves only."""
     if not solution.halved:
@@ -52,6 +58,7 @@ def halved_steps(solution: Solution) -> Iterator[Caution]:
     when = ", ".join(f"{time:.4g}" for time in solution.halved[:MOST_NAMED])
     more = f" and {count - MOST_NAMED} more" if count > MOST_NAMED else ""
     why = told_loads(solution.system.scene, options) if solution.halved[0] == 0 and not solution.own_start else ""
+    why = told_frictions(solution.system, _padded(solution), float(lengths.max())) or why
     yield Caution(
         "halved-steps",
         f"{count} {'step was' if count == 1 else 'steps were'} halved, because Newton did not converge in a whole one: at "
