@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 from docs.generators.house import HALVES, files, tree
@@ -45,15 +46,37 @@ def kinds() -> dict[str, str]:
 def literal_codes() -> Iterator[tuple[str, str]]:
     """Every code that stands in a source where a caution is made, and "doubt", "remark" or "either"."""
     for call in _calls():
-        if isinstance(call.args[0], ast.Constant):
-            yield str(call.args[0].value), _doubt(call)
+        for literal in _literals(call.args[0]):
+            yield literal, _doubt(call)
 
 
 def other_codes() -> Iterator[ast.expr]:
     """What stands for a code where it is no literal."""
     for call in _calls():
-        if not isinstance(call.args[0], ast.Constant):
+        if not _literals(call.args[0]):
             yield call.args[0]
+
+
+def _literals(code: ast.expr) -> list[str]:
+    """What an expression may be: a text, one of two by a condition, or a constant of a module."""
+    if isinstance(code, ast.IfExp):
+        return [*_literals(code.body), *_literals(code.orelse)]
+    if isinstance(code, ast.Name):
+        return [_constants()[code.id]] if code.id in _constants() else []
+    return [code.value] if isinstance(code, ast.Constant) and isinstance(code.value, str) else []
+
+
+@cache
+def _constants() -> dict[str, str]:
+    """Name -> text of the modules' constants that hold a code."""
+    found = {}
+    for half in HALVES:
+        for path in files(half).values():
+            for node in tree(path).body:
+                text = node.value.value if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant) else None
+                if isinstance(text, str) and text in codes():
+                    found |= {target.id: text for target in node.targets if isinstance(target, ast.Name)}
+    return found
 
 
 def _calls() -> Iterator[ast.Call]:

@@ -141,7 +141,7 @@ def test_several_numbers_in_one_copy_are_those_one_after_the_other():
 def markers(*columns: int) -> Quantities:
     """Numbers of a scene with nothing but a marker that feels some coordinates."""
     part = MarkerNumbers(np.zeros(3), np.array(columns), np.arange(3.0 * len(columns)).reshape(-1, 3) + 1)
-    return Quantities({}, {}, {}, {0: part}, {}, {}, {}, np.zeros(2), {})
+    return Quantities({}, {}, {}, {}, {0: part}, {}, {}, {}, np.zeros(2), {})
 
 
 def test_numbers_take_their_places_among_the_known_entries_and_ask_for_new_ones_where_there_are_none():

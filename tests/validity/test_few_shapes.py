@@ -37,7 +37,8 @@ FEW = [
 def scene(folder: Path, basis: BasisChoice, body: str, more: str = ""):
     folder = folder / f"{basis.kind}-{basis.count}"
     folder.mkdir(exist_ok=True)
-    save(polygon_beam(NODES, SECTION, {"hub": 0.0, "tip": 1.0}, basis=basis), folder / "beam.h5")
+    beam = polygon_beam(NODES, SECTION, {"hub": 0.0, "tip": 1.0}, basis=basis, rotary_inertia=False)
+    save(beam, folder / "beam.h5")
     (folder / "scene.toml").write_text(SCENE.replace("BODY", body) + more)
     return ffrf.read_scene(folder / "scene.toml")
 

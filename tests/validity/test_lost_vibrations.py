@@ -114,6 +114,7 @@ def test_a_load_that_sets_in_within_a_step_is_one_that_sets_in_suddenly(tmp_path
 
 STRIP = """units = "m-kg-s"
 dimension = 2
+rotary_inertia = false
 nodes = { A = [0.0, 0.0], B = [0.2, 0.0] }
 beams = [{ from = "A", to = "B", section = "bar", elements = 10 }]
 sections.bar = { kind = "rectangle", thickness = 0.01, width = 0.02, material = "alu" }

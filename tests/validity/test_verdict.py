@@ -88,7 +88,7 @@ def test_estimated_errors_are_those_against_a_much_finer_run():
 def estimated(response, slope=lambda _: 0.0, options=None) -> Mapping[str, float]:
     """Errors that are estimated for a motion of 64 steps whose value and derivative are functions of the length of the step."""
     given = options or RunOptions(end_time=1.0, step=1 / 64)
-    run: Any = SimpleNamespace(whole_run=[n / 64 for n in range(65)], options=given)
+    run: Any = SimpleNamespace(whole_run=[n / 64 for n in range(65)], options=given, halved=())
 
     def repeat(other: RunOptions):
         return {"f": response(other.step)}, {"f": {"x": slope(other.step)}}

@@ -22,7 +22,7 @@ from toolkit.reduced_model.model import Mesh, ReducedModel
 FULL = BasisChoice("full")
 
 
-LATER = ("chord", "spin_stiffening")
+LATER = ("chord", "spin_stiffening", "beside_frozen")
 """Choices that the first models did not have: where they are not made the hash is theirs."""
 
 

@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import ReducedModel
@@ -80,6 +79,8 @@ def _turns(model: ReducedModel, parameter: str) -> bool:
 
 def _apart(matrices: list[np.ndarray]) -> np.ndarray:
     """Number of the group of each coordinate (n_f,): those of one group have nothing to do with others, as stretching with bending."""
+    from scipy.sparse.csgraph import connected_components  # which a run without frozen bases need not import
+
     coupled = np.any([np.abs(_measured(matrix, matrix)) > COUPLED for matrix in matrices], axis=0)
     found: np.ndarray = connected_components(coupled)[1]
     return found

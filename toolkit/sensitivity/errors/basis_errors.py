@@ -20,7 +20,7 @@ from toolkit.scene.scene import Scene
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.reduced.frozen_bases import FrozenBody, frozen_bodies
 
-CODE = "frozen-basis"
+FROZEN = "frozen-basis"
 TOLD = 0.02
 """Part of a number that a frozen basis may be off by without a word; from `LIMIT` on it is a doubt."""
 UNIMPORTANT = 0.02
@@ -130,7 +130,7 @@ def cautions_of_frozen(found: BasisErrors | None) -> Iterator[Caution]:
         worst = sorted(off, key=lambda name: -abs(off[name].part))
         more = f" and {len(worst) - NAMED} more" if len(worst) > NAMED else ""
         yield Caution(
-            CODE,
+            FROZEN,
             f"{'; '.join(map(_state, known))}: {', '.join(_words(name, off[name]) for name in worst[:NAMED])}{more}. So says the same "
             f"analysis with {', '.join(f'{b.shapes[1]} shapes of {b.name} instead of {b.shapes[0]}' for b in known)}, the price of this "
             f"check. Build {', '.join(b.model for b in known)} {_remedy(known[0])}.",
@@ -140,7 +140,7 @@ def cautions_of_frozen(found: BasisErrors | None) -> Iterator[Caution]:
 
 def _not_known(bodies: Sequence[FrozenBody], why: str) -> Caution:
     """A doubt without a number."""
-    return Caution(CODE, f"{'; '.join(map(_state, bodies))}: by how much numbers are off is not known, as {why}")
+    return Caution(FROZEN, f"{'; '.join(map(_state, bodies))}: by how much numbers are off is not known, as {why}")
 
 
 def _words(name: str, each: Compared) -> str:
