@@ -20,9 +20,9 @@ from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.forces_at_points import forces_at_points
 from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening, stiffening
+from toolkit.validity.bodies.compressed.yielding_scene import yielding
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants
-from toolkit.validity.bodies.tension.yielding_scene import yielding
 
 LOOKED_AT = 24
 """Instants, evenly spread over the motion, among which the largest force along a body is looked for."""

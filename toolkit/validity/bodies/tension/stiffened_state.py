@@ -23,8 +23,8 @@ import numpy as np
 
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.compressed.yielding_scene import Yielding, yielding
 from toolkit.validity.bodies.tension.pulled_body import PulledBody
-from toolkit.validity.bodies.tension.yielding_scene import Yielding, yielding
 
 DEPENDENT = 1e-10
 """Part of the largest energy below which a direction is the round-off of others."""
