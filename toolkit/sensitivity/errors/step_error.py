@@ -130,9 +130,10 @@ def step_error(
         What the steps have taken out of it, if that counts: then a run with steps that keep it decides, where it is affordable.
     """
     options = solution.options or solution.system.scene.solver
-    if solution.halved:
+    if solution.halved:  # its steps, which other ones may have to halve again where they are longer
         options = options.model_copy(update={"times": tuple(map(float, solution.whole_run))})
-    options = options.model_copy(update={"halvings": 0})  # other steps are to be what they are called
+    else:
+        options = options.model_copy(update={"halvings": 0})  # other steps are to be what they are called
     known = Known(values, gradients, scales, slope_scales, 1 if first_order(options) else 2)
     if lost is not None and (resolved := _resolved(known, lost, solution, repeat)) is not None:
         return resolved
