@@ -18,6 +18,7 @@ from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.loose_maxima import loose_maxima
 from toolkit.responses.over_time.missed_peaks import missed_peaks
 from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.over_time.tied_extremes import tied_extremes
 from toolkit.responses.vibrations.flutter import unstable_vibrations
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
@@ -205,6 +206,7 @@ class Result:
             *missed_peaks(self.solution),
             *turned_displacements(self.solution, self.values, self._answers.scales),
             *loose_maxima(self.solution),
+            *tied_extremes(self.solution),
             *self._undefined(),
             *self._of_vibrations(),
         )
