@@ -40,6 +40,7 @@ from toolkit.validity.motion.noisy_forces import noisy_forces
 from toolkit.validity.motion.open_profiles import opened_profiles
 from toolkit.validity.motion.snap_through import snap_through
 from toolkit.validity.motion.spring_length import springs_through_zero
+from toolkit.validity.start.middle_axis import middle_spins
 from toolkit.validity.start.start_cautions import cautions_of_start
 from toolkit.validity.start.sudden_loads import halved_steps
 
@@ -88,6 +89,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from overshooting_tables(solution)
         yield from creeping_friction(solution)
         yield from turns_in_a_step(solution)
+        yield from middle_spins(solution)
         yield from left_out(solution)
         yield from stays_in_unstable(solution)
     else:
