@@ -30,6 +30,8 @@ beam = {{ type = "flexible", model = "beam.h5", frame = {frame} }}
 {more}
 [responses]
 energy = {{ type = "strain-energy" }}
+y = {{ type = "displacement", body = "beam", point = "tip", component = "y" }}
+turn = {{ type = "rotation", body = "{turning}", point = "tip"{axis} }}
 stress = {{ type = "max-stress", body = "beam", measure = "absolute" }}
 """
 PUSH = '[loads]\npush = { type = "point-force", body = "beam", point = "tip", force = FORCE }'
@@ -47,12 +49,12 @@ plastic = { youngs_modulus = 2e9, poisson_ratio = 0.35, density = 1200.0 }
 """
 
 
-def beam(folder, more, frame='"grounded"', **basis):
+def beam(folder, more, turning="beam", frame='"grounded"', **basis):
     """A bar along x of ten elements."""
     nodes = np.column_stack([np.linspace(0, L, 11), np.zeros(11)])
     section = Section(youngs_modulus=E, density=RHO, thickness=T, width=B)
     save(polygon_beam(nodes, section, {"root": 0.0, "tip": L}, basis=BasisChoice(**basis)), folder / "beam.h5")
-    (folder / "scene.toml").write_text(SCENE.format(space="", more=more, frame=frame))
+    (folder / "scene.toml").write_text(SCENE.format(space="", axis="", more=more, frame=frame, turning=turning))
     return ffrf.compile(ffrf.read_scene(folder / "scene.toml"))
 
 
@@ -80,10 +82,24 @@ def parts(run, **exact):
 )
 @pytest.mark.parametrize("along", [0.0, 300.0])
 def test_forces_at_points_in_shapes_that_are_left_out(basis, along, tmp_path):
-    """A cantilever: F^2 L^3 / (6 E I) + N^2 L / (2 E A), and F L / (I / (t / 2)) + N / A at its clamp."""
+    """A cantilever: F^2 L^3 / (6 E I) + N^2 L / (2 E A), F L / (I / (t / 2)) + N / A at its clamp, F L^3 / (3 E I), F L^2 / (2 E I)."""
     run = beam(tmp_path, PUSH.replace("FORCE", f"[{along}, 1.0]"), **basis).statics()
     energy = L**3 / (6 * E * INERTIA) + along**2 * L / (2 * E * AREA)
-    assert told(run) == parts(run, energy=energy, stress=L * T / 2 / INERTIA + along / AREA)
+    moves = {"y": L**3 / (3 * E * INERTIA), "turn": L**2 / (2 * E * INERTIA)}
+    assert told(run) == parts(run, energy=energy, stress=L * T / 2 / INERTIA + along / AREA, **moves)
+
+
+def test_a_mass_turns_as_the_tip_that_it_is_fixed_to(tmp_path):
+    mass = '[bodies.mass]\ntype = "rigid"\nmass = 0.1\ncenter = "tip"\ninertia = 1e-4\n'
+    glue = '[joints]\nglue = { type = "rigid", bodies = ["mass", "beam"], point = "tip" }\n'
+    run = beam(tmp_path, mass + glue + PUSH.replace("FORCE", "[0.0, 1.0]"), "mass", kind="eigenmodes", count=1).statics()
+    assert told(run)["turn"] == parts(run, turn=L**2 / (2 * E * INERTIA))["turn"]
+
+
+def test_points_that_joints_hold_move_no_further(tmp_path):
+    pin = '[joints]\npin = { type = "revolute", bodies = ["beam", "ground"], point = "tip" }\n'
+    run = beam(tmp_path, pin + WEIGHT.format(0.0, -9.81), kind="eigenmodes", count=4).statics()
+    assert not {"y", "turn"} & {*told(run)}
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.02, 1.5], ids=["along", "nearly along", "across"])
@@ -113,7 +129,7 @@ def test_a_torque_in_space_twists_what_its_modes_do_not(tmp_path):
     (tmp_path / "frame.toml").write_text(FRAME)
     save(build(tmp_path / "frame.toml"), tmp_path / "beam.h5")
     torque = '[loads]\ntwist = { type = "torque", body = "beam", point = "tip", torque = [0.6, 0.0, 0.8] }'
-    scene = SCENE.format(space="dimension = 3", more=torque, frame='"grounded"')
+    scene = SCENE.format(space="dimension = 3", axis=", axis = [0.0, 1.0, 0.0]", turning="beam", more=torque, frame='"grounded"')
     (tmp_path / "scene.toml").write_text(scene)
     run = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml")).statics()
     assert run.values["energy"] < 1e-12

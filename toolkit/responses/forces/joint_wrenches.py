@@ -11,10 +11,11 @@ from toolkit.equations.equations import allocate_work
 from toolkit.joints.kernels.planar.joint_kernel import evaluate_planar_joint
 from toolkit.joints.kernels.spatial.joint_kernel import evaluate_spatial_joint
 from toolkit.responses.forces.least_squares_forces import least_squares
+from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.marker_states import MarkerStates
 from toolkit.system.solution import Solution
 
-KERNELS = {2: evaluate_planar_joint, 3: evaluate_spatial_joint}
+KERNELS = {PLANE: evaluate_planar_joint, SPACE: evaluate_spatial_joint}
 
 
 class JointWrenches:
@@ -24,7 +25,7 @@ class JointWrenches:
         self.solution, self.system = solution, solution.system
         self._markers, self._work = MarkerStates(self.system), allocate_work(self.system.plan, self.system.dtype)
         self._acc: np.ndarray = np.zeros(self.system.n, self.system.dtype)
-        system, kernel, work = self.system, KERNELS[self.system.scene.dimension], self._work.joint
+        system, kernel, work = self.system, KERNELS[self.system.scene.space], self._work.joint
         given = system.functions[0], system.plan.joints
         self._formulas = [
             system.prepared(kernel, *given, j, self._markers.found, self._acc, work) for j in range(len(system.scene.joints))
@@ -59,7 +60,7 @@ class JointWrenches:
     def _wrenches(self, z: np.ndarray, f: np.ndarray) -> np.ndarray:
         """(F, M) at both markers (2, 3 or 6) of f at the poses z."""
         pose, force = z.reshape(2, -1), f.reshape(2, -1)
-        if self.system.scene.dimension == 2:
+        if pose.shape[1] == len(PLANE.wrench):
             return -force
         axes, along = pose[:, 3:].reshape(2, 3, 3), force[:, 3:].reshape(2, 3, 3)
         return -np.concatenate([force[:, :3], np.cross(axes, along).sum(axis=1)], axis=1)

@@ -1,9 +1,9 @@
-"""Stress and strain energy that the shapes hold which a reduced basis leaves out, under the forces of a run.
+"""What the shapes hold of stress, strain energy and small displacements which a reduced basis leaves out, under the forces of a run.
 
 Its reduced model tells what unit loads at rest do in these shapes (`LeftOutShapes`): with the forces c at its points, and what its weight
 and its inertia pull at every mass,
 
-    missed energy = c^T C c / 2,    missed stress = B R F c
+    missed energy = c^T C c / 2,    missed stress = B R F c,    missed displacements of its points = C c
 
 which is all that they do as long as none of them vibrates, and as joints bear what they bear.
 """
@@ -29,6 +29,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.forces_at_points import wrenches_at_points
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants
 from toolkit.validity.bodies.element_accelerations import pull_of_frame
+from toolkit.validity.bodies.reduced.moved_points import MovedPoint, moved_points
 
 LOOKED_AT = 24
 """Instants, evenly spread over a motion, that are looked at beside those of the largest deformation."""
@@ -37,15 +38,15 @@ MOST_DEFORMED = 16
 
 
 def missed_statics(solution: Solution) -> Iterator[Caution]:
-    """Doubts about stress and strain energy that responses ask for."""
-    asked = dict(_asked(solution))
+    """Doubts about stress, strain energy and displacements that responses ask for."""
+    asked = _asked(solution)
     known = _left_out(solution, asked) if asked else {}
     if not known:
         return
     instants = _instants(solution, asked, [*known])
     bodies = {name: _Reduced(solution, name, left_out, instants) for name, left_out in known.items()}
     parts = {name: _part(solution, name, each, bodies, instants) for name, each in asked.items() if _concerned(each, bodies)}
-    high = {name: part for name, part in parts.items() if part > LIMIT}
+    high = {name: part for name, part in sorted(parts.items(), key=lambda each: -each[1]) if part > LIMIT}
     if high:
         about = {body: each for name in high for body, each in _concerned(asked[name], bodies).items()}
         yield Caution("left-out-shapes", _told(solution, high, [*about]))
@@ -63,9 +64,10 @@ def _told(solution: Solution, parts: dict[str, float], about: list[str]) -> str:
 
 
 def _asked(solution: Solution) -> dict[str, Any]:
-    """Name -> what responses look at, of those that look at stress or at strain energy."""
+    """Name -> what responses look at, of those that look at stress, at strain energy, or at points that reduced bodies carry."""
     looked_at = {name: _source(response) for name, response in solution.system.scene.responses.items()}
-    return {name: each for name, each in looked_at.items() if isinstance(each, StrainEnergy | LocalStress | StressResponse)}
+    known = {name: each for name, each in looked_at.items() if isinstance(each, StrainEnergy | LocalStress | StressResponse)}
+    return known | dict(moved_points(solution.system.scene))
 
 
 def _source(response: Any) -> Any:
@@ -79,7 +81,7 @@ def _concerns(asked: Any, body: str) -> bool:
 def _left_out(solution: Solution, asked: dict[str, Any]) -> dict[str, LeftOutShapes]:
     """Bodies that responses concern and whose models tell what their bases leave out."""
     scene, found = solution.system.scene, {}
-    for name in deforming(scene):
+    for name in filter(scene.bodies.__contains__, deforming(scene)):
         if any(_concerns(each, name) for each in asked.values()) and not design_point(scene, name).model.keeps_all:
             left_out = design_point(scene, name, "left_out_shapes").model.left_out_shapes
             if left_out is not None:
@@ -90,7 +92,8 @@ def _left_out(solution: Solution, asked: dict[str, Any]) -> dict[str, LeftOutSha
 def _instants(solution: Solution, asked: dict[str, Any], bodies: list[str]) -> np.ndarray:
     """Numbers of the instants that are looked at, in order of time."""
     last = len(solution.times) - 1
-    own = [each.step(solution) for each in asked.values() if isinstance(each, Instant)]
+    responses = [solution.system.scene.responses[name] for name in asked]
+    own = [each.step(solution) for each in responses if isinstance(each, Instant)]
     largest = [largest_instants(np.real(solution.q[:, elastic_coordinates(solution, name)]), MOST_DEFORMED) for name in bodies]
     return np.unique(np.concatenate([np.linspace(0, last, LOOKED_AT).astype(int), np.array(own, int), *largest]))
 
@@ -102,6 +105,7 @@ class _Reduced:
         self.design, self.left_out = design_point(solution.system.scene, body), left_out
         self.elastic = np.real(solution.q[instants][:, elastic_coordinates(solution, body)])
         self.loads = _loads(solution, body, instants)
+        self.points, self.per_point = _points(solution, body), len(solution.system.scene.space.wrench)
 
     @cached_property
     def energies(self) -> np.ndarray:
@@ -118,15 +122,23 @@ class _Reduced:
         told = self.elastic @ operator.T
         return np.stack([told, told + self.loads @ self.left_out.stress_operator.T])
 
+    def moves(self, interface: str) -> np.ndarray:
+        """Displacement and rotation of an interface point that are missed, (n_t, 3 or 6), in the axes of the model."""
+        first, size = self.points.index(interface), self.per_point
+        return self.loads @ self.left_out.compliance[:, size * first : size * (first + 1)]
+
 
 def _loads(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray:
     """Loads c (n_t, n) in the order of `LeftOutShapes`."""
-    wrenches, d = wrenches_at_points(solution, body, instants), solution.system.scene.dimension
-    points = sorted(design_point(solution.system.scene, body, "interfaces").model.interfaces or {})
-    none = np.zeros((len(instants), 3 if d == 2 else 6))
+    wrenches = wrenches_at_points(solution, body, instants)
+    none = np.zeros((len(instants), len(solution.system.scene.space.wrench)))
     alike, by_place, by_shape = pull_of_frame(solution, body, instants)
     pulls = (alike, by_place.reshape(len(instants), -1), by_shape)
-    return np.concatenate([*(wrenches.get(name, none) for name in points), *pulls], axis=1)
+    return np.concatenate([*(wrenches.get(name, none) for name in _points(solution, body)), *pulls], axis=1)
+
+
+def _points(solution: Solution, body: str) -> list[str]:
+    return sorted(design_point(solution.system.scene, body, "interfaces").model.interfaces or {})
 
 
 def _concerned(asked: Any, bodies: dict[str, _Reduced]) -> dict[str, _Reduced]:
@@ -135,7 +147,8 @@ def _concerned(asked: Any, bodies: dict[str, _Reduced]) -> dict[str, _Reduced]:
 
 def _part(solution: Solution, name: str, asked: Any, bodies: dict[str, _Reduced], instants: np.ndarray) -> float:
     """By how much a response is off, in parts of the largest that what it looks at is during the run."""
-    told, true = _curves(solution, asked, [*_concerned(asked, bodies).values()])
+    mine = [*_concerned(asked, bodies).values()]
+    told, true = _moves(solution, asked, mine[0], instants) if isinstance(asked, MovedPoint) else _curves(solution, asked, mine)
     size = float(np.abs(true).max())
     if not size:
         return 0.0
@@ -144,6 +157,13 @@ def _part(solution: Solution, name: str, asked: Any, bodies: dict[str, _Reduced]
         n = int(np.searchsorted(instants, response.step(solution))) if isinstance(response, Instant) else -1
         return float(np.abs(true[n] - told[n])) / size
     return float(np.abs(size - np.abs(told).max())) / size
+
+
+def _moves(solution: Solution, asked: MovedPoint, body: _Reduced, instants: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same of a displacement or rotation."""
+    look = asked.response.instants(solution)
+    told = np.real([look(int(n)).value for n in instants])
+    return told, told + asked.missed(solution, body.moves(asked.interface), instants)
 
 
 def _curves(solution: Solution, asked: Any, bodies: list[_Reduced]) -> tuple[np.ndarray, np.ndarray]:
