@@ -49,7 +49,7 @@ plastic = { youngs_modulus = 2e9, poisson_ratio = 0.35, density = 1200.0 }
 """
 
 
-def beam(folder, more, turning="beam", frame='"grounded"', **basis):
+def beam(folder, more="", turning="beam", frame='"grounded"', **basis):
     """A bar along x of ten elements."""
     nodes = np.column_stack([np.linspace(0, L, 11), np.zeros(11)])
     section = Section(youngs_modulus=E, density=RHO, thickness=T, width=B)
@@ -87,6 +87,16 @@ def test_forces_at_points_in_shapes_that_are_left_out(basis, along, tmp_path):
     energy = L**3 / (6 * E * INERTIA) + along**2 * L / (2 * E * AREA)
     moves = {"y": L**3 / (3 * E * INERTIA), "turn": L**2 / (2 * E * INERTIA)}
     assert told(run) == parts(run, energy=energy, stress=L * T / 2 / INERTIA + along / AREA, **moves)
+
+
+@pytest.mark.parametrize("thickness", [0.01, 0.03])
+def test_other_numbers_than_those_of_the_file(thickness, tmp_path):
+    body = f'"grounded", thickness = {thickness}'
+    one = {"kind": "eigenmodes", "count": 1, "derivative": "frozen"}
+    run = beam(tmp_path, PUSH.replace("FORCE", "[0.0, 0.1]"), frame=body, **one).statics()
+    inertia = B * thickness**3 / 12
+    exact = {"stress": 0.1 * L * thickness / 2 / inertia, "turn": 0.1 * L**2 / (2 * E * inertia)}
+    assert told(run) == parts(run, **exact)
 
 
 def test_a_mass_turns_as_the_tip_that_it_is_fixed_to(tmp_path):

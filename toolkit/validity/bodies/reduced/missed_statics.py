@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
+from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.responses.energy import StrainEnergy
 from toolkit.responses.instant import Instant
@@ -105,13 +106,14 @@ class _Reduced:
         self.design, self.left_out = design_point(solution.system.scene, body), left_out
         self.elastic = np.real(solution.q[instants][:, elastic_coordinates(solution, body)])
         self.loads = _loads(solution, body, instants)
+        self.softer, self.stressed = _scales(self.design)
         self.points, self.per_point = _points(solution, body), len(solution.system.scene.space.wrench)
 
     @cached_property
     def energies(self) -> np.ndarray:
         """Told and true, (2, n_t)."""
         stiffness = np.real(self.design.value("stiffness"))
-        forms = (self.elastic, stiffness), (self.loads, self.left_out.compliance)
+        forms = (self.elastic, stiffness), (self.loads, self.softer * self.left_out.compliance)
         told, missed = (np.einsum("ti,ij,tj->t", x, form, x) / 2 for x, form in forms)
         return np.stack([told, told + missed])
 
@@ -120,12 +122,21 @@ class _Reduced:
         """Told and true, (2, n_t, n_stress)."""
         operator = np.real(self.design.value("stress_operator")).reshape(-1, self.elastic.shape[1])
         told = self.elastic @ operator.T
-        return np.stack([told, told + self.loads @ self.left_out.stress_operator.T])
+        return np.stack([told, told + self.stressed * self.loads @ self.left_out.stress_operator.T])
 
     def moves(self, interface: str) -> np.ndarray:
         """Displacement and rotation of an interface point that are missed, (n_t, 3 or 6), in the axes of the model."""
         first, size = self.points.index(interface), self.per_point
-        return self.loads @ self.left_out.compliance[:, size * first : size * (first + 1)]
+        return self.softer * self.loads @ self.left_out.compliance[:, size * first : size * (first + 1)]
+
+
+def _scales(design: DesignPoint) -> tuple[float, float]:
+    """How much more the body yields to a force than at its nominal design, and how much larger stress is; of what is kept, on the whole."""
+    nominal = design.model.invariants
+    stiffness, operator = (np.real(design.value(name)) for name in ("stiffness", "stress_operator"))
+    softer = float(np.mean(np.diag(nominal.stiffness) / np.diag(stiffness)))
+    size = np.linalg.norm(nominal.stress_operator)
+    return softer, softer * float(np.linalg.norm(operator) / size) if size else 0.0
 
 
 def _loads(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray:
@@ -133,7 +144,9 @@ def _loads(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray:
     wrenches = wrenches_at_points(solution, body, instants)
     none = np.zeros((len(instants), len(solution.system.scene.space.wrench)))
     alike, by_place, by_shape = pull_of_frame(solution, body, instants)
-    pulls = (alike, by_place.reshape(len(instants), -1), by_shape)
+    design = design_point(solution.system.scene, body)
+    heavier = float(np.real(design.value("mass")) / design.model.invariants.mass)
+    pulls = (heavier * each for each in (alike, by_place.reshape(len(instants), -1), by_shape))
     return np.concatenate([*(wrenches.get(name, none) for name in _points(solution, body)), *pulls], axis=1)
 
 
