@@ -71,17 +71,16 @@ def parts(run, **exact):
 
 
 @pytest.mark.parametrize(
-    "basis",
+    ("along", "basis"),
     [
-        {"kind": "eigenmodes", "count": 1},
-        {"kind": "eigenmodes", "count": 4},
-        {"kind": "craig-bampton", "count": 0},
-        {"kind": "full"},
+        (0.0, {"kind": "eigenmodes", "count": 1}),
+        (300.0, {"kind": "eigenmodes", "count": 4}),
+        (300.0, {"kind": "craig-bampton", "count": 0}),
+        (0.0, {"kind": "full"}),
     ],
-    ids=lambda basis: f"{basis['kind']} {basis.get('count', '')}",
+    ids=["one mode", "pulled", "craig-bampton", "full"],
 )
-@pytest.mark.parametrize("along", [0.0, 300.0])
-def test_forces_at_points_in_shapes_that_are_left_out(basis, along, tmp_path):
+def test_forces_at_points_in_shapes_that_are_left_out(along, basis, tmp_path):
     """A cantilever: F^2 L^3 / (6 E I) + N^2 L / (2 E A), F L / (I / (t / 2)) + N / A at its clamp, F L^3 / (3 E I), F L^2 / (2 E I)."""
     run = beam(tmp_path, PUSH.replace("FORCE", f"[{along}, 1.0]"), **basis).statics()
     energy = L**3 / (6 * E * INERTIA) + along**2 * L / (2 * E * AREA)
@@ -89,7 +88,7 @@ def test_forces_at_points_in_shapes_that_are_left_out(basis, along, tmp_path):
     assert told(run) == parts(run, energy=energy, stress=L * T / 2 / INERTIA + along / AREA, **moves)
 
 
-@pytest.mark.parametrize("thickness", [0.01, 0.03])
+@pytest.mark.parametrize("thickness", [0.03])
 def test_other_numbers_than_those_of_the_file(thickness, tmp_path):
     body = f'"grounded", thickness = {thickness}'
     one = {"kind": "eigenmodes", "count": 1, "derivative": "frozen"}
@@ -112,7 +111,7 @@ def test_points_that_joints_hold_move_no_further(tmp_path):
     assert not {"y", "turn"} & {*told(run)}
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.02, 1.5], ids=["along", "nearly along", "across"])
+@pytest.mark.parametrize("angle", [0.02, 1.5], ids=["nearly along", "across"])
 def test_weight_in_shapes_that_are_left_out(angle, tmp_path):
     """Of p per length, across p^2 L^5 / (40 E I) and along p^2 L^3 / (6 E A)."""
     p = RHO * AREA * 9.81 * np.array([np.cos(angle), np.sin(angle)])
