@@ -15,6 +15,7 @@ import numpy as np
 from preprocessing.basis.boundary import Boundary
 from preprocessing.basis.constrained_pencil import ConstrainedPencil
 from preprocessing.basis.elastic_shapes import ElasticShapes
+from preprocessing.basis.normal_modes import NormalModes
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,7 @@ class Basis:
     frequencies: np.ndarray = field(default_factory=lambda: np.zeros(0))  # of the eigenmodes among the shapes, in Hz
     left_out: Mapping[str, float] = field(default_factory=dict)  # of few shapes, as `ReducedModel.left_out`
     boundary: Boundary | None = None
+    beyond: NormalModes | None = None  # modes that are left out
     parts: tuple[ElasticShapes, ...] = ()
 
     @property

@@ -102,6 +102,7 @@ def reduced_basis(
         np.concatenate([found.frequencies for found in modes] or [np.zeros(0)]),
         slowest_left_out(modes[0].discarded if modes else every.eigenvalues, bool(boundary.points)),
         boundary,
+        every.beyond(modes[0].count if modes else 0),
         tuple(parts) if choice.derivative == "differentiated" else (),
     )
 

@@ -19,6 +19,7 @@ from preprocessing.reduction.composition import line_composition
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.element_sums import element_sums
 from preprocessing.reduction.held_points import with_held_points
+from preprocessing.reduction.left_out_shapes import left_out_shapes
 from preprocessing.reduction.line_spin import line_spin
 from preprocessing.reduction.richer_basis import richer_choices
 from preprocessing.reduction.stored_entries import with_more
@@ -27,6 +28,7 @@ from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
+from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants
 
@@ -49,6 +51,7 @@ class Reduced:
     element_derivatives: dict[str, Derivatives] | None = None
     element_affine: dict[str, Polynomial] | None = None
     spin: Spin | None = None
+    left_out_shapes: LeftOutShapes | None = None
     composition: dict[str, str | int | float] = field(default_factory=dict)
     richer: Reduced | None = None  # of a frozen basis: the same body in more shapes
 
@@ -64,7 +67,8 @@ class Reduced:
             "nominal_units": {name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
             **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},
             **{
-                name: getattr(self, name) for name in ("elements", "element_derivatives", "element_affine", "spin", "composition")
+                name: getattr(self, name)
+                for name in ("elements", "element_derivatives", "element_affine", "spin", "left_out_shapes", "composition")
             },
             **({} if self.richer is None else {f"richer_{name}": getattr(self.richer, name) for name in RICHER}),
         }
@@ -124,7 +128,8 @@ def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequen
         elements = (sums.elements, sums.derivatives, sums.affine)
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     composition = line_composition(space, nominal, still, interfaces)
-    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, stored, composition)
+    rest = left_out_shapes(nominal, matrices, mass, basis)
+    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, stored, rest, composition)
 
 
 def element_parts(basis: str) -> tuple[str, ...]:

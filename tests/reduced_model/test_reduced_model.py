@@ -100,6 +100,7 @@ def test_parts_that_were_not_asked_for_are_none_and_not_read(monkeypatch):
         "outline",
         "interior",
         "spin",
+        "left_out_shapes",
         "surface",
         "surface_loads",
         "pieces",

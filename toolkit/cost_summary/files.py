@@ -31,6 +31,7 @@ UNREAD = {
     "surface": "for pictures",
     "surface_loads": "no load presses on a surface of the body",
     "piece_loads": "no load presses on a surface of a body with several frames",
+    "left_out_shapes": "after a run that asks for stress or strain energy",
     "mesh": "for pictures, and after a run for the small-deformation meter",
     **dict.fromkeys(RICHER_PARTS, "no frozen body is off its design, no variable turns its shapes"),
 }

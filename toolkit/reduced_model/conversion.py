@@ -29,7 +29,7 @@ LENGTH, MASS, TIME = LABELLED["length"], LABELLED["mass"], LABELLED["time"]
 ITEMS: dict[str, Dimension] = {
     "mass": MASS, "first_moment": MASS.times(LENGTH), "inertia": MASS.times(LENGTH.power(2)),
     "gyroscopic": MASS.times(LENGTH.power(2)), "stiffness": LABELLED["energy"], "damping": LABELLED["energy"].times(TIME),
-    "stress_operator": LABELLED["stress"], "second_moment": MASS.times(LENGTH.power(2)),
+    "stress_operator": LABELLED["stress"], "compliance": LABELLED["energy"], "second_moment": MASS.times(LENGTH.power(2)),
     "stiffening": MASS.times(LENGTH.power(2)),
     "arc_length": LENGTH, "arc_length_range": LENGTH, "position": LENGTH, "rotation": NONE, "target": LENGTH,
     "nodes": LENGTH, "connectivity": NONE, "held": NONE, "recovery": NONE, "outline": LENGTH, "target_outline": LENGTH,
@@ -86,8 +86,9 @@ def _converted(model: ReducedModel, units: str, moving: np.ndarray) -> ReducedMo
 
 
 def _single_parts(model: ReducedModel) -> dict[str, Any]:
-    names = ("invariants", "stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin", "pieces")
-    return {name: getattr(model, name) for name in names}
+    names = ("invariants", "stress", "shape", "mesh", "outline", "interior", "elements", "surface")
+    more = ("spin", "left_out_shapes", "pieces")
+    return {name: getattr(model, name) for name in (*names, *more)}
 
 
 def _each(group: Mapping[str, Any] | None, change: Any) -> dict[str, Any] | None:
@@ -111,6 +112,18 @@ class _Scales:
         widths = {"f": coordinate, "u": local, "v": spatial}
         self.per_axis = {letter: 1 / each for letter, each in widths.items()}
         self.per_axis |= {letter: 1 / np.append(1.0, widths[of]) for letter, of in (("z", "f"), ("w", "u"), ("y", "v"))}
+        self.per_axis["q"] = 1 / self._loads(coordinate)
+
+    def _loads(self, coordinate: np.ndarray) -> np.ndarray:
+        """Factors of the loads of `LeftOutShapes`; of nobody's if they are not there."""
+        found, d = self.model.left_out_shapes, self.model.dimension
+        force, moment, per_time = (
+            factor(each, self.model.units, self.units) for each in (LABELLED["force"], LABELLED["energy"], TIME.power(-2))
+        )
+        pulls = per_time * np.concatenate([np.full(d, self.length), np.ones(d * d), coordinate])
+        point = np.repeat([force, moment], [d, 1 if d == 2 else 3])
+        points = 0 if found is None else (len(found) - len(pulls)) // len(point)
+        return np.concatenate([np.tile(point, points), pulls])
 
     def part(self, part: Any, point: bool = False) -> Any:
         """All arrays of one object."""

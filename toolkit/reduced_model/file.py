@@ -20,6 +20,7 @@ from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
@@ -58,6 +59,7 @@ PARTS: dict[str, Any] = {
     "surface": Surface,
     "surface_loads": SurfaceLoad,
     "spin": Spin,
+    "left_out_shapes": LeftOutShapes,
     "pieces": Pieces,
     "piece_loads": PieceLoads,
     "richer_invariants": Invariants,

@@ -13,6 +13,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
@@ -200,6 +201,7 @@ class ReducedModel:
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     spin: Spin | None = None  # of bodies whose file asks for it
+    left_out_shapes: LeftOutShapes | None = None  # of beams whose basis keeps few shapes
     pieces: Pieces | None = None  # of solids in pieces, which are `elements`
     piece_loads: dict[str, PieceLoads] | None = None  # of these: the same as `surface_loads`, piece by piece
     richer_invariants: Invariants | SpatialInvariants | None = None  # of a frozen basis: the same as `invariants`, in more shapes

@@ -21,6 +21,7 @@ from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
 from toolkit.validity.bodies.fibres.folded_skins import folded_skins
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed
+from toolkit.validity.bodies.reduced.missed_statics import missed_statics
 from toolkit.validity.bodies.shear.sheared_deflections import sheared
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.spinning.partly_stiffened import partly_stiffened
@@ -118,6 +119,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from sheared(solution)
     yield from folded_skins(scene)
     yield from bent_between_nodes(solution)
+    yield from missed_statics(solution)
     yield from fibres_alone(solution)
     yield from turning(solution)
     for body, names in scene.extrapolated().items():

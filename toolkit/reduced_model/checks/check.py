@@ -9,7 +9,7 @@ from toolkit.foundation.errors import ModelFileError
 from toolkit.reduced_model.checks.attributes import check_attributes
 from toolkit.reduced_model.checks.dependences import check_affine, check_derivatives
 from toolkit.reduced_model.checks.indices import check_indices
-from toolkit.reduced_model.checks.matrices import check_matrices, check_spin
+from toolkit.reduced_model.checks.matrices import check_left_out, check_matrices, check_spin
 from toolkit.reduced_model.checks.refusal import refuse
 from toolkit.reduced_model.checks.shapes import Sizes, fit_all
 from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL
@@ -45,11 +45,12 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
     for group in ("surface_loads", "piece_loads"):
         for name, load in (getattr(model, group) or {}).items():
             fit_all(path, f"{group}/{name}", load, sizes)
-    for part in ("stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin", "pieces"):
+    for part in ("stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin", "pieces", "left_out_shapes"):
         if getattr(model, part) is not None:
             fit_all(path, part, getattr(model, part), sizes)
     if model.spin is not None and "spin" not in before:
         check_spin(model.spin.stiffening, 1 if model.dimension == 2 else len(PAIRS), path)
+    check_left_out(model, path)
     check_indices(model, path)
     if model.richer_invariants is not None and "richer_invariants" not in before:
         _check_richer(model, path)

@@ -9,7 +9,8 @@ import numpy as np
 from toolkit.reduced_model.checks.refusal import refuse
 from toolkit.reduced_model.definiteness import positive_definite
 from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
-from toolkit.reduced_model.model import Invariants, generalized_mass
+from toolkit.reduced_model.model import Invariants, ReducedModel, generalized_mass
+from toolkit.reduced_model.parts.left_out_shapes import count_of_loads
 from toolkit.reduced_model.parts.spin import SPIN_STIFFENING
 from toolkit.reduced_model.spatial_model import SpatialInvariants, spatial_generalized_mass
 from toolkit.reduced_model.thin_arrays import listed, sparing
@@ -55,6 +56,21 @@ def check_spin(stiffening: np.ndarray, count: int, path: Path) -> None:
         refuse(path, SPIN_STIFFENING.replace(".", "/"), f"has {len(stiffening)} matrices instead of {count}")
     if np.abs(stiffening - stiffening.swapaxes(1, 2)).max(initial=0) > ROUND_OFF * np.abs(stiffening).max(initial=0):
         refuse(path, SPIN_STIFFENING.replace(".", "/"), "is not symmetric")
+
+
+def check_left_out(model: ReducedModel, path: Path) -> None:
+    """A symmetric compliance, and as many loads as there can be on the body."""
+    found, points = model.left_out_shapes, model.interfaces
+    if found is None:
+        return
+    wanted = None if points is None else count_of_loads(len(points), model.dimension, model.n_f)
+    if wanted is not None and len(found) != wanted:
+        refuse(path, "left_out_shapes/compliance", f"has {len(found)} loads instead of {wanted}")
+    if len(found.stress_operator) != model.invariants.stress_operator[..., 0].size:
+        refuse(path, "left_out_shapes/stress_operator", "has another number of rows than invariants/stress_operator")
+    scale = np.sqrt(np.diag(found.compliance).clip(0.0))
+    if np.any(np.abs(found.compliance - found.compliance.T) > ROUND_OFF * np.outer(scale, scale)):
+        refuse(path, "left_out_shapes/compliance", "is not symmetric")
 
 
 def entry_sizes(inv: Invariants | SpatialInvariants) -> dict[str, EntryScale]:

@@ -13,6 +13,7 @@ from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, Shape, StressPoints
 from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
@@ -47,12 +48,13 @@ SHAPES: dict[Any, dict[str, str]] = {
     Surface: {"position": "p3z", "triangles": "t3", "lines": "l2"},
     SurfaceLoad: {"force": "3", "moment": "33z"},
     Spin: {"stiffening": "gff"},
+    LeftOutShapes: {"compliance": "qq", "stress_operator": "nq"},
     Pieces: {"element": "p", "position": "p3y"},
     PieceLoads: {"force": "e3", "moment": "e33y"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
 """One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u, in space v and y;
-others are free."""
+q loads; others are free."""
 
 Sizes = dict[str, int]
 

@@ -54,7 +54,7 @@ def richer_model(model: ReducedModel) -> ReducedModel:
     key = ("in more shapes",)
     if key not in model.told:
         assert model.richer_invariants is not None
-        changed: dict[str, Any] = dict.fromkeys(("mesh", "outline", "interior", "surface", *RICHER_PARTS))
+        changed: dict[str, Any] = dict.fromkeys(("mesh", "outline", "interior", "surface", "left_out_shapes", *RICHER_PARTS))
         changed |= {name.removeprefix("richer_"): getattr(model, name) for name in RICHER_PARTS}
         model.told[key] = replace(model, **changed, left_out={})
     found: ReducedModel = model.told[key]

@@ -28,6 +28,15 @@ Wrenches = Callable[[np.ndarray], tuple[np.ndarray, ...]]
 """G lam and its derivatives by q, by lam and by the design, for multipliers."""
 
 
+class Split(NamedTuple):
+    """Multipliers of least squares, with what they are found from."""
+
+    value: np.ndarray  # mu (n_lam,)
+    jacobian: np.ndarray  # J (n_lam, n_q)
+    kept: np.ndarray  # rows that repeat no others
+    null: np.ndarray  # N (n_lam, n_n)
+
+
 class Forces(NamedTuple):
     """Multipliers and their derivatives by q, by the run's multipliers and by the design."""
 
@@ -81,15 +90,21 @@ def _connected(system: System) -> np.ndarray:
 
 def least_squares_forces(system: System, q: np.ndarray, lam: np.ndarray, wrenches: Wrenches) -> Forces:
     """Multipliers (n_lam,) of least squares for those of a run from which redundant rows were dropped."""
+    G = wrenches(lam)[2]
+    value, jacobian, kept, N = least_squares(system, q, lam, G)
+    real = (np.real(each) for each in (jacobian, N, G, lam, value))
+    return Forces(value, *_derivatives(system, np.real(q), kept, wrenches, *real))
+
+
+def least_squares(system: System, q: np.ndarray, lam: np.ndarray, G: np.ndarray) -> Split:
+    """The same without derivatives, where forces and torques of all joints are G lam."""
     n_q = system.n_q
     jacobian = system.dense(_terms(system, q, np.zeros(n_q), 0 * lam).I_acc)[n_q:, :n_q]
     repeating = system.plan.dropped - n_q
     kept = np.setdiff1d(np.arange(len(lam)), repeating)
-    N, G = null_vectors(jacobian, kept, repeating), wrenches(lam)[2]
+    N = null_vectors(jacobian, kept, repeating)
     GN = G @ N
-    value = lam - N @ np.linalg.solve(GN.T @ GN, GN.T @ (G @ lam))
-    real = (np.real(each) for each in (jacobian, N, G, lam, value))
-    return Forces(value, *_derivatives(system, np.real(q), kept, wrenches, *real))
+    return Split(lam - N @ np.linalg.solve(GN.T @ GN, GN.T @ (G @ lam)), jacobian, kept, N)
 
 
 def _derivatives(

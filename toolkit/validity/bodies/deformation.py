@@ -166,8 +166,8 @@ def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     return Deformation(float(rotation), float(moved[worst].max()), float(error[worst].max()), float(extent), float(time))
 
 
-def largest_instants(elastic: np.ndarray) -> np.ndarray:
+def largest_instants(elastic: np.ndarray, count: int = INSTANTS) -> np.ndarray:
     """Numbers of the instants at which elastic coordinates (n_t, n_f) are largest in their own scale, in order of time."""
     scale = np.abs(elastic).max(axis=0)
     size = np.linalg.norm(elastic / np.where(scale > 0, scale, 1.0), axis=1)
-    return np.sort(np.argsort(-size, kind="stable")[:INSTANTS])
+    return np.sort(np.argsort(-size, kind="stable")[:count])

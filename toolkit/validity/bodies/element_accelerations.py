@@ -47,6 +47,27 @@ def pull_on_elements(solution: Solution, name: str, behind: Chain, instants: np.
     return np.where((np.linalg.norm(found, axis=2) > CANCELLED * sizes)[:, :, None], found, 0.0)
 
 
+def pull_of_frame(solution: Solution, name: str, instants: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Force per mass on all of a body at some instants: alike (n_t, d), by the place (n_t, d, d), and along each of its shapes (n_t, n_f).
+
+    A^T (g - r''),   - alpha x - omega x (omega x .),   - q_f''
+    """
+    scene = solution.system.scene
+    body: Any = scene.body(name)
+    q, v, a = (np.real(x[instants][:, solution.coordinates(name)]) for x in (solution.q, solution.v, solution.a))
+    axes, d = body.poses(q)[1], scene.dimension
+    alike = _turned_back(axes, np.tile(np.real(scene.gravity), (len(q), 1)))
+    by_place, by_shape = np.zeros((len(q), d, d)), np.zeros(a[:, body.frame_size :].shape)
+    if has_inertia(solution):
+        by_shape = -a[:, body.frame_size :]
+        if body.moves:
+            alike = alike - _turned_back(axes, a[:, : body.moves])
+        if body.turns:
+            omega, alpha = (_cross(body.spins(q, x), d) for x in (v, a))  # spins(v, v) = 0
+            by_place = -(alpha + omega @ omega)
+    return alike, by_place, by_shape
+
+
 def _turned_back(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Vectors (n_t, d) in axes (n_t, d, d)."""
     found: np.ndarray = np.einsum("tij,ti->tj", axes, vectors)

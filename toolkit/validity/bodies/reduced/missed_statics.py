@@ -1,0 +1,195 @@
+"""What the shapes hold of stress, strain energy and small displacements which a reduced basis leaves out, under the forces of a run.
+
+Its reduced model tells what unit loads at rest do in these shapes (`LeftOutShapes`): with the forces c at its points, and what its weight
+and its inertia pull at every mass,
+
+    missed energy = c^T C c / 2,    missed stress = B R F c,    missed displacements of its points = C c
+
+which is all that they do as long as none of them vibrates, and as joints bear what they bear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from toolkit.foundation.verdict import Caution
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
+from toolkit.responses.energy import StrainEnergy
+from toolkit.responses.instant import Instant
+from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.stress.local_stress import LocalStress
+from toolkit.responses.stress.stress import StressResponse
+from toolkit.responses.stress.von_mises import point_stress
+from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.compressed.forces_at_points import wrenches_at_points
+from toolkit.validity.bodies.deformation import LIMIT, largest_instants
+from toolkit.validity.bodies.element_accelerations import pull_of_frame
+from toolkit.validity.bodies.reduced.moved_points import MovedPoint, moved_points
+
+LOOKED_AT = 24
+"""Instants, evenly spread over a motion, that are looked at beside those of the largest deformation."""
+MOST_DEFORMED = 16
+"""How many of these."""
+
+
+def missed_statics(solution: Solution) -> Iterator[Caution]:
+    """Doubts about stress, strain energy and displacements that responses ask for."""
+    asked = _asked(solution)
+    known = _left_out(solution, asked) if asked else {}
+    if not known:
+        return
+    instants = _instants(solution, asked, [*known])
+    bodies = {name: _Reduced(solution, name, left_out, instants) for name, left_out in known.items()}
+    parts = {name: _part(solution, name, each, bodies, instants) for name, each in asked.items() if _concerned(each, bodies)}
+    high = {name: part for name, part in sorted(parts.items(), key=lambda each: -each[1]) if part > LIMIT}
+    if high:
+        about = {body: each for name in high for body, each in _concerned(asked[name], bodies).items()}
+        yield Caution("left-out-shapes", _told(solution, high, [*about]))
+
+
+def _told(solution: Solution, parts: dict[str, float], about: list[str]) -> str:
+    scene, one = solution.system.scene, len(about) == 1
+    modes_alone = any("interface" not in design_point(scene, each).model.left_out for each in about)
+    other = ', or of kind "craig-bampton", whose shapes know forces at interface points' if modes_alone else ""
+    return (
+        f"{', '.join(f'{name} by about {part:.0%}' for name, part in parts.items())}: so much is missing of what forces at the points of "
+        f"{' and '.join(about)}, weight and inertia do, as it is in shapes that {'its basis leaves' if one else 'their bases leave'} out. "
+        f"Build {'it' if one else 'them'} with more modes{other}."
+    )
+
+
+def _asked(solution: Solution) -> dict[str, Any]:
+    """Name -> what responses look at, of those that look at stress, at strain energy, or at points that reduced bodies carry."""
+    looked_at = {name: _source(response) for name, response in solution.system.scene.responses.items()}
+    known = {name: each for name, each in looked_at.items() if isinstance(each, StrainEnergy | LocalStress | StressResponse)}
+    return known | dict(moved_points(solution.system.scene))
+
+
+def _source(response: Any) -> Any:
+    return _source(response.source) if isinstance(response, OverTime) else response
+
+
+def _concerns(asked: Any, body: str) -> bool:
+    return asked.body in (None, body)
+
+
+def _left_out(solution: Solution, asked: dict[str, Any]) -> dict[str, LeftOutShapes]:
+    """Bodies that responses concern and whose models tell what their bases leave out."""
+    scene, found = solution.system.scene, {}
+    for name in filter(scene.bodies.__contains__, deforming(scene)):
+        if any(_concerns(each, name) for each in asked.values()) and not design_point(scene, name).model.keeps_all:
+            left_out = design_point(scene, name, "left_out_shapes").model.left_out_shapes
+            if left_out is not None:
+                found[name] = left_out
+    return found
+
+
+def _instants(solution: Solution, asked: dict[str, Any], bodies: list[str]) -> np.ndarray:
+    """Numbers of the instants that are looked at, in order of time."""
+    last = len(solution.times) - 1
+    responses = [solution.system.scene.responses[name] for name in asked]
+    own = [each.step(solution) for each in responses if isinstance(each, Instant)]
+    largest = [largest_instants(np.real(solution.q[:, elastic_coordinates(solution, name)]), MOST_DEFORMED) for name in bodies]
+    return np.unique(np.concatenate([np.linspace(0, last, LOOKED_AT).astype(int), np.array(own, int), *largest]))
+
+
+class _Reduced:
+    """One body at the instants that are looked at: what its basis tells, and what it misses."""
+
+    def __init__(self, solution: Solution, body: str, left_out: LeftOutShapes, instants: np.ndarray) -> None:
+        self.design, self.left_out = design_point(solution.system.scene, body), left_out
+        self.elastic = np.real(solution.q[instants][:, elastic_coordinates(solution, body)])
+        self.loads = _loads(solution, body, instants)
+        self.softer, self.stressed = _scales(self.design)
+        self.points, self.per_point = _points(solution, body), len(solution.system.scene.space.wrench)
+
+    @cached_property
+    def energies(self) -> np.ndarray:
+        """Told and true, (2, n_t)."""
+        stiffness = np.real(self.design.value("stiffness"))
+        forms = (self.elastic, stiffness), (self.loads, self.softer * self.left_out.compliance)
+        told, missed = (np.einsum("ti,ij,tj->t", x, form, x) / 2 for x, form in forms)
+        return np.stack([told, told + missed])
+
+    @cached_property
+    def stresses(self) -> np.ndarray:
+        """Told and true, (2, n_t, n_stress)."""
+        operator = np.real(self.design.value("stress_operator")).reshape(-1, self.elastic.shape[1])
+        told = self.elastic @ operator.T
+        return np.stack([told, told + self.stressed * self.loads @ self.left_out.stress_operator.T])
+
+    def moves(self, interface: str) -> np.ndarray:
+        """Displacement and rotation of an interface point that are missed, (n_t, 3 or 6), in the axes of the model."""
+        first, size = self.points.index(interface), self.per_point
+        return self.softer * self.loads @ self.left_out.compliance[:, size * first : size * (first + 1)]
+
+
+def _scales(design: DesignPoint) -> tuple[float, float]:
+    """How much more the body yields to a force than at its nominal design, and how much larger stress is; of what is kept, on the whole."""
+    nominal = design.model.invariants
+    stiffness, operator = (np.real(design.value(name)) for name in ("stiffness", "stress_operator"))
+    softer = float(np.mean(np.diag(nominal.stiffness) / np.diag(stiffness)))
+    size = np.linalg.norm(nominal.stress_operator)
+    return softer, softer * float(np.linalg.norm(operator) / size) if size else 0.0
+
+
+def _loads(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray:
+    """Loads c (n_t, n) in the order of `LeftOutShapes`."""
+    wrenches = wrenches_at_points(solution, body, instants)
+    none = np.zeros((len(instants), len(solution.system.scene.space.wrench)))
+    alike, by_place, by_shape = pull_of_frame(solution, body, instants)
+    design = design_point(solution.system.scene, body)
+    heavier = float(np.real(design.value("mass")) / design.model.invariants.mass)
+    pulls = (heavier * each for each in (alike, by_place.reshape(len(instants), -1), by_shape))
+    return np.concatenate([*(wrenches.get(name, none) for name in _points(solution, body)), *pulls], axis=1)
+
+
+def _points(solution: Solution, body: str) -> list[str]:
+    return sorted(design_point(solution.system.scene, body, "interfaces").model.interfaces or {})
+
+
+def _concerned(asked: Any, bodies: dict[str, _Reduced]) -> dict[str, _Reduced]:
+    return {name: each for name, each in bodies.items() if _concerns(asked, name)}
+
+
+def _part(solution: Solution, name: str, asked: Any, bodies: dict[str, _Reduced], instants: np.ndarray) -> float:
+    """By how much a response is off, in parts of the largest that what it looks at is during the run."""
+    mine = [*_concerned(asked, bodies).values()]
+    told, true = _moves(solution, asked, mine[0], instants) if isinstance(asked, MovedPoint) else _curves(solution, asked, mine)
+    size = float(np.abs(true).max())
+    if not size:
+        return 0.0
+    response = solution.system.scene.responses[name]
+    if isinstance(response, Instant) or getattr(response, "when", "all") == "end":
+        n = int(np.searchsorted(instants, response.step(solution))) if isinstance(response, Instant) else -1
+        return float(np.abs(true[n] - told[n])) / size
+    return float(np.abs(size - np.abs(told).max())) / size
+
+
+def _moves(solution: Solution, asked: MovedPoint, body: _Reduced, instants: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same of a displacement or rotation."""
+    look = asked.response.instants(solution)
+    told = np.real([look(int(n)).value for n in instants])
+    return told, told + asked.missed(solution, body.moves(asked.interface), instants)
+
+
+def _curves(solution: Solution, asked: Any, bodies: list[_Reduced]) -> tuple[np.ndarray, np.ndarray]:
+    """What is told of what a response looks at, and what is true, (n_t,)."""
+    if isinstance(asked, StrainEnergy):
+        told, true = np.sum([each.energies for each in bodies], axis=0)
+        return told, true
+    told, true = bodies[0].stresses
+    if isinstance(asked, LocalStress):
+        rows = asked.rows(solution.system.scene)
+        told, true = (
+            np.array([asked.reduced(point_stress(each[:, None]))[0] for each in both[:, rows]]) for both in (told, true)
+        )
+        return told, true
+    told, true = (asked.signed(each[:, :, None]).max(axis=1) for each in (told, true))
+    return told, true
