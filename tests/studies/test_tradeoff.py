@@ -363,7 +363,7 @@ def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_
     fragment = skin_fragments(found.plan.case, coarse.setting)["skin"]
     text = (wing / "skin.toml").read_text()
     kept = {name: table for name, table in parse_toml(text).items() if name not in parse_toml(fragment)}
-    units = f'units = "{kept.pop("units")}"\n\n'
+    units = f'units = "{kept.pop("units")}"\nrotary_inertia = {str(kept.pop("rotary_inertia")).lower()}\n\n'
     (wing / "other.toml").write_text(units + "\n\n".join([*(toml_table(name, each) for name, each in kept.items()), fragment]))
     ours = build(wing / "other.toml")
     theirs = load(found.plan.case.scene_of(coarse.setting).bodies["skin"].model)
