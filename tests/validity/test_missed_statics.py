@@ -61,7 +61,7 @@ def beam(folder, more="", turning="beam", frame='"grounded"', **basis):
 def told(run):
     """Response -> by which part a doubt about shapes that are left out says that it is off."""
     texts = [each.text for each in run.verdict.warnings if each.code == "left-out-shapes" and each.doubt]
-    return {name: float(part) / 100 for text in texts for name, part in re.findall(r"(\w+) by about (\d+)%", text)}
+    return {name: float(part) / 100 for text in texts for name, part in re.findall(r"(\w+) is off by about (\d+)%", text)}
 
 
 def parts(run, **exact):
@@ -131,6 +131,12 @@ step = 0.01
 """
     run = beam(tmp_path, turn, frame='"moving", angular_velocity = 6.0', kind="eigenmodes", count=3).simulate()
     assert told(run)["energy"] == pytest.approx(1 - run.values["energy"] / (RHO**2 * AREA * 6.0**4 * L**5 / (15 * E)), abs=0.05)
+
+
+def test_free_fall_leaves_nothing_but_round_off(tmp_path):
+    solver = "[solver]\nend_time = 0.1\nstep = 0.01\n"
+    run = beam(tmp_path, WEIGHT.format(0.0, -9.81) + "\n" + solver, frame='"moving"', kind="eigenmodes", count=3).simulate()
+    assert told(run) == {}
 
 
 def test_a_torque_in_space_twists_what_its_modes_do_not(tmp_path):
