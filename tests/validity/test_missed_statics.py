@@ -16,6 +16,8 @@ from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from toolkit.foundation.errors import ModelFileError
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.file import load, save
+from toolkit.responses.forces.joint_wrenches import JointWrenches
+from toolkit.validity.bodies.compressed.forces_at_points import wrenches_at_points
 
 E, RHO, T, B, L = 2e9, 1200.0, 0.02, 0.03, 1.0
 AREA, INERTIA = T * B, B * T**3 / 12
@@ -25,6 +27,7 @@ units = "m-kg-s"
 [points]
 root = {{ body = "beam", interface = "root" }}
 tip = {{ body = "beam", interface = "tip" }}
+{points}
 [bodies]
 beam = {{ type = "flexible", model = "beam.h5", frame = {frame} }}
 {more}
@@ -49,19 +52,19 @@ plastic = { youngs_modulus = 2e9, poisson_ratio = 0.35, density = 1200.0 }
 """
 
 
-def beam(folder, more="", turning="beam", frame='"grounded"', **basis):
+def beam(folder, more="", turning="beam", frame='"grounded"', points="", **basis):
     """A bar along x of ten elements."""
     nodes = np.column_stack([np.linspace(0, L, 11), np.zeros(11)])
     section = Section(youngs_modulus=E, density=RHO, thickness=T, width=B)
     save(polygon_beam(nodes, section, {"root": 0.0, "tip": L}, basis=BasisChoice(**basis)), folder / "beam.h5")
-    (folder / "scene.toml").write_text(SCENE.format(space="", axis="", more=more, frame=frame, turning=turning))
+    (folder / "scene.toml").write_text(SCENE.format(space="", points=points, axis="", more=more, frame=frame, turning=turning))
     return ffrf.compile(ffrf.read_scene(folder / "scene.toml"))
 
 
 def told(run):
     """Response -> by which part a doubt about shapes that are left out says that it is off."""
     texts = [each.text for each in run.verdict.warnings if each.code == "left-out-shapes" and each.doubt]
-    return {name: float(part) / 100 for text in texts for name, part in re.findall(r"(\w+) by about (\d+)%", text)}
+    return {name: float(part) / 100 for text in texts for name, part in re.findall(r"(\w+) is off by about (\d+)%", text)}
 
 
 def parts(run, **exact):
@@ -133,12 +136,33 @@ step = 0.01
     assert told(run)["energy"] == pytest.approx(1 - run.values["energy"] / (RHO**2 * AREA * 6.0**4 * L**5 / (15 * E)), abs=0.05)
 
 
+def test_free_fall_leaves_nothing_but_round_off(tmp_path):
+    solver = "[solver]\nend_time = 0.1\nstep = 0.01\n"
+    run = beam(tmp_path, WEIGHT.format(0.0, -9.81) + "\n" + solver, frame='"moving"', kind="eigenmodes", count=3).simulate()
+    assert told(run) == {}
+
+
+def test_joints_push_both_of_their_bodies(tmp_path):
+    """A rod that the tip of a beam carries: the joint bears its weight m g and the moment m g l / 2 of that, and puts both on the beam."""
+    rod = '[bodies.rod]\ntype = "rod"\nbetween = ["tip", "end"]\narea = 1e-4\ndensity = 1000.0\n'
+    glue = '[joints]\nglue = { type = "rigid", bodies = ["rod", "beam"], point = "tip" }\n'
+    text = rod + glue + WEIGHT.format(0.0, -9.81)
+    run = beam(tmp_path, text, kind="eigenmodes", count=3, points="end = [1.5, 0.0]").statics()
+    ((on_rod, on_beam),) = JointWrenches(run.solution).at(0)
+    weight = 1e-4 * 0.5 * 1000.0 * 9.81
+    np.testing.assert_allclose(on_rod, [0.0, weight, weight * 0.25], rtol=1e-2, atol=1e-9)
+    np.testing.assert_allclose(on_beam, -on_rod, atol=1e-12)
+    np.testing.assert_allclose(wrenches_at_points(run.solution, "beam", np.array([0]))["tip"][0], on_beam, atol=1e-12)
+
+
 def test_a_torque_in_space_twists_what_its_modes_do_not(tmp_path):
     """Of a tube, T^2 L / (2 G J); the four slowest modes bend it."""
     (tmp_path / "frame.toml").write_text(FRAME)
     save(build(tmp_path / "frame.toml"), tmp_path / "beam.h5")
     torque = '[loads]\ntwist = { type = "torque", body = "beam", point = "tip", torque = [0.6, 0.0, 0.8] }'
-    scene = SCENE.format(space="dimension = 3", axis=", axis = [0.0, 1.0, 0.0]", turning="beam", more=torque, frame='"grounded"')
+    scene = SCENE.format(
+        space="dimension = 3", points="", axis=", axis = [0.0, 1.0, 0.0]", turning="beam", more=torque, frame='"grounded"'
+    )
     (tmp_path / "scene.toml").write_text(scene)
     run = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml")).statics()
     assert run.values["energy"] < 1e-12

@@ -21,6 +21,7 @@ from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.responses.energy import StrainEnergy
 from toolkit.responses.instant import Instant
+from toolkit.responses.motion import Rotation
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.stress.local_stress import LocalStress
 from toolkit.responses.stress.stress import StressResponse
@@ -29,13 +30,15 @@ from toolkit.system.flexible_bodies import deforming, design_point, elastic_coor
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.forces_at_points import wrenches_at_points
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants
-from toolkit.validity.bodies.element_accelerations import pull_of_frame
+from toolkit.validity.bodies.element_accelerations import CANCELLED, pull_of_frame
 from toolkit.validity.bodies.reduced.moved_points import MovedPoint, moved_points
 
 LOOKED_AT = 24
 """Instants, evenly spread over a motion, that are looked at beside those of the largest deformation."""
 MOST_DEFORMED = 16
 """How many of these."""
+STILL = 1e-12
+"""Rotation, and displacement in parts of the scene's size, that is round-off."""
 
 
 def missed_statics(solution: Solution) -> Iterator[Caution]:
@@ -54,12 +57,12 @@ def missed_statics(solution: Solution) -> Iterator[Caution]:
 
 
 def _told(solution: Solution, parts: dict[str, float], about: list[str]) -> str:
-    scene, one = solution.system.scene, len(about) == 1
-    modes_alone = any("interface" not in design_point(scene, each).model.left_out for each in about)
+    one = len(about) == 1
+    modes_alone = any("interface" not in design_point(solution.system.scene, each).model.left_out for each in about)
     other = ', or of kind "craig-bampton", whose shapes know forces at interface points' if modes_alone else ""
     return (
-        f"{', '.join(f'{name} by about {part:.0%}' for name, part in parts.items())}: so much is missing of what forces at the points of "
-        f"{' and '.join(about)}, weight and inertia do, as it is in shapes that {'its basis leaves' if one else 'their bases leave'} out. "
+        f"{'the basis' if one else 'the bases'} of {' and '.join(about)} {'leaves' if one else 'leave'} out shapes that forces at points, "
+        f"weight and inertia act on: without them {', '.join(f'{name} is off by about {part:.0%}' for name, part in parts.items())}. "
         f"Build {'it' if one else 'them'} with more modes{other}."
     )
 
@@ -108,6 +111,7 @@ class _Reduced:
         self.loads = _loads(solution, body, instants)
         self.softer, self.stressed = _scales(self.design)
         self.points, self.per_point = _points(solution, body), len(solution.system.scene.space.wrench)
+        self.scene = solution.system.scene
 
     @cached_property
     def energies(self) -> np.ndarray:
@@ -116,6 +120,17 @@ class _Reduced:
         forms = (self.elastic, stiffness), (self.loads, self.softer * self.left_out.compliance)
         told, missed = (np.einsum("ti,ij,tj->t", x, form, x) / 2 for x, form in forms)
         return np.stack([told, told + missed])
+
+    def is_round_off(self, asked: Any, size: float) -> bool:
+        """Whether a size is what is left of weight that inertia cancels, as in free fall, or of no motion at all."""
+        if isinstance(asked, MovedPoint):
+            return size <= STILL * (1.0 if isinstance(asked.response, Rotation) else self.scene.size)
+        first, gravity = len(self.points) * self.per_point, np.real(self.scene.gravity)
+        weight = np.zeros(len(self.left_out))
+        weight[first : first + len(gravity)] = CANCELLED * np.linalg.norm(gravity)
+        if isinstance(asked, StrainEnergy):
+            return size <= float(weight @ np.abs(self.left_out.compliance) @ weight)
+        return size <= float((np.abs(self.left_out.stress_operator) @ weight).max(initial=0.0))
 
     @cached_property
     def stresses(self) -> np.ndarray:
@@ -163,7 +178,7 @@ def _part(solution: Solution, name: str, asked: Any, bodies: dict[str, _Reduced]
     mine = [*_concerned(asked, bodies).values()]
     told, true = _moves(solution, asked, mine[0], instants) if isinstance(asked, MovedPoint) else _curves(solution, asked, mine)
     size = float(np.abs(true).max())
-    if not size:
+    if all(each.is_round_off(asked, size) for each in mine):
         return 0.0
     response = solution.system.scene.responses[name]
     if isinstance(response, Instant) or getattr(response, "when", "all") == "end":
