@@ -50,7 +50,7 @@ def pull_on_elements(solution: Solution, name: str, behind: Chain, instants: np.
 def pull_of_frame(solution: Solution, name: str, instants: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Force per mass on all of a body at some instants: alike (n_t, d), by the place (n_t, d, d), and along each of its shapes (n_t, n_f).
 
-    A^T (g - r''),   - alpha x - omega x (omega x .),   - q_f''
+        A^T (g - r''),   - alpha x - omega x (omega x .),   - q_f''
     """
     scene = solution.system.scene
     body: Any = scene.body(name)
