@@ -51,6 +51,8 @@ def pull_of_frame(solution: Solution, name: str, instants: np.ndarray) -> tuple[
     """Force per mass on all of a body at some instants: alike (n_t, d), by the place (n_t, d, d), and along each of its shapes (n_t, n_f).
 
         A^T (g - r''),   - alpha x - omega x (omega x .),   - q_f''
+
+    All are in the axes of the reduced model.
     """
     scene = solution.system.scene
     body: Any = scene.body(name)
