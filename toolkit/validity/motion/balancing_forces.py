@@ -10,6 +10,7 @@ import scipy
 from toolkit.equations.equations import Terms
 from toolkit.linear.linear_solver import TRUSTED_REFINEMENT
 from toolkit.solvers.direct_solve import MANY
+from toolkit.solvers.static.stability.many_states import StaticEntries
 from toolkit.solvers.static.stability.static_array import largest_entry
 from toolkit.system.system import System
 
@@ -38,9 +39,11 @@ def balancing_forces(system: System, terms: Terms) -> np.ndarray:
 
 def balancing_forces_of(system: System, terms: Sequence[Terms]) -> np.ndarray:
     """The same of several states of a scene that is not large, (k, n_lam), by one factorisation Q R of all their ties at once."""
-    n_q, weights = system.n_q, system.weights[: system.n_q]
-    wanted = np.stack([-(each.inertial + each.applied)[:n_q] / weights for each in terms])
-    ties = np.stack([system.dense(each.I_acc)[:n_q, n_q:] for each in terms]) / weights[:, None]
+    n_q, entries = system.n_q, StaticEntries.on_pattern(system, np.stack([each.I_acc for each in terms]))
+    tied = np.unique(entries.rows[(entries.rows < n_q) & (entries.columns >= n_q)])  # others feel none of them
+    weights = system.weights[tied]
+    wanted = np.stack([-(each.inertial + each.applied)[tied] / weights for each in terms])
+    ties = entries.block(tied, np.arange(n_q, system.n)) / weights[:, None]
     rows, columns = ties.shape[1:]
     if not 0 < columns <= rows:
         return np.stack([np.linalg.lstsq(each, aim)[0] for each, aim in zip(ties, wanted, strict=True)])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import scipy
@@ -11,11 +11,13 @@ from toolkit.equations.equations import Inputs
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.verdict import Caution
 from toolkit.solvers.direct_solve import MANY
-from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
 from toolkit.solvers.static.stability.critical_state import has_negative_stiffness, softest_motion
-from toolkit.solvers.static.stability.saddle import are_positive, balance, balanced, factorised, free_count
-from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, scaled_by, static_array
+from toolkit.solvers.static.stability.many_states import StaticEntries, are_positive
+from toolkit.solvers.static.stability.saddle import balance, balanced, factorised, free_count
+from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, scaled_by, whole_array
 from toolkit.system.solution import Solution
+from toolkit.system.system import System
 from toolkit.validity.motion.balancing_forces import balancing_forces, balancing_forces_of
 from toolkit.validity.motion.dead_inertia import dead_inertia
 
@@ -34,8 +36,50 @@ NONE = 1e-12
 TOGETHER = 120_000
 """Entries of the matrices of states that are looked at together: 1 MB, so that they stay near the processor."""
 
-State: TypeAlias = "tuple[np.ndarray, StaticArray, np.ndarray]"
-"""Residual (n,), static matrix (n, n) and [0; lam]."""
+Added: TypeAlias = "tuple[np.ndarray, np.ndarray, np.ndarray] | None"
+"""Rows (m,), columns (m,) and values (k, m) that come to matrices on the pattern."""
+
+
+class StatesAtRest(NamedTuple):
+    """Some states of a motion as if they were at rest.
+
+    Attributes
+    ----------
+    residuals : (k, n)
+        What is left of their forces.
+    values : (k, n_entries)
+        Their static matrices on the common pattern, without what is `added`.
+    added
+        What forces of inertia add to them.
+    forces : (k, n)
+        [0; lam] of the joint forces that balance them best.
+    """
+
+    system: System
+    residuals: np.ndarray
+    values: np.ndarray
+    added: Added
+    forces: np.ndarray
+
+    def matrix(self, k: int) -> StaticArray:
+        """The static matrix (n, n) of the k-th one."""
+        matrix = whole_array(self.system, self.values[k])
+        if self.added is None:
+            return matrix
+        rows, columns, values = self.added
+        if isinstance(matrix, np.ndarray):
+            matrix[rows, columns] += values[k]
+            return matrix
+        return matrix + scipy.sparse.coo_array((values[k], (rows, columns)), shape=matrix.shape).tocsr()
+
+    def is_unstable(self, k: int) -> bool:
+        """Whether its stiffness is negative against a motion that the joints allow."""
+        return has_negative_stiffness(self.system, self.matrix(k), self.forces[k])
+
+    def are_stable(self) -> bool:
+        """Whether all of them are known not to be that."""
+        static = StaticEntries.on_pattern(self.system, self.values)
+        return are_positive(self.system, static if self.added is None else static.added(*self.added))
 
 
 def snap_through(solution: Solution) -> Caution | None:
@@ -58,14 +102,14 @@ def snap_through(solution: Solution) -> Caution | None:
 def _first_unstable(solution: Solution, places: list[float]) -> int | None:
     """Number of the first of some states that is unstable; those of scenes that are not large are looked at together."""
     system, inputs = solution.system, _inputs(solution, places)
-    together = max(TOGETHER // system.n**2, 1) if system.n < MANY else 1
+    together = max(TOGETHER // len(system.plan.indices), 1) if system.n < MANY else 1
     for begin in range(0, len(places), together):
         some = range(begin, min(begin + together, len(places)))
-        states = _statics(solution, [places[k] for k in some], [inputs[k] for k in some])
-        if len(states) > 1 and are_positive(system, np.stack([matrix for _, matrix, _ in states])):
+        states = _at_rest(solution, [places[k] for k in some], [inputs[k] for k in some])
+        if len(some) > 1 and states.are_stable():
             continue
-        for k, (_, matrix, forces) in zip(some, states, strict=True):
-            if has_negative_stiffness(system, matrix, forces):
+        for k in some:
+            if states.is_unstable(k - begin):
                 return k
     return None
 
@@ -97,12 +141,13 @@ def _begins_at_rest(solution: Solution) -> bool:
     n_b, weights = system.n_b, system.weights[: system.n_b]
     if (weights * np.abs(solution.v[0, :n_b])).max() * (solution.times[-1] - solution.times[0]) > SLOW:
         return False
-    residual, matrix, forces = _static(solution, 0.0)
+    state = _one_at_rest(solution, 0.0)
+    matrix, residual = state.matrix(0), state.residuals[0]
     scale = balance(system, matrix)
     largest = largest_entry(scaled_by(matrix, scale)[:n_b, :n_b])
     if not softest_motion(system, matrix)[0] > NONE * largest:  # first, as it takes sparse factors alone
         return False
-    if has_negative_stiffness(system, matrix, forces):
+    if has_negative_stiffness(system, matrix, state.forces[0]):
         return False
     try:
         if isinstance(matrix, np.ndarray):
@@ -120,13 +165,13 @@ def _inputs(solution: Solution, places: list[float]) -> list[Inputs]:
     return [Inputs(*each, 1.0, LEVELS, True, False) for each in zip(curves, curves_x, strict=True)]
 
 
-def _static(solution: Solution, place: float) -> State:
-    """Residual (n,), static matrix (n, n) and [0; lam] of a state as if it were at rest."""
-    return _statics(solution, [place], _inputs(solution, [place]))[0]
+def _one_at_rest(solution: Solution, place: float) -> StatesAtRest:
+    """A state as if it were at rest."""
+    return _at_rest(solution, [place], _inputs(solution, [place]))
 
 
-def _statics(solution: Solution, places: list[float], inputs: list[Inputs]) -> list[State]:
-    """The same of several states, with what acts at each."""
+def _at_rest(solution: Solution, places: list[float], inputs: list[Inputs]) -> StatesAtRest:
+    """Several states as if they were at rest, with what acts at each."""
     system, n_q = solution.system, solution.system.n_q
     q, forces, rest = np.zeros((len(places), system.n)), np.zeros((len(places), system.n)), np.zeros(system.n)
     q[:, :n_q] = [_state(solution, place)[1] for place in places]
@@ -135,20 +180,8 @@ def _statics(solution: Solution, places: list[float], inputs: list[Inputs]) -> l
     forces[:, n_q:] = balancing_forces(system, terms[0]) if alone else balancing_forces_of(system, terms)
     terms = [system.evaluate(each, state, rest, force) for each, state, force in zip(inputs, q, forces, strict=True)]
     residuals = np.stack([each.inertial + each.applied for each in terms])
-    held = dead_inertia(system, q, residuals)
-    matrices = [_with_entries(static_array(system, each), held, k) for k, each in enumerate(terms)]
-    return list(zip(residuals, matrices, forces, strict=True))
-
-
-def _with_entries(matrix: StaticArray, held: tuple[np.ndarray, np.ndarray, np.ndarray] | None, k: int) -> StaticArray:
-    """A matrix (n, n) with the values of the k-th state added at rows and columns."""
-    if held is None:
-        return matrix
-    rows, columns, values = held
-    if isinstance(matrix, np.ndarray):
-        matrix[rows, columns] += values[k]
-        return matrix
-    return matrix + scipy.sparse.coo_array((values[k], (rows, columns)), shape=matrix.shape).tocsr()
+    values = np.stack([np.real(static_matrix(system, each)) for each in terms])
+    return StatesAtRest(system, residuals, values, dead_inertia(system, q, residuals), forces)
 
 
 def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
@@ -160,8 +193,7 @@ def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
 
 
 def _is_unstable(solution: Solution, place: float) -> bool:
-    _, matrix, forces = _static(solution, place)
-    return has_negative_stiffness(solution.system, matrix, forces)
+    return _one_at_rest(solution, place).is_unstable(0)
 
 
 def _first_loss(solution: Solution, low: float, high: float) -> tuple[float, float]:
@@ -173,7 +205,7 @@ def _first_loss(solution: Solution, low: float, high: float) -> tuple[float, flo
 
 
 def _caution(solution: Solution, low: float, high: float) -> Caution:
-    coordinate = solution.system.most_moved(softest_motion(solution.system, _static(solution, low)[1])[1])
+    coordinate = solution.system.most_moved(softest_motion(solution.system, _one_at_rest(solution, low).matrix(0))[1])
     return Caution(
         "snaps",
         f"the motion snaps through: from t = {_state(solution, high)[0]:.4g} on it passes states in which it could not rest, because the "

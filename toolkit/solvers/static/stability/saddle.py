@@ -101,37 +101,16 @@ def is_positive(system: System, matrix: np.ndarray) -> bool:
 
     It takes less time than factors, and NumPy alone.
     """
-    return are_positive(system, matrix[None])
-
-
-def are_positive(system: System, matrices: np.ndarray) -> bool:
-    """Whether this is known of all of some matrices (k, n, n)."""
-    n_b, count = system.n_b, len(matrices)
-    scale = np.ones((count, system.n))
-    scale[:, :n_b] = 1 / system.weights[:n_b]
-    scaled = _scaled(matrices, scale)
-    stiffness, ties = (np.abs(each).max(axis=(1, 2), initial=0) for each in (scaled[:, :n_b, :n_b], scaled[:, :n_b, n_b:]))
-    both = (stiffness > 0) & (ties > 0)
-    scale[:, n_b:] = np.where(both, stiffness / np.where(both, ties, 1.0), 1.0)[:, None]  # as `balance`
-    scaled = _scaled(matrices, scale)
-    scaled[:, :n_b, system.plan.dropped] = 0.0  # as `balanced`
-    scaled[:, system.plan.dropped, system.plan.dropped] = -1.0
-    largest = np.abs(scaled).max(axis=(1, 2), initial=0)
-    if not np.all(np.abs(scaled - scaled.transpose(0, 2, 1)).max(axis=(1, 2), initial=0) <= SYMMETRIC * largest):
+    scaled, n_b = as_dense(balanced(system, matrix, balance(system, matrix))), system.n_b
+    largest = largest_entry(scaled)
+    if not largest_entry(scaled - scaled.T) <= SYMMETRIC * largest:
         return False
-    J = scaled[:, n_b:, :n_b]
+    J = scaled[n_b:, :n_b]
     try:
-        np.linalg.cholesky(scaled[:, :n_b, :n_b] + (HOLD / largest)[:, None, None] * (J.transpose(0, 2, 1) @ J))
+        np.linalg.cholesky(scaled[:n_b, :n_b] + HOLD / largest * (J.T @ J))
     except np.linalg.LinAlgError:
         return False
     return True
-
-
-def _scaled(matrices: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """D A D of matrices (k, n, n) with D = diag(scale), scale (k, n)."""
-    found: np.ndarray = matrices * scale[:, None]
-    found *= scale[:, :, None]
-    return found
 
 
 def free_count(system: System) -> int:
