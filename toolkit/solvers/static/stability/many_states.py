@@ -82,6 +82,7 @@ def are_positive(system: System, static: StaticEntries) -> bool:
     held = K_SS + (HOLD / largest)[:, None, None] * (J.transpose(0, 2, 1) @ J)
     try:
         np.linalg.cholesky(K_NN)
+        K_NS = K_NS[:1] if np.all(K_NS[0] == K_NS) else K_NS
         followed = np.linalg.solve(K_NN[0], np.concatenate([*K_NS], axis=1))  # K_NN^-1 K_NS, of all states at once
         followed = followed.reshape(len(N), len(K_NS), len(S)).transpose(1, 0, 2)
         np.linalg.cholesky(held - K_SN @ followed)
