@@ -28,6 +28,7 @@ from toolkit.validity.bodies.compressed import critical_load, geometric_stiffnes
 from toolkit.validity.bodies.compressed.critical_load import Compression, compression
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
 from toolkit.validity.bodies.cut.places import node_places
+from toolkit.validity.bodies.deformation import flexible_bodies
 
 MODELS = Path(__file__).parents[2] / "models"
 SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
@@ -217,6 +218,15 @@ def test_a_motion_knows_the_load_of_its_largest_compression(tmp_path, held):
     assert found.load == pytest.approx(0.6, rel=2e-3)
     assert found.time > 0.15
     assert "critical-load" in solution.verdict.codes
+
+
+def test_what_a_motion_misses_is_known_to_be_less_than_any_larger_part_alone(tmp_path):
+    """Of a column of load mu: mu / (1 - mu)."""
+    solution = simulate(compile_scene(read_scene(beams(tmp_path, "", -0.3 * CANTILEVER * AXIS, "grounded"))))
+    scene, last = solution.system.scene, len(solution.times) - 1
+    known = {body: geometric_stiffness.stiffening(scene, body) for body in flexible_bodies(scene)}
+    assert missed_deflections.misses_less(solution, known, last, 1.02 * 0.3 / 0.7)
+    assert not missed_deflections.misses_less(solution, known, last, 0.98 * 0.3 / 0.7)
 
 
 # what is said

@@ -17,7 +17,7 @@ from toolkit.foundation.near_ties import first_largest
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening, stiffening
-from toolkit.validity.bodies.compressed.missed_deflections import missed
+from toolkit.validity.bodies.compressed.missed_deflections import missed, misses_less
 from toolkit.validity.bodies.compressed.straight_states import stays_straight
 from toolkit.validity.bodies.deformation import flexible_bodies
 
@@ -46,11 +46,16 @@ class Compression(NamedTuple):
     straight: bool  # whether it is an equilibrium that no lateral load bends, so that nothing of this is in it
 
 
-def compression(solution: Solution) -> Compression | None:
-    """The state nearest to a critical load; None where nothing is missing, or nothing is known."""
+def compression(solution: Solution, of_interest: float = 0.0) -> Compression | None:
+    """The state nearest to a critical load; None where nothing is missing, or nothing is known.
+
+    So it is, too, where less than a part of interest is known to be missing in all states: to know that takes less time.
+    """
     scene = solution.system.scene
     known = {body: found for body in flexible_bodies(scene) if (found := stiffening(scene, body))}
     softest = _softest(solution, known)
+    if of_interest and all(misses_less(solution, known, n, of_interest) for n in softest):
+        return None
     straight = bool(softest) and stays_straight(solution, known)
     states = [Compression(body, float(solution.times[n]), *missed(solution, known, n), straight) for n, body in softest.items()]
     if not states:
@@ -88,6 +93,6 @@ def most_compressed(law: Stiffening, elastic: np.ndarray) -> list[int]:
 
 def critical_compressions(solution: Solution) -> Iterator[Compression]:
     """The state nearest to a critical load, if deflections there are off by more than `LIMIT`."""
-    found = compression(solution)
+    found = compression(solution, of_interest=LIMIT)
     if found is not None and max(found.missed, found.feigned) > LIMIT:
         yield found

@@ -25,8 +25,10 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.free_motions import UNSYMMETRIC, free_motions, is_symmetric
 from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.solvers.static.stability.saddle import is_positive
 from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, static_array, whole_array
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
@@ -45,6 +47,25 @@ def missed(solution: Solution, known: dict[str, Stiffening], n: int) -> tuple[fl
     load, own, found = _of_many(state) or _of_few(state)
     feigned = 0.0 if solution.steps or solution.spins or own <= load else (own - load) / (1 - own) if own < 1 else np.inf
     return load, found, feigned
+
+
+def misses_less(solution: Solution, known: dict[str, Stiffening], n: int, part: float) -> bool:
+    """Whether the equations are known to miss a smaller part of deflections at a state of a motion, for the price of one factorisation.
+
+    They do if, against all motions that joints allow, part (K_0 + K_1) + (1 + part) G is positive definite: then kappa - 1 is below it.
+    Where matrices are large or not symmetric, or loads have states, nothing is known.
+    """
+    system, n_q = solution.system, solution.system.n_q
+    if not (solution.steps or solution.spins) or system.n >= MANY or n_q > system.n_b:
+        return False
+    q, v = (np.append(np.real(state[n]), np.zeros(system.n - n_q)) for state in (solution.q, solution.v))
+    acc = np.real(np.append(solution.a[n], solution.multipliers[n]))
+    matrix = as_dense(static_array(system, system.evaluate(system.inputs(float(solution.times[n]), LEVELS), q, v, acc)))
+    matrix[:n_q, :n_q] *= part
+    for body, law in known.items():
+        where = elastic_coordinates(solution, body)
+        matrix[where, where] += (1 + part) * as_dense(law.matrix(np.real(solution.q[n, where])))
+    return is_positive(system, matrix)
 
 
 class _State(NamedTuple):
