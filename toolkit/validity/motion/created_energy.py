@@ -10,7 +10,7 @@ from toolkit.compilation.quantities import named_loads
 from toolkit.foundation.spread import spread
 from toolkit.responses.balance.power_of_load import power_of_load
 from toolkit.system.solution import Solution
-from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
+from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance, energy_balances
 
 
 def created_energy(solution: Solution) -> float:
@@ -42,13 +42,11 @@ def energy_defects(solution: Solution) -> tuple[float, float]:
     """
     if solution.steps < 2:
         return 0.0, 0.0
-    states = ("times", "q", "v", "a", "multipliers")
-    every_second = replace(solution, **{name: getattr(solution, name)[::2] for name in states})
-    balance, coarse = energy_balance(solution), energy_balance(every_second)
+    balance, coarse = energy_balances(solution)
     parts = (balance.kinetic + balance.strain, balance.work)
     sizes = (unresolved_energy(solution), ROUND_OFF * held_energy(solution), largest_work(solution))
     largest = max(*sizes, *(np.abs(part).max() for part in parts))
-    created = _beyond(_surplus(solution, balance), _surplus(every_second, coarse))
+    created = _beyond(_surplus(solution.times, balance), _surplus(solution.times[::2], coarse))
     lost = _beyond(-balance.defect, -coarse.defect)
     if max(created, lost) > LOOKED_AT_AGAIN * largest:
         largest = max(largest, taken_by_loads(solution, balance))
@@ -65,10 +63,10 @@ def _part(energy: float, largest: float) -> float:
     return relative if np.isfinite(relative) else np.inf
 
 
-def _surplus(solution: Solution, balance: EnergyBalance) -> np.ndarray:
+def _surplus(times: np.ndarray, balance: EnergyBalance) -> np.ndarray:
     """E minus its start, (n_t,)."""
     taken = balance.damped
-    return balance.defect - np.append(0, np.cumsum(np.diff(solution.times) * (taken[1:] + taken[:-1]) / 2))
+    return balance.defect - np.append(0, np.cumsum(np.diff(times) * (taken[1:] + taken[:-1]) / 2))
 
 
 def held_energy(solution: Solution) -> float:

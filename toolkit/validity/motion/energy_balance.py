@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -88,8 +89,26 @@ def energy_balance(solution: Solution) -> EnergyBalance:
 
     Dampers count as loads that take energy out, gravity as a load, not as a potential.
     """
-    system, plan, n_t = solution.system, solution.system.plan, len(solution.times)
-    inertia = not (solution.options or system.scene.solver).quasi_static
+    return _summed(solution.times, _powers(solution))
+
+
+def energy_balances(solution: Solution) -> tuple[EnergyBalance, EnergyBalance]:
+    """The same, and that of every second state alone."""
+    found = _powers(solution)
+    if _has_inertia(solution):
+        return _summed(solution.times, found), _summed(solution.times[::2], found[::2])
+    states = ("times", "q", "v", "a", "multipliers")  # from which other velocities follow
+    every_second = replace(solution, **{name: getattr(solution, name)[::2] for name in states})
+    return _summed(solution.times, found), energy_balance(every_second)
+
+
+def _has_inertia(solution: Solution) -> bool:
+    return not (solution.options or solution.system.scene.solver).quasi_static
+
+
+def _powers(solution: Solution) -> np.ndarray:
+    """What `powers` finds, (n_t, 4)."""
+    system, plan, n_t, inertia = solution.system, solution.system.plan, len(solution.times), _has_inertia(solution)
     # without inertia velocities are those of the middle of a step, which would cost an order of the work
     velocity = solution.v if inertia else np.gradient(solution.q, solution.times, axis=0, edge_order=2 if n_t > 2 else 1)
     states: np.ndarray = np.zeros((3, n_t, system.n), system.dtype)
@@ -103,6 +122,11 @@ def energy_balance(solution: Solution) -> EnergyBalance:
         powers, system.evaluator, plan, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
         out, np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), allocate_work(plan, system.dtype),
     )  # fmt: skip
-    kinetic, power, strain, damped = out.T
-    gained = np.diff(solution.times) * (power[1:] + power[:-1]) / 2
+    return out
+
+
+def _summed(times: np.ndarray, found: np.ndarray) -> EnergyBalance:
+    """Energies and work from energies and powers (n_t, 4)."""
+    kinetic, power, strain, damped = found.T
+    gained = np.diff(times) * (power[1:] + power[:-1]) / 2
     return EnergyBalance(kinetic, strain, np.append(0, np.cumsum(gained)), damped)
