@@ -194,11 +194,13 @@ def connectivity_of(scene: Placed, whole: str) -> np.ndarray:
 
 def elements_at(design: DesignPoint) -> Any:
     """The elements at a design."""
-    nominal = design.model.elements
-    assert nominal is not None
-    whole = {name: array for name, array in vars(nominal).items() if array.dtype.kind in "iu"}
-    changed = {name: design.value(f"elements.{name}") for name in vars(nominal) if name not in whole}
-    return type(nominal)(**whole, **changed)
+    if Elements not in design.kept:
+        nominal = design.model.elements
+        assert nominal is not None
+        whole = {name: array for name, array in vars(nominal).items() if array.dtype.kind in "iu"}
+        changed = {name: design.value(f"elements.{name}") for name in vars(nominal) if name not in whole}
+        design.kept[Elements] = type(nominal)(**whole, **changed)
+    return design.kept[Elements]
 
 
 def place_on(scene: Placed, whole: str, point: str) -> Place:
