@@ -29,8 +29,8 @@ FELT = 1e-5
 """Part of the critical force of a body below which its tension is no twentieth of what joints hold across it."""
 MANY = 100.0
 """Times that a force is off above which they are not counted."""
-ROUND_OFF = 1e-9
-"""Part of the largest force in a joint below which a force is none."""
+HARDLY = 0.1
+"""Part of the largest force in any joint below which a force is none that counts."""
 NAMED = 3
 """So many responses are named at the most."""
 LOOKED_AT = 24
@@ -93,9 +93,10 @@ def _low(
     more[n] = more[n] + state.yields.multipliers(state.growing)
     pulled, found = replace(solution, multipliers=more), {}
     steps = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
+    held = HARDLY * float(np.abs(np.real(solution.multipliers[n])).max(initial=0.0))
     for name, response in asked.items():
         here, there = (float(np.real(response.at(each, n).value)) for each in (solution, pulled))
         size = max([abs(here), *(abs(float(np.real(response.at(solution, int(k)).value))) for k in steps)])
-        if abs(there - here) > max(LIMIT * size, ROUND_OFF * float(np.abs(np.real(solution.multipliers[n])).max())):
+        if abs(there - here) > LIMIT * max(size, held) > 0:
             found[name] = (abs(there - here), size)
     return found

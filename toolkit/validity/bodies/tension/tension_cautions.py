@@ -20,6 +20,8 @@ MANY = 20.0
 """Times a number is too large above which they are not counted."""
 NAMED = 3
 """So many vibrations are named at the most."""
+OF_GRADIENTS = 0.1
+"""Part of a derivative of a motion from which it is told, as of other errors of gradients."""
 GROWS = 3.0
 """Times a deflection's error that of its derivative by the load is: w (1 + c w^2) = f gives c w^2 and 3 c w^2."""
 
@@ -38,7 +40,7 @@ def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
         yield Caution("tension", _too_large(solution, found), body=found.body, part=part)
     elif not solution.steps:
         yield from _of_derivatives(solution, lateral)
-    elif found is not None and solution.dq.shape[2] and GROWS * found.part > LIMIT:
+    elif found is not None and solution.dq.shape[2] and GROWS * found.part > OF_GRADIENTS:
         yield Caution("tension", _steeper(solution, found), body=found.body, part=GROWS * found.part)
     if found is None or found.part <= LIMIT:
         yield from pulled_joints(solution)
