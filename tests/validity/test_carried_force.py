@@ -37,11 +37,11 @@ def loaded(folder, force):
     return run, bending(run.solution, "beam")
 
 
-@pytest.mark.parametrize("part", [0.02, 0.3, 2.0])
+@pytest.mark.parametrize("part", [0.02, 0.07, 0.3, 2.0])
 def test_a_reduced_cantilever_has_the_load_of_euler(folders, part):
     run, found = loaded(folders["craig-bampton"], [-part * EULER, 0.0, 0.0])
     assert found.load == pytest.approx(part, rel=1e-9)
-    assert [each.doubt for each in run.verdict.warnings if each.code == "critical-load"] == [part > 1 / 3] * (part > 0.05)
+    assert [each.doubt for each in run.verdict.warnings if each.code == "critical-load"] == [part > 0.1] * (part > 0.05)
 
 
 @pytest.mark.parametrize(("axis", "stiffness"), [(1, SOFT), (2, STIFF)])
@@ -55,9 +55,9 @@ def test_its_deflections_are_off_by_what_the_force_along_it_does(folders, axis, 
     assert ("large-deformation" in run.verdict.codes) == (found.relative > 0.05)
 
 
-@pytest.mark.parametrize("part", [0.02, 0.3, 2.0])
+@pytest.mark.parametrize("part", [0.02, 0.07, 0.3, 2.0])
 def test_a_basis_without_stretch_has_it_too(folders, part):
     """By the force of the load itself, as no shape tells it."""
     run, found = loaded(folders["eigenmodes"], [-part * EULER, 0.0, 0.0])
     assert found.load == pytest.approx(part, rel=0.01)  # four modes bend a little less
-    assert [each.doubt for each in run.verdict.warnings if each.code == "critical-load"] == [part > 1 / 3] * (part > 0.05)
+    assert [each.doubt for each in run.verdict.warnings if each.code == "critical-load"] == [part > 0.1] * (part > 0.05)

@@ -49,7 +49,7 @@ def stays_in_unstable(solution: Solution) -> Iterator[Caution]:
     system, n_b, n_q = solution.system, solution.system.n_b, solution.system.n_q
     moves = np.real(solution.q - solution.q[0])
     moved = float(np.max(np.abs(moves[:, :n_b]) * system.weights[:n_b], initial=0.0))
-    if moved > STILL or not may_grow(solution):
+    if moved > STILL or (moved > STRAIGHT and not may_grow(solution)):
         return
     pencil = real_pencil(pencil_of(solution))
     grows = growth_of(solution, pencil)

@@ -27,6 +27,8 @@ UNIMPORTANT = 0.02
 """A gradient that changes its response by less than this part of what the most important one does is not worth a word."""
 COUNTABLE = 1e3
 """Error in parts of a number beyond which the number is taken for zero."""
+UNFELT = 1e-3
+"""Part of a value by which a variable has to change it, if it changes by all of itself, for a derivative to be worth a word."""
 NAMED = 6
 """So many numbers are named one by one."""
 
@@ -93,8 +95,9 @@ def basis_errors(
     found = {f: _compared(value, true[f], scale) for f, (value, scale) in values.items()}
     for f, row in gradients.items():
         most = max((abs(slopes[f][x]) * sizes[x] for x in row), default=0.0)
+        counts = max(UNIMPORTANT * most, UNFELT * max(abs(true[f]), abs(values[f][0])))
         for x, (slope, scale) in row.items():
-            if max(abs(slope - slopes[f][x]), abs(slope)) * sizes[x] > UNIMPORTANT * most:
+            if max(abs(slope - slopes[f][x]), abs(slope)) * sizes[x] > counts:
                 found[f"the derivative of {f} by {x}"] = _compared(slope, slopes[f][x], scale)
     return BasisErrors(bodies, {name: each for name, each in found.items() if np.isfinite([each.told, each.true]).all()})
 

@@ -74,6 +74,10 @@ class FrameErrors:
         }
 
 
+UNFELT = 1e-3
+"""Part of a value by which a variable has to change it, if it changes by all of itself, for a derivative to be worth a word."""
+
+
 def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed) -> FrameErrors | None:
     """Errors of values and gradients; None where no body is deformed so far that its frames matter, or can be given more."""
     more = {
@@ -97,8 +101,9 @@ def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slo
         {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in gradients.items()},
         most=most,
         undecided={
-            f: magnitude_that_counts(each, solution, NONE)
+            f: max(magnitude_that_counts(each, solution, NONE), UNFELT * abs(values[f]))
             for f, each in responses_of(solution.system.scene, moving(solution)).items()
+            if f in values
         },
     )
 

@@ -26,6 +26,7 @@ from toolkit.validity.bodies.compressed.carried_force import Carried, carried, s
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import (
     LIMIT,
+    ROUND_OFF,
     Measured,
     deformations,
     largest_instants,
@@ -34,8 +35,8 @@ from toolkit.validity.bodies.deformation import (
 
 CANTILEVER = 0.6
 """Of d^2 / L, for a force at its tip."""
-DOUBTFUL = 1 / 3
-"""Part of the critical load above which deflections across lack half of themselves."""
+DOUBTFUL = 0.1
+"""Part of the critical load above which deflections across lack more than a tenth of themselves, by rules that other supports change."""
 RESTING = 1e-2
 """Lines that turn by less than a tenth of the largest angle belong to members that hardly bend; of a cantilever they are a twentieth."""
 
@@ -53,8 +54,8 @@ class Bending:
 
     @property
     def relative(self) -> float:
-        """The error in parts of the displacement."""
-        return self.error / self.displacement if self.displacement else 0.0
+        """The error in parts of the displacement, where this is more than round-off."""
+        return self.error / self.displacement if self.displacement > ROUND_OFF * self.size else 0.0
 
 
 def bent_surfaces(solution: Solution) -> Iterator[Caution]:
@@ -126,7 +127,7 @@ def _lost(points: np.ndarray, moved: np.ndarray, lines: np.ndarray) -> tuple[np.
 
 def _compressed(body: str, load: float) -> str:
     lost = (
-        f"deflections across lack some {load / (1 - load):.0%} of them"
+        f"deflections across lack some {load / (1 - load):.0%} of them, and frequencies are lower"
         if load < 1
         else "it buckles, which these numbers do not show"
     )

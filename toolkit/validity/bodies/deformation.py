@@ -26,6 +26,8 @@ from toolkit.validity.bodies.cut.joined_errors import BentPart, in_space, joined
 from toolkit.validity.bodies.cut.places import displacements, undeformed_places
 from toolkit.validity.bodies.spinning.stiffened import kept_back
 
+ROUND_OFF = 1e-12
+"""Part of a body's extent below which a displacement is the round-off of none."""
 LIMIT = 0.05
 """Part of the largest displacement that the geometric error may be: an element that turns by 0.1 rad, 6 degrees, is about there.
 Up to here the estimate is good to some ten percent, and the errors of stresses and positions are of the same order as the number itself."""
@@ -74,8 +76,8 @@ class Deformation:
 
     @property
     def relative(self) -> float:
-        """The error in parts of the largest displacement."""
-        return self.error / self.displacement if self.displacement else 0.0
+        """The error in parts of the largest displacement, where this is more than round-off."""
+        return self.error / self.displacement if self.displacement > ROUND_OFF * self.size else 0.0
 
     @property
     def exceeded(self) -> bool:

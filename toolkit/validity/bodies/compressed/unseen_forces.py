@@ -1,14 +1,15 @@
 """Forces along bodies whose bases hold no shape that stretches them: what they do to deflections is in no equation, and is found by hand.
 
-Known are the forces at the interface points, those of loads and joints. What the basis misses of the axial forces N of the elements
-under them has the geometric stiffness G, and deflections z of the equations, with the compliance Y of the whole scene, should be z + d:
+Known are the forces at the interface points, those of loads and joints, and those of weight and inertia. What the basis misses of the
+axial forces N of the elements under them has the geometric stiffness G, and deflections z of the equations, with the compliance Y of the
+whole scene, should be z + d:
 
     (1 + Y G) d = -Y G z
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -38,16 +39,20 @@ class Unseen(NamedTuple):
     off: float  # part of the deflection: how much is missing, or too much if negative; inf from the critical load on
 
 
-def unseen_forces(solution: Solution, body: str, missing: Mapping[str, np.ndarray]) -> Iterator[Caution]:
+def unseen_forces(
+    solution: Solution, body: str, missing: Mapping[str, np.ndarray], by_mass: Callable[[np.ndarray], np.ndarray]
+) -> Iterator[Caution]:
     """Doubts about one body.
 
     Parameters
     ----------
     missing
         Interface point -> axial forces (d, n_e) under unit forces there that the basis does not show.
+    by_mass
+        From numbers of instants (n_t,) to axial forces (n_t, n_e) by weight and inertia that it does not show.
     """
     law = stiffening(solution.system.scene, body)
-    found = [] if law is None else [_at(solution, body, law, *each) for each in _states(solution, body, law, missing)]
+    found = [] if law is None else [_at(solution, body, law, *each) for each in _states(solution, body, law, missing, by_mass)]
     known = [each for each in found if each is not None]
     if known:
         worst = known[first_largest(np.array([min(np.abs(each.off), MANY) for each in known]))]
@@ -57,12 +62,16 @@ def unseen_forces(solution: Solution, body: str, missing: Mapping[str, np.ndarra
 
 
 def _states(
-    solution: Solution, body: str, law: Stiffening, missing: Mapping[str, np.ndarray]
+    solution: Solution,
+    body: str,
+    law: Stiffening,
+    missing: Mapping[str, np.ndarray],
+    by_mass: Callable[[np.ndarray], np.ndarray],
 ) -> Iterator[tuple[int, np.ndarray]]:
     """Numbers of the states of most compression and of most tension, and the axial forces (n_e,) there that the basis does not show."""
     instants = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
-    forces = forces_at_points(solution, body, instants)
-    axial = sum((forces[name] @ each for name, each in missing.items() if name in forces), np.zeros((len(instants), 1)))
+    forces = forces_at_points(solution, body, instants) if missing else {}
+    axial = sum((forces[name] @ each for name, each in missing.items() if name in forces), by_mass(instants))
     softer = -(axial * law.compliances).sum(axis=1)
     for sign in (1.0, -1.0):
         k = first_largest(sign * softer)
@@ -105,7 +114,7 @@ def _told(solution: Solution, body: str, found: Unseen) -> str:
     else:
         what = _stiffer(found)
     return (
-        f"forces at its points {how} {body}{when} with {np.abs(found.load):.2g} times the critical load, which its basis does not show: "
+        f"forces {how} {body}{when} with {np.abs(found.load):.2g} times the critical load, which its basis does not show: "
         f"{what}. Linear FFRF has no geometric stiffness of a body in its frame. What helps: "
         f"{divided(solution.system.scene, body, 1.0)}."
     )

@@ -1,14 +1,15 @@
 """Bases that hold no shape which stretches a body: the checks read axial forces from its stretch, and see none where forces pull at it.
 
-What forces at points do is then found without the basis (`unseen_forces`); of weight it is told that nobody knows.
+What forces at points, weight and inertia do is then found without the basis (`unseen_forces`).
 
-Judged by unit forces f at the points of the body, and everywhere if it has weight: the axial forces N = F K^-1 Psi^T f of the basis against
+Judged by unit forces f at the points of the body: the axial forces N = F K^-1 Psi^T f of the basis against
 those of all its elements.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -20,46 +21,24 @@ from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.compressed.unseen_forces import unseen_forces
 from toolkit.validity.bodies.deformation import flexible_bodies
+from toolkit.validity.bodies.element_accelerations import pull_of_frame
 from toolkit.validity.bodies.static_deflection import static_deflection
 
 SEEN = 0.2
 """Part of the axial forces that a basis may miss without a word."""
 
 
-WEIGHT = "its weight"
-
-
 def unseen_tension(solution: Solution) -> Iterator[Caution]:
-    """Flexible bodies whose points forces pull at that their bases do not see, or whose weight does."""
+    """Flexible bodies whose points forces pull at that their bases do not see, or whose weight and inertia do."""
     scene = solution.system.scene
     for body in flexible_bodies(scene):
         behind = chain(scene, body)
-        if behind is None or behind.is_full:
-            continue
-        missing = _missing(scene, body, behind)
-        if WEIGHT in missing:
-            yield unseen(scene, body, [WEIGHT])
-        if missing.keys() - {WEIGHT}:
-            yield from unseen_forces(solution, body, missing)
-
-
-def unseen(scene: Scene, body: str, pulls: Sequence[str]) -> Caution:
-    """That a body's basis does not show how some forces stretch it."""
-    has_them = "interface" in flexible_body(scene, body).design_point(scene).model.left_out
-    better = (
-        "More modes in its basis show more of it" if has_them else 'A basis of kind "craig-bampton" holds these shapes for points'
-    )
-    return Caution(
-        "unseen-tension",
-        f"the basis of {body} holds no shapes that stretch it as forces of {', '.join(pulls)} would: how far these "
-        "forces compress it is not known, and neither its critical load nor all of its large deformation is judged. "
-        f"{better}.",
-        doubt=False,
-    )
+        if behind is not None and not behind.is_full:
+            yield from unseen_forces(solution, body, _missing(scene, body, behind), partial(_by_mass, solution, body, behind))
 
 
 def _pulls(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
-    """Unit loads (d, n) on the nodes in all directions: at interface points that the scene uses, and everywhere if there is gravity.
+    """Unit loads (d, n) on the nodes in all directions at interface points that the scene uses.
 
     The frame is no such point: forces at it do not stretch the body.
     """
@@ -68,9 +47,33 @@ def _pulls(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
     for name in used_interfaces(scene, body):
         place = np.real(design.interface(name).here[0])[:, 0]
         found[name] = _on(behind, [int(np.argmin(((nodes - place) ** 2).sum(axis=1)))])
-    if np.any(np.real(scene.gravity)):
-        found[WEIGHT] = _on(behind, range(len(nodes)))
     return found
+
+
+def _by_mass(solution: Solution, body: str, behind: Chain, instants: np.ndarray) -> np.ndarray:
+    """Axial forces (n_t, n_e) by weight and by the inertia of the frame's motion that the basis does not show; zero where a spin's
+    stiffening is in the equations already."""
+    scene = solution.system.scene
+    alike, by_place, _ = pull_of_frame(solution, body, instants)
+    pulls = alike[:, None] + np.einsum("tij,nj->tni", by_place, behind.nodes)
+    if not np.any(pulls) or flexible_body(scene, body).stiffening(scene) is not None:
+        return np.zeros((len(instants), 1))
+    loads = np.zeros((len(instants), len(behind.nodes), behind.per_node))
+    loads[:, :, : pulls.shape[2]] = pulls * _nodal_masses(scene, body, behind)[:, None]
+    true, shown = axial_forces(scene, body, behind, loads.reshape(len(instants), -1))
+    return true - shown
+
+
+def _nodal_masses(scene: Scene, body: str, behind: Chain) -> np.ndarray:
+    """Mass of the body by its nodes, (n_nodes,): of each element as its stiffness along it says, as of one material."""
+    ends = behind.forms.dofs[:, [0, -1]] // behind.per_node
+    lengths = np.linalg.norm(behind.nodes[ends[:, 1]] - behind.nodes[ends[:, 0]], axis=1)
+    parts = behind.forms.law[:, 0, 0] * lengths**2
+    found = np.zeros(len(behind.nodes))
+    for side in (0, 1):
+        np.add.at(found, ends[:, side], parts / 2)
+    whole: np.ndarray = np.real(design_point(scene, body).value("mass")) * found / found.sum()
+    return whole
 
 
 def _on(behind: Chain, loaded: Iterable[int]) -> np.ndarray:
