@@ -22,6 +22,7 @@ from toolkit.joints.spatial.spherical import Spherical
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.forces.joint_wrenches import JointWrenches
 from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
@@ -145,6 +146,13 @@ def test_joint_forces_do_not_depend_on_what_touches_nothing(opened, more):
         for c in SPACE.wrench:
             force = JointForce(joint=joint, component=c)
             assert force.partials(solution).value == pytest.approx(force.partials(opened).value, abs=1e-6)  # of 150 N
+    of_checks = [JointWrenches(each).at(each.steps)[:, 0] for each in (solution, opened)]
+    np.testing.assert_allclose(*of_checks, rtol=0, atol=1e-6)
+    ours = [
+        [JointForce(joint=joint, component=c).partials(opened).value for c in SPACE.wrench]
+        for joint in opened.system.scene.joints
+    ]
+    np.testing.assert_allclose(of_checks[1], ours, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("change", ["tilted", "swapped"])

@@ -93,7 +93,7 @@ def _wrenches(system: System, q: np.ndarray, lam: np.ndarray) -> tuple[np.ndarra
     """Forces, times the size of what its joints connect, and torques of all joints, with their derivatives."""
     of_joint, d = _WRENCH[system.scene.space], system.scene.dimension
     found = [of_joint(system, j, q, lam) for j in range(len(system.scene.joints))]
-    lengths, lengths_x = system.placed.once(("lengths of joints", *system.design.names), partial(lengths_of_joints, system))
+    lengths, lengths_x = lengths_of_joints(system)
     force = np.concatenate([np.arange(len(each[0])) < d for each in found])
     joint = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
     scale, scale_x = np.where(force, lengths[joint], 1.0), np.where(force[:, None], lengths_x[joint], 0.0)

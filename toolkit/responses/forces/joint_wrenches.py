@@ -10,7 +10,7 @@ import numpy as np
 from toolkit.equations.equations import allocate_work
 from toolkit.joints.kernels.planar.joint_kernel import evaluate_planar_joint
 from toolkit.joints.kernels.spatial.joint_kernel import evaluate_spatial_joint
-from toolkit.responses.forces.least_squares_forces import least_squares
+from toolkit.responses.forces.least_squares_forces import least_squares, lengths_of_joints
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.marker_states import MarkerStates
 from toolkit.system.solution import Solution
@@ -45,15 +45,16 @@ class JointWrenches:
         return np.real(found)
 
     def _by_multipliers(self) -> np.ndarray:
-        """Forces, times the scene's size, and moments on the first bodies of all joints by the multipliers, (n_w, n_lam)."""
+        """Forces, times the size of what their joints connect, and moments on the first bodies by the multipliers, (n_w, n_lam)."""
         joints, n_q, work, found = self.system.plan.joints, self.system.n_q, self._work.joint, []
+        lengths = lengths_of_joints(self.system)[0]
         for j, formula in enumerate(self._formulas):
             formula()
             rows = slice(joints.row[j] - n_q, joints.row[j] - n_q + joints.n_rows[j])
             slopes = [self._wrenches(work.pose[0], row)[0] for row in work.slope[: joints.n_rows[j], 0]]
             by: np.ndarray = np.zeros((len(slopes[0]), self.system.n - n_q), self.system.dtype)
             by[:, rows] = np.stack(slopes, axis=1)
-            by[: self.system.scene.dimension] *= self.system.scene.size
+            by[: self.system.scene.dimension] *= lengths[j]
             found.append(by)
         return np.concatenate(found)
 

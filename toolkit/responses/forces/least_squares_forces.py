@@ -52,6 +52,13 @@ def lengths_of_joints(system: System) -> tuple[np.ndarray, np.ndarray]:
     It is twice the root of the mean square distance of the undeformed places of joints from their mean, of all joints that bodies connect
     with this one other than through the ground: the distance of two hinges. So forces do not depend on what else is in the scene.
     """
+    found: tuple[np.ndarray, np.ndarray] = system.placed.once(
+        ("lengths of joints", *system.design.names), lambda: _lengths_of_joints(system)
+    )
+    return found
+
+
+def _lengths_of_joints(system: System) -> tuple[np.ndarray, np.ndarray]:
     (places, places_x), groups = _places(system), _connected(system)
     lengths, lengths_x = np.ones(len(groups), places.dtype), np.zeros((len(groups), system.n_x))
     for group in np.unique(groups):

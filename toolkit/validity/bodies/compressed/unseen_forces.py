@@ -83,7 +83,7 @@ def _at(solution: Solution, body: str, law: Stiffening, n: int, axial: np.ndarra
     where, yields = elastic_coordinates(solution, body), yielding(solution, n)
     elastic = np.real(solution.q[:, where])
     largest = elastic[largest_instants(elastic)]
-    z = max(largest, key=lambda each: float(law.behind.distances(law.behind.displacements(each[None])).max()))
+    z = max(largest, key=lambda each: _farthest(law, each))
     size = _farthest(law, z)
     if yields is None or not size > 0:
         return None
