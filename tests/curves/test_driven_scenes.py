@@ -9,9 +9,9 @@ from typing import Annotated, Any
 import numpy as np
 import pytest
 
+from ffrf import extend
 from tests.models.curves import CURVES, ROUGH
 from tests.scene_file.test_schemas import complaints
-from toolkit import extend
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.rigid import SpatialRigid
 from toolkit.curves.curve import Curve

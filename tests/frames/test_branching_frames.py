@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from preprocessing.corotational.elements import Corotational
 from preprocessing.corotational.solve import solve_corotational

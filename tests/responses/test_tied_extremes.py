@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from toolkit.responses.over_time.tied_extremes import tied_peaks
 
 SCENE = """units = "m-kg-s"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.models.solid_bodies import MODULUS, WIDTH, box, rectangle, write_body
 from toolkit.analyses.modes import solve_modes
