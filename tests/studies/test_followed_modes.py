@@ -13,7 +13,7 @@ from tests.responses.test_vibration import MASS, STIFFNESS, blocks
 from toolkit.foundation.errors import InputError
 from toolkit.loads.planar.spring_damper import SpringDamper
 from toolkit.scene.scene import Scene
-from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.designs.solved_design import solved
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.problem import Problem

@@ -8,7 +8,7 @@ import pytest
 import toolkit as ffrf
 from tests.models.truss import HALF, REST, STIFFNESS, height, write_truss
 from toolkit.foundation.errors import InputError
-from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.designs.solved_design import solved
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.study_reader import read_study
 from toolkit.studies.sweep.sweep import sweep_problem, swept

@@ -14,7 +14,7 @@ import toolkit as ffrf
 from tests.models.truss import HALF, HEIGHT, REST, force, force_slope, height, write_truss
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
-from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.designs.solved_design import solved
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.problem import Problem

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.render.sheet import sheet, style
 from toolkit.report.drawing import Drawing
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.optimum import Optimum
 from toolkit.studies.optimization.prices import objective_of
 from toolkit.studies.optimization.search.found import Found
@@ -56,11 +56,11 @@ def _ranges_widely(found: Optimum) -> bool:
     return min(values) > 0 and max(values) > WIDE * min(values)
 
 
-def _designs(found: Optimum, search: Found) -> list[Evaluation]:
+def _designs(found: Optimum, search: Found) -> list[DesignOutcome]:
     return [each for each in found.solved if each.lane == search.lane]
 
 
-def _violation(search: Found, design: Evaluation) -> float:
+def _violation(search: Found, design: DesignOutcome) -> float:
     """Largest violation of a design, or LEAST: also where it has failed, or nothing is limited."""
     if design.failed or not search.program.rows:
         return LEAST

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 
 
 class NoDesignError(ToolkitError, ArithmeticError):
     """Not one design of a study could be solved."""
 
 
-def refuse_all_failed(found: Sequence[Evaluation]) -> None:
+def refuse_all_failed(found: Sequence[DesignOutcome]) -> None:
     """Raise `NoDesignError` with the reasons, if all designs failed."""
     if any(not each.failed for each in found):
         return
@@ -26,7 +26,7 @@ def refuse_all_failed(found: Sequence[Evaluation]) -> None:
     )
 
 
-def failed_designs(found: Sequence[Evaluation], meaning: str, doubt: bool) -> Iterator[Caution]:
+def failed_designs(found: Sequence[DesignOutcome], meaning: str, doubt: bool) -> Iterator[Caution]:
     """That some designs could not be solved, what that means, and the most frequent reason."""
     reasons = Counter(each.reason for each in found if each.failed)
     if reasons:

@@ -9,8 +9,8 @@ import numpy as np
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.sensitivity.direct import direct
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.solved_design import scene_at
+from toolkit.studies.designs.solved_design import scene_at
+from toolkit.studies.engine.outcome import DesignOutcome as Evaluation
 from toolkit.studies.study.problem import FURTHER, Problem
 from toolkit.studies.study.study_file import LOAD_MARGIN
 

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from toolkit.studies.designs.design_work import Asked, DesignWork, WithFiles
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.store import Store
-from toolkit.studies.places.place import HERE, Place, Progress, done_at
+from toolkit.studies.designs.design_work import DesignJob as Asked
+from toolkit.studies.designs.design_work import DesignWork, WithFiles
+from toolkit.studies.engine.executor import SERIAL as HERE
+from toolkit.studies.engine.executor import Executor as Place
+from toolkit.studies.engine.executor import Progress
+from toolkit.studies.engine.executor import completed as done_at
+from toolkit.studies.engine.outcome import DesignOutcome as Evaluation
+from toolkit.studies.engine.store import DesignStore as Store
 
 REMEDY = "What was finished is kept: run the same command again, with --jobs 1."
 
@@ -38,13 +42,13 @@ def solve_designs(
         A process or the cluster ended; what was finished is kept.
     """
     wanted = {(each.lane, each.design.tobytes()): each for each in asked}
-    missing = {key: each for key, each in wanted.items() if store.find(each.lane, each.design) is None}
+    missing = {key: each for key, each in wanted.items() if store.find((each.lane, each.design.tobytes())) is None}
     done = len(wanted) - len(missing)
     if progress:
         progress(done, len(wanted))
     sent = WithFiles.of(work) if place.dask else work
     for _, found in done_at(place, sent, missing, REMEDY):
-        store.keep(found)
+        store.keep(found.key, found)
         done += 1
         if progress:
             progress(done, len(wanted))
@@ -52,6 +56,6 @@ def solve_designs(
 
 
 def _known(store: Store, asked: Asked) -> Evaluation:
-    found = store.find(asked.lane, asked.design)
+    found = store.find((asked.lane, asked.design.tobytes()))
     assert found is not None
     return found

@@ -10,11 +10,10 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.studies.designs.evaluator import Evaluator
 from toolkit.studies.designs.judged_runs import cut_off
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.evaluator import Evaluator
-from toolkit.studies.evaluation.fingerprint import fingerprint
-from toolkit.studies.evaluation.store import Store, opened_store
+from toolkit.studies.engine.outcome import DesignOutcome
+from toolkit.studies.engine.store import DesignStore, opened_store
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.prices import Price, dependent, objective_of, prices
 from toolkit.studies.optimization.program import Program
@@ -61,15 +60,15 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
     options = problem.study.search
     count, asked = options.starts * options.evaluations, 0
 
-    def tell(_: Evaluation) -> None:
+    def tell(_: DesignOutcome) -> None:
         nonlocal asked
         asked += 1
         if progress:
             progress(min(asked, count), count)
 
-    with opened_store(None if folder is None else folder / STORE, fingerprint(problem)) as store:
+    with opened_store(None if folder is None else folder / STORE, problem.fingerprint) as store:
         evaluator = Evaluator(problem, store)
-        known_wall = sum(each.wall for each in store)
+        known_wall = sum(each.seconds for each in store)
         starts = starts_of(problem, options.starts)
         _refuse_idle_objective(problem, evaluator, starts[0])
         searches: list[Found] = []
@@ -111,7 +110,7 @@ def _rank(found: Found) -> tuple[bool, bool, float]:
     return (not found.arrived, not feasible, value if feasible else found.optimality.violation)
 
 
-def _verified(problem: Problem, evaluator: Evaluator, found: Found, tell: Callable[[Evaluation], None]) -> tuple[Found, Again]:
+def _verified(problem: Problem, evaluator: Evaluator, found: Found, tell: Callable[[DesignOutcome], None]) -> tuple[Found, Again]:
     """A search's design solved again; where that fails after warm starts, the search is repeated without them."""
     assert found.best is not None
     again = solved_again(problem, found.best)
@@ -141,14 +140,14 @@ def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.nda
     )
 
 
-def _undecided(problem: Problem, found: Evaluation) -> float:
+def _undecided(problem: Problem, found: DesignOutcome) -> float:
     """How much of the objective round-off may decide."""
     weights = problem.weights
     left = ((name, problem.undecided(name, found.values[:, k])) for k, name in enumerate(problem.responses))
     return sum(abs(weights.get(name, 0.0)) * each for name, each in left)
 
 
-def _refuse_all_failed(problem: Problem, store: Store, searches: list[Found]) -> None:
+def _refuse_all_failed(problem: Problem, store: DesignStore, searches: list[Found]) -> None:
     if any(each.best is not None for each in searches):
         return
     reasons = []
@@ -201,7 +200,7 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
         yield Caution("failed-designs", f"{failed} of {count} designs could not be solved; none counts.", doubt=False)
 
 
-def _margins(problem: Problem, best: Evaluation) -> Iterator[Caution]:
+def _margins(problem: Problem, best: DesignOutcome) -> Iterator[Caution]:
     """Load margins at the design of which only the least value is known; of no slope, they may look like an optimum themselves."""
     cut = [case for k, case in enumerate(problem.cases) if cut_off(problem, best, (k, len(problem.responses) - 1))]
     if cut:
@@ -217,7 +216,7 @@ def _margins(problem: Problem, best: Evaluation) -> Iterator[Caution]:
         yield Caution("margin-cut-off", text, doubt=asked)
 
 
-def _idle(problem: Problem, store: Store) -> Iterator[Caution]:
+def _idle(problem: Problem, store: DesignStore) -> Iterator[Caution]:
     """Variables that have moved nothing at any design."""
     slopes = [each.gradients for each in store if not each.failed]
     idle = [name for k, name in enumerate(problem.variables) if not any(np.any(each[:, :, k]) for each in slopes)]

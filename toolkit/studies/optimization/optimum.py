@@ -9,7 +9,7 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.prices import Price, objective_of
 from toolkit.studies.optimization.robustness import Compared
 from toolkit.studies.optimization.search.found import Found
@@ -56,13 +56,13 @@ class Optimum:
     again: Again
     prices: tuple[Price, ...]
     verdict: Verdict
-    first: Evaluation | None
-    solved: tuple[Evaluation, ...]
+    first: DesignOutcome | None
+    solved: tuple[DesignOutcome, ...]
     wall: float
     robust: tuple[Compared, ...] = ()
 
     @property
-    def design(self) -> Evaluation:
+    def design(self) -> DesignOutcome:
         """The design as the search had it."""
         assert self.search.best is not None
         return self.search.best
@@ -184,7 +184,7 @@ class Optimum:
         return not set(self.verdict.codes) & {"not-optimal", "infeasible", "not-found-again"}
 
     def _wall_of(self, search: Found) -> float:
-        return sum(each.wall for each in self.solved if each.lane == search.lane)
+        return sum(each.seconds for each in self.solved if each.lane == search.lane)
 
     def check(self) -> None:
         """Raise what is to be said if it is no optimum.

@@ -12,7 +12,7 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.studies.distributions.sobol_points import scrambled
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.problem import Problem, by_case
 from toolkit.studies.study.study_file import LOAD_MARGIN
 from toolkit.studies.study.wanted import Statistic
@@ -56,7 +56,7 @@ class Compared:
         return {way: dict(zip(("mean", "sigma"), found, strict=True)) for way, found in both.items()}
 
 
-def compared(problem: Problem, found: Evaluation) -> tuple[list[Compared], list[Caution]]:
+def compared(problem: Problem, found: DesignOutcome) -> tuple[list[Compared], list[Caution]]:
     """What a design's means and deviations are by another way, and what there is to say about that."""
     if problem.points is None or found.failed:
         return [], []
@@ -68,7 +68,7 @@ def compared(problem: Problem, found: Evaluation) -> tuple[list[Compared], list[
     return each, [*_unsettled(each), *_doubts(judge)]
 
 
-def _judge(problem: Problem, found: Evaluation) -> UncertainResult:
+def _judge(problem: Problem, found: DesignOutcome) -> UncertainResult:
     """The study's uncertain numbers at a design, with as many designs and random designs as [uncertainty] says."""
     study, scene = problem.study, with_numbers(problem.scene, problem.numbers(found.design))[0]
     named = {name: each for name, each in scene.design.items() if not (name in study.uncertain and study.uncertain[name].of)}
@@ -80,7 +80,7 @@ def _judge(problem: Problem, found: Evaluation) -> UncertainResult:
     return found_uncertainty(uncertain_study(study, scene.model_copy(update={"design": named})))
 
 
-def _compared(problem: Problem, found: Evaluation, judge: UncertainResult) -> Iterator[Compared]:
+def _compared(problem: Problem, found: DesignOutcome, judge: UncertainResult) -> Iterator[Compared]:
     joint, options = judge.study.joint, judge.study.options
     germs = joint.germs_of(scrambled(SAMPLES, len(joint.marginals), options.seed))
     several = {each.of: each for each in problem.statistics.values()}

@@ -10,7 +10,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Verdict
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.problem import Problem, by_case
 
 Cell = int | float | str
@@ -73,7 +73,7 @@ class Swept:
 
     problem: Problem
     designs: np.ndarray
-    solved: tuple[Evaluation, ...]
+    solved: tuple[DesignOutcome, ...]
     verdict: Verdict
     wall: float
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.optimality import Optimality
 from toolkit.studies.optimization.program import Program
 
@@ -50,7 +50,7 @@ class Found:
 
     lane: int
     start: np.ndarray
-    best: Evaluation | None
+    best: DesignOutcome | None
     optimality: Optimality | None
     program: Program
     ended: str

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.evaluator import Evaluator
+from toolkit.studies.designs.evaluator import Evaluator
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.methods.catalogue import METHODS
 from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions
 from toolkit.studies.optimization.program import Program
@@ -25,14 +25,14 @@ AGAIN = 3
 """How often a method that gave up begins anew where it stood, without planes."""
 FIRST_METHODS = 0.2
 """Part of the designs that each of several methods, but for the last, may solve."""
-Tell = Callable[[Evaluation], None]
+Tell = Callable[[DesignOutcome], None]
 
 
 class Search:
     """One search."""
 
     def __init__(self, program: Program, evaluator: Evaluator, lane: int, warm: bool, tell: Tell) -> None:
-        def solve(design: np.ndarray) -> Evaluation:
+        def solve(design: np.ndarray) -> DesignOutcome:
             found = evaluator(lane, design, warm)
             tell(found)
             return found
