@@ -35,7 +35,7 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare
 from toolkit.studies.stability.catalogue import MAPS, maps_of
 from toolkit.studies.stability.cell_outcome import CellOutcome, Ending
-from toolkit.studies.stability.cell_run import created_energy, measure
+from toolkit.studies.stability.cell_run import created_energy, run_cell
 from toolkit.studies.stability.classifier import CLASSES, CellClass, Limits, gradient_class, run_class
 from toolkit.studies.stability.map import Axis, Map, with_options
 from toolkit.studies.stability.map_limits import breakdowns, stable_where
@@ -161,7 +161,7 @@ def driven() -> Scene:
 def test_a_motion_twice_as_fast_has_four_times_the_energy_and_ends_at_the_same_angle():
     found = speed_map(driven())
     axis = found.axes[0]
-    slow, fast = (measure(found.scenes[axis.values.index(by),], []) for by in (1.0, 10.0))
+    slow, fast = (run_cell(found.scenes[axis.values.index(by),], []) for by in (1.0, 10.0))
     # the same steps of the same curve: only round-off and Newton's 1e-10 differ
     assert fast.values["energy"] == pytest.approx(100 * slow.values["energy"], rel=1e-8)
     assert fast.values["angle"] == pytest.approx(slow.values["angle"], rel=1e-8)
@@ -218,13 +218,13 @@ def test_thickness_and_modulus_are_mapped_as_far_as_asked():
 def test_a_mass_that_cancels_changes_nothing():
     """The pendulum's motion does not know its mass: all cells end where the first does."""
     found = mass_map(read_scene(PENDULUM, QUICK))
-    ends = [measure(scene, []).values["move_y"] for scene in found.scenes.values()]
+    ends = [run_cell(scene, []).values["move_y"] for scene in found.scenes.values()]
     assert ends == pytest.approx([ends[0]] * len(ends), rel=1e-7)  # Newton's tolerance, over some 100 iterations
 
 
 def test_slopes_that_are_zero_but_for_round_off_do_not_make_a_gradient_inaccurate():
     """The pendulum's motion does not know its mass: what both methods give, 1e-14, is round-off; the rod's force goes with it."""
-    found = measure(read_scene(PENDULUM, QUICK), ["m"])
+    found = run_cell(read_scene(PENDULUM, QUICK), ["m"])
     assert max(abs(found.gradients[name]["m"]) for name in ("move_x", "move_y")) < 1e-12
     assert found.gradients["rod_force"]["m"] == pytest.approx(found.values["rod_force"], rel=1e-9)
     assert found.disagreement < 1e-9
@@ -274,7 +274,7 @@ def drift(factor: float, rho_inf: float, end: float) -> float:
     scene = with_options(read_scene(PENDULUM, {"solver.step": "0.01"}), end_time=end, rho_inf=rho_inf)
     found = baumgarte_map(scene)
     a, b = found.axes
-    return measure(found.scenes[a.values.index(factor), b.values.index(factor)], []).drift
+    return run_cell(found.scenes[a.values.index(factor), b.values.index(factor)], []).drift
 
 
 def test_without_stabilisation_drift_grows_with_time_squared_and_with_it_it_does_not():
@@ -291,13 +291,13 @@ def test_without_stabilisation_and_damping_drift_comes_back_with_every_swing():
 
 def test_a_scene_at_rest_creates_no_energy():
     wing = read_scene(WING, {"loads.drive.torque": "0.0", "solver.end_time": "0.5"})
-    assert measure(wing, []).created < 1e-3  # round-off, beside the energy that Newton leaves open
+    assert run_cell(wing, []).created < 1e-3  # round-off, beside the energy that Newton leaves open
 
 
 def test_damping_that_no_step_resolves_is_no_energy_created():
     """The rotating beam's damping settles it within milliseconds; the sum of its power over steps of 0.5 s is wrong by 16 %."""
     beam = speed_map(read_scene(BEAM, {"solver.end_time": "0.02"}))
-    slow = measure(beam.scenes[beam.axes[0].values.index(1e-3),], [])
+    slow = run_cell(beam.scenes[beam.axes[0].values.index(1e-3),], [])
     assert slow.ending == Ending()
     assert slow.created < 1e-3
     # what turns keeps its energy J omega^2 / 2, J = rho A L^3 / 3, beside which the strain of the pull is nothing
@@ -322,7 +322,7 @@ def test_a_gradient_that_only_one_method_can_give_is_judged_by_the_other_run_alo
     """The magnitude of a displacement that is zero at the start needs the states' derivatives: the adjoint refuses."""
     scene = read_scene(PENDULUM, QUICK)
     still = scene.model_copy(update={"responses": {"way": Displacement(body="bob", point="P", component="magnitude", time=0.0)}})
-    found = measure(still, ["g_y"])
+    found = run_cell(still, ["g_y"])
     assert found.differentiation == Ending()
 
 
@@ -414,9 +414,9 @@ def test_given_times_are_refined_between_them_and_have_no_step_map(tmp_path):
 def test_error_control_is_refined_by_the_cube_and_ends_when_its_steps_vanish(monkeypatch):
     scene = with_options(read_scene(PENDULUM, QUICK), local_error=1e-4, rho_inf=0.8)
     assert refined(scene, 2).solver.local_error == pytest.approx(1e-4 / 8, rel=1e-15)
-    assert measure(scene, ["g_y"]).ending == Ending()
+    assert run_cell(scene, ["g_y"]).ending == Ending()
     monkeypatch.setattr("toolkit.studies.stability.cell_run.MOST_REPORTS", 2)
-    impatient = measure(with_options(scene, local_error=1e-8), [])
+    impatient = run_cell(with_options(scene, local_error=1e-8), [])
     assert impatient.status == "failed"
     assert "solver.local_error" in impatient.reason
 

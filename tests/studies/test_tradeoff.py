@@ -194,8 +194,8 @@ def test_a_table_comes_back_from_its_text():
 
 def test_a_second_study_runs_nothing_again_and_another_scene_uses_nothing_of_it(tmp_path, monkeypatch):
     ran: list[str] = []
-    true = setting_run.measure
-    monkeypatch.setattr(setting_run, "measure", lambda case, setting: ran.append(str(setting)) or true(case, setting))
+    true = setting_run.run_setting
+    monkeypatch.setattr(setting_run, "run_setting", lambda case, setting: ran.append(str(setting)) or true(case, setting))
     first = study(tmp_path, axes="step=0.02/0.01")
     assert len(ran) == 2 + 3  # two settings, three runs of the reference
     ran.clear()

@@ -16,7 +16,7 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.scene.scene import Scene
-from toolkit.studies.designs.solved_design import solved
+from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.engine.outcome import DesignKey, DesignOutcome
 from toolkit.studies.study.problem import Problem
 
@@ -65,7 +65,7 @@ class DesignWork:
 
     def __call__(self, job: DesignJob) -> DesignOutcome:
         """The design, without the equilibria that it was solved by."""
-        return replace(solved(self.problem, job.lane, job.design, self.start, job.gradients), states=())
+        return replace(solve_design(self.problem, job.lane, job.design, self.start, job.gradients), states=())
 
     def __reduce__(self) -> tuple[Any, ...]:
         problem = self.problem

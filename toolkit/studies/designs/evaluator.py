@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.studies.designs.solved_design import solved
+from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.engine.store import DesignStore
 from toolkit.studies.study.problem import Problem
@@ -27,7 +27,7 @@ class Evaluator:
         if known is not None:
             return known
         start = self._nearest(lane, design) if warm and self.problem.kind == "static" else None
-        found = solved(self.problem, lane, design, start, curvatures=True)
+        found = solve_design(self.problem, lane, design, start, curvatures=True)
         self.store.keep(found.key, found)
         return found
 

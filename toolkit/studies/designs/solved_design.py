@@ -24,7 +24,7 @@ NOWHERE = State(EMPTY, EMPTY)
 
 
 @one_thread()
-def solved(
+def solve_design(
     problem: Problem,
     lane: int,
     design: np.ndarray,

@@ -18,7 +18,7 @@ from toolkit.sensitivity.direct import direct, values_alone
 from toolkit.sensitivity.result import Result
 from toolkit.studies.designs.case_run import CaseRun
 from toolkit.studies.designs.gradient_norms import norms
-from toolkit.studies.designs.solved_design import load_margin, scene_at, solved
+from toolkit.studies.designs.solved_design import load_margin, scene_at, solve_design
 from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.problem import FAR, Problem, by_case
 from toolkit.studies.study.study_file import LOAD_MARGIN
@@ -107,7 +107,9 @@ def _derived(problem: Problem, found: DesignOutcome) -> DesignOutcome | None:
         return None
     constraints = {name: each for name, each in problem.study.constraints.items() if name != LOAD_MARGIN}
     study = problem.study.model_copy(update={"constraints": constraints})
-    return solved(replace(problem, study=study, scene=finer(problem.scene)), found.lane, found.design, None, gradients=False)
+    return solve_design(
+        replace(problem, study=study, scene=finer(problem.scene)), found.lane, found.design, None, gradients=False
+    )
 
 
 def _has_margin(problem: Problem) -> bool:

@@ -36,7 +36,7 @@ MOST_MEMORY = 0.5
 
 @dataclass(frozen=True)
 class CellJob:
-    """A cell that is to be run; arguments as of `measure`."""
+    """A cell that is to be run; arguments as of `run_cell`."""
 
     scene: Scene
     design: list[str]
@@ -51,10 +51,10 @@ class CellJob:
 
     def run(self) -> CellOutcome:
         """Run the cell."""
-        return measure(self.scene, self.design, self.sizes, self.both_methods)
+        return run_cell(self.scene, self.design, self.sizes, self.both_methods)
 
 
-def measure(scene: Scene, design: list[str], sizes: Mapping[str, float] | None = None, both_methods: bool = True) -> CellOutcome:
+def run_cell(scene: Scene, design: list[str], sizes: Mapping[str, float] | None = None, both_methods: bool = True) -> CellOutcome:
     """Run a scene with all derivatives; whatever it raises becomes part of the result.
 
     Parameters

@@ -32,7 +32,7 @@ def kept_outcomes(case: Case) -> RunFolder[SettingOutcome]:
     return RunFolder(case.folder / "records", SettingOutcome)
 
 
-def measured(case: Case, settings: Sequence[Setting], jobs: int, progress: Progress) -> list[SettingOutcome]:
+def run_settings(case: Case, settings: Sequence[Setting], jobs: int, progress: Progress) -> list[SettingOutcome]:
     """Outcomes of settings in their order; those that are kept already are not run again.
 
     Raises
@@ -41,7 +41,7 @@ def measured(case: Case, settings: Sequence[Setting], jobs: int, progress: Progr
         A process was killed, as happens when memory runs out.
     """
     wanted = {case.key(setting): setting for setting in _models_first(settings)}
-    found = run_jobs(partial(measure, case), wanted, kept_outcomes(case), Executor(jobs), progress)
+    found = run_jobs(partial(run_setting, case), wanted, kept_outcomes(case), Executor(jobs), progress)
     return [found[case.key(setting)] for setting in settings]
 
 
@@ -55,7 +55,7 @@ def _models_first(settings: Sequence[Setting]) -> list[Setting]:
     return [settings[k] for k in sorted(range(len(settings)), key=lambda k: turns[k] > 0)]
 
 
-def measure(case: Case, setting: Setting) -> SettingOutcome:
+def run_setting(case: Case, setting: Setting) -> SettingOutcome:
     """Run a setting once; a refusal of the toolkit is what came out."""
     try:
         case.build_models(setting)
@@ -65,7 +65,7 @@ def measure(case: Case, setting: Setting) -> SettingOutcome:
 
 
 def _outcome(scene: Scene, names: list[str]) -> SettingOutcome:
-    found, method = gradients_once(ready_to_run(scene, names))
+    found, method = gradients_once(prepare_run(scene, names))
     solution = found.solution
     named = result(scene, solution, found.values, found.gradients, method, 0.0, 0.0)
     return SettingOutcome(
@@ -82,7 +82,7 @@ def _outcome(scene: Scene, names: list[str]) -> SettingOutcome:
     )
 
 
-def timed(
+def time_settings(
     case: Case, settings: Sequence[Setting], outcomes: Sequence[SettingOutcome], repeats: int, progress: Progress
 ) -> list[SettingOutcome]:
     """The outcomes with the times of so many runs each; those that are kept already count.
@@ -94,11 +94,11 @@ def timed(
     found, at = dict(zip(keys, outcomes, strict=True)), dict(zip(keys, settings, strict=True))
     lacking = {key: repeats - len(each.whole) for key, each in found.items() if not each.failed}
     total, done = sum(max(n, 0) for n in lacking.values()), 0
-    ready: dict[str, Ready] = {}
+    ready: dict[str, PreparedRun] = {}
     for turn in range(max(lacking.values(), default=0)):
         for key in [key for key, n in lacking.items() if n > turn]:
             if key not in ready:
-                ready[key] = ready_to_run(case.scene_of(at[key]), list(case.names), found[key].method)
+                ready[key] = prepare_run(case.scene_of(at[key]), list(case.names), found[key].method)
                 values_once(ready[key]), gradients_once(ready[key])
             found[key] = _once_more(ready[key], found[key])
             store.keep(key, found[key])
@@ -107,14 +107,14 @@ def timed(
     return [found[key] for key in keys]
 
 
-def _once_more(ready: Ready, outcome: SettingOutcome) -> SettingOutcome:
+def _once_more(ready: PreparedRun, outcome: SettingOutcome) -> SettingOutcome:
     primal = values_once(ready).seconds
     whole = gradients_once(ready)[0].seconds if ready.method else primal
     return replace(outcome, primal=[*outcome.primal, primal], whole=[*outcome.whole, whole])
 
 
 @dataclass(frozen=True)
-class Ready:
+class PreparedRun:
     """A compiled scene, and the method for its gradients: "direct", "adjoint", or "" for none."""
 
     compiled: Compiled
@@ -131,13 +131,13 @@ class TimedRun:
     seconds: float
 
 
-def ready_to_run(scene: Scene, names: list[str], method: str = "") -> Ready:
+def prepare_run(scene: Scene, names: list[str], method: str = "") -> PreparedRun:
     """A scene ready to run; by default with the method for gradients that is estimated to be the cheaper one."""
     compiled = Compiled(scene, tuple(names))
-    return Ready(compiled, (method or choose(compiled, "transient").method) if names else "")
+    return PreparedRun(compiled, (method or choose(compiled, "transient").method) if names else "")
 
 
-def values_once(ready: Ready) -> TimedRun:
+def values_once(ready: PreparedRun) -> TimedRun:
     """One run to the values alone."""
     begun = clock.perf_counter()
     solution = solve(ready.compiled.primal, "transient")
@@ -145,7 +145,7 @@ def values_once(ready: Ready) -> TimedRun:
     return TimedRun(values, {}, solution, clock.perf_counter() - begun)
 
 
-def gradients_once(ready: Ready) -> tuple[TimedRun, str]:
+def gradients_once(ready: PreparedRun) -> tuple[TimedRun, str]:
     """One run to values and gradients, and the method that could do it: the adjoint may turn out to need the direct one."""
     if not ready.method:
         return values_once(ready), ""
@@ -157,14 +157,14 @@ def gradients_once(ready: Ready) -> tuple[TimedRun, str]:
         return _direct(ready), "direct"
 
 
-def _direct(ready: Ready) -> TimedRun:
+def _direct(ready: PreparedRun) -> TimedRun:
     begun = clock.perf_counter()
     solution = solve(ready.compiled.full, "transient")
     values, gradients = evaluate_with_gradients(solution)
     return TimedRun(values, gradients, solution, clock.perf_counter() - begun)
 
 
-def _adjoint(ready: Ready) -> TimedRun:
+def _adjoint(ready: PreparedRun) -> TimedRun:
     begun = clock.perf_counter()
     solution = solve(ready.compiled.primal, "transient")
     found, gradient = adjoint_gradients(ready.compiled.full, solution)

@@ -20,7 +20,7 @@ from toolkit.studies.tradeoff.case import Case, fingerprint
 from toolkit.studies.tradeoff.judgement import JudgedSetting, cheapest, judge, pareto
 from toolkit.studies.tradeoff.reference import Reference, find_reference
 from toolkit.studies.tradeoff.setting import Choice, Setting, grid
-from toolkit.studies.tradeoff.setting_run import measured, timed
+from toolkit.studies.tradeoff.setting_run import run_settings, time_settings
 
 Stage = Callable[[str], AbstractContextManager[Progress]]
 REPEATS = 5
@@ -142,12 +142,12 @@ def tradeoff(planned: Plan, stage: Stage = silent, jobs: int = 1, repeats: int =
     case, settings = planned.case, planned.settings
     with stage("reference") as progress:
         reference = find_reference(
-            planned.scene, planned.axes, planned.budget, lambda wanted: measured(case, wanted, jobs, progress)
+            planned.scene, planned.axes, planned.budget, lambda wanted: run_settings(case, wanted, jobs, progress)
         )
     with stage("settings") as progress:
-        outcomes = measured(case, settings, jobs, progress)
+        outcomes = run_settings(case, settings, jobs, progress)
     with stage("times") as progress:
-        outcomes = timed(case, settings, outcomes, repeats, progress)
+        outcomes = time_settings(case, settings, outcomes, repeats, progress)
     judged = [judge(setting, each, reference, planned.budget) for setting, each in zip(settings, outcomes, strict=True)]
     judged.sort(key=lambda each: (each.outcome.failed, each.price))
     best = pareto([(each.price, each.ratio) for each in judged])

@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.foundation.verdict import Caution
 from toolkit.studies.designs.failed_designs import failed_designs
 from toolkit.studies.designs.judged_runs import extremes, margins_cut_off, said_at
-from toolkit.studies.designs.solved_design import solved
+from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.study_file import LOAD_MARGIN
 from toolkit.studies.uncertainty.spread import Spread
@@ -134,7 +134,7 @@ def _samples(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
 def _elsewhere(study: UncertainStudy, ends: Sequence[DesignOutcome]) -> Iterator[Caution]:
     """That the path from the unloaded state leads elsewhere than the warm start."""
     for end in ends:
-        cold = solved(study.problem, end.lane, end.design, None, False)
+        cold = solve_design(study.problem, end.lane, end.design, None, False)
         if cold.failed or not np.allclose(cold.values, end.values, rtol=ANOTHER, atol=0):
             yield Caution(
                 "beyond-snap-through",

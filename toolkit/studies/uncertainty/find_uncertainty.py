@@ -12,7 +12,7 @@ from toolkit.studies.designs.design_work import WITH, WITHOUT, DesignJob, Design
 from toolkit.studies.designs.failed_designs import refuse_all_failed
 from toolkit.studies.designs.judged_runs import cut_off
 from toolkit.studies.designs.solve_designs import solve_designs
-from toolkit.studies.designs.solved_design import solved
+from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.distributions.sobol_points import scrambled
 from toolkit.studies.engine.executor import SERIAL, Executor, Progress
 from toolkit.studies.engine.fingerprint import hashed
@@ -59,7 +59,7 @@ def found_uncertainty(
         A process or the cluster ended; what was finished is kept.
     """
     problem, options = study.problem, study.options
-    start = solved(problem, WITH, study.designs[0], None) if options.warm_starts and problem.kind == "static" else None
+    start = solve_design(problem, WITH, study.designs[0], None) if options.warm_starts and problem.kind == "static" else None
     start = None if start is None or start.failed else start
     key = problem.fingerprint if start is None else hashed(problem.fingerprint, study.designs[0].tolist())
     asked = [DesignJob(WITH, each) for each in study.designs]
