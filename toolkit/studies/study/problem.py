@@ -99,6 +99,11 @@ class Problem:
         return (*known, LOAD_MARGIN) if self.margin_up_to is not None else known
 
     @cached_property
+    def labels(self) -> dict[str, tuple[int, int]]:
+        """Response, with its case before it where cases have names -> place of case and response in the values of a design."""
+        return {label: (i, j) for j, name in enumerate(self.responses) for i, label in enumerate(by_case(self.cases, name))}
+
+    @cached_property
     def statistics(self) -> dict[str, Statistic]:
         """Name -> mean and deviation over uncertain numbers, as far as something is to be robust."""
         return {} if self.points is None else statistics_of(self.study)

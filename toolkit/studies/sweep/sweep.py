@@ -7,9 +7,8 @@ from pathlib import Path
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.studies.designs.design_work import WITH, WITHOUT, DesignJob, DesignWork
-from toolkit.studies.designs.failed_designs import failed_designs, refuse_all_failed
 from toolkit.studies.designs.judged_runs import extremes, margins_cut_off, said_at
-from toolkit.studies.designs.solve_designs import solve_designs
+from toolkit.studies.designs.solve_designs import failed_designs, refuse_all_failed, solve_designs
 from toolkit.studies.engine.executor import SERIAL, Executor, Progress
 from toolkit.studies.engine.store import opened_store
 from toolkit.studies.study.checked_problem import problem_of_all

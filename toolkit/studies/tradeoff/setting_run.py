@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from toolkit.foundation.errors import NeedsDirectError, ToolkitError
 from toolkit.scene.scene import Scene
@@ -59,22 +59,22 @@ def run_setting(case: Case, setting: Setting) -> SettingOutcome:
     """Run a setting once; a refusal of the toolkit is what came out."""
     try:
         case.build_models(setting)
-        return _outcome(case.scene_of(setting), list(case.names))
+        return _outcome(case.scene_of(setting), case.names)
     except ToolkitError as error:
         return SettingOutcome(reason=str(error) or type(error).__name__)
 
 
-def _outcome(scene: Scene, names: list[str]) -> SettingOutcome:
-    found, method = gradients_once(prepare_run(scene, names))
+def _outcome(scene: Scene, names: tuple[str, ...]) -> SettingOutcome:
+    found = PreparedRun.of(scene, names).once()
     solution = found.solution
-    named = result(scene, solution, found.values, found.gradients, method, 0.0, 0.0)
+    named = result(scene, solution, found.values, found.gradients, found.method, 0.0, 0.0)
     return SettingOutcome(
         values=named.values,
         gradients=named.gradients,
         seconds=found.seconds,
         units=named.units,
         sizes=variable_sizes(scene, named) if names else {},
-        method=method,
+        method=found.method,
         steps=solution.steps,
         newton_iterations=solution.newton_iterations,
         drift=float(solution.drift),
@@ -98,8 +98,8 @@ def time_settings(
     for turn in range(max(lacking.values(), default=0)):
         for key in [key for key, n in lacking.items() if n > turn]:
             if key not in ready:
-                ready[key] = prepare_run(case.scene_of(at[key]), list(case.names), found[key].method)
-                values_once(ready[key]), gradients_once(ready[key])
+                ready[key] = PreparedRun.of(case.scene_of(at[key]), case.names, found[key].method)
+                ready[key].once(gradients=False), ready[key].once()
             found[key] = _once_more(ready[key], found[key])
             store.keep(key, found[key])
             done += 1
@@ -108,66 +108,47 @@ def time_settings(
 
 
 def _once_more(ready: PreparedRun, outcome: SettingOutcome) -> SettingOutcome:
-    primal = values_once(ready).seconds
-    whole = gradients_once(ready)[0].seconds if ready.method else primal
+    primal = ready.once(gradients=False).seconds
+    whole = ready.once().seconds if ready.method else primal
     return replace(outcome, primal=[*outcome.primal, primal], whole=[*outcome.whole, whole])
 
 
-@dataclass(frozen=True)
-class PreparedRun:
-    """A compiled scene, and the method for its gradients: "direct", "adjoint", or "" for none."""
-
-    compiled: Compiled
-    method: str
-
-
-@dataclass(frozen=True)
-class TimedRun:
-    """Values, gradients and solution of one run, and its time in s."""
+class TimedRun(NamedTuple):
+    """Values, gradients and solution of one run, the method of its gradients, and its time in s."""
 
     values: dict[str, Any]
     gradients: dict[str, dict[str, float]]
     solution: Solution
+    method: str
     seconds: float
 
 
-def prepare_run(scene: Scene, names: list[str], method: str = "") -> PreparedRun:
-    """A scene ready to run; by default with the method for gradients that is estimated to be the cheaper one."""
-    compiled = Compiled(scene, tuple(names))
-    return PreparedRun(compiled, (method or choose(compiled, "transient").method) if names else "")
+@dataclass(frozen=True)
+class PreparedRun:
+    """A compiled scene that runs again and again, and the method for its gradients: "direct", "adjoint", or "" for none."""
 
+    compiled: Compiled
+    method: str
 
-def values_once(ready: PreparedRun) -> TimedRun:
-    """One run to the values alone."""
-    begun = clock.perf_counter()
-    solution = solve(ready.compiled.primal, "transient")
-    values = evaluate_responses(solution)
-    return TimedRun(values, {}, solution, clock.perf_counter() - begun)
+    @classmethod
+    def of(cls, scene: Scene, names: tuple[str, ...], method: str = "") -> PreparedRun:
+        """A scene ready to run; by default with the method for gradients that is estimated to be the cheaper one."""
+        compiled = Compiled(scene, names)
+        return cls(compiled, (method or choose(compiled, "transient").method) if names else "")
 
+    def once(self, gradients: bool = True) -> TimedRun:
+        """One run to values and gradients, or to the values alone; the adjoint may turn out to need direct differentiation."""
+        try:
+            return self._by(self.method if gradients else "")
+        except NeedsDirectError:
+            return self._by("direct")
 
-def gradients_once(ready: PreparedRun) -> tuple[TimedRun, str]:
-    """One run to values and gradients, and the method that could do it: the adjoint may turn out to need the direct one."""
-    if not ready.method:
-        return values_once(ready), ""
-    if ready.method == "direct":
-        return _direct(ready), "direct"
-    try:
-        return _adjoint(ready), "adjoint"
-    except NeedsDirectError:
-        return _direct(ready), "direct"
-
-
-def _direct(ready: PreparedRun) -> TimedRun:
-    begun = clock.perf_counter()
-    solution = solve(ready.compiled.full, "transient")
-    values, gradients = evaluate_with_gradients(solution)
-    return TimedRun(values, gradients, solution, clock.perf_counter() - begun)
-
-
-def _adjoint(ready: PreparedRun) -> TimedRun:
-    begun = clock.perf_counter()
-    solution = solve(ready.compiled.primal, "transient")
-    found, gradient = adjoint_gradients(ready.compiled.full, solution)
-    seconds = clock.perf_counter() - begun
-    values = {name: partials.value for name, partials in found.items()}
-    return TimedRun(values, by_name(ready.compiled.full.design, found, gradient.T), solution, seconds)
+    def _by(self, method: str) -> TimedRun:
+        begun, compiled = clock.perf_counter(), self.compiled
+        solution = solve(compiled.full if method == "direct" else compiled.primal, "transient")
+        if method == "adjoint":
+            found, slopes = adjoint_gradients(compiled.full, solution)
+            values, gradients = {name: each.value for name, each in found.items()}, by_name(compiled.full.design, found, slopes.T)
+        else:
+            values, gradients = evaluate_with_gradients(solution) if method else (evaluate_responses(solution), {})
+        return TimedRun(values, gradients, solution, method, clock.perf_counter() - begun)

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.studies.designs.failed_designs import failed_designs
 from toolkit.studies.designs.judged_runs import extremes, margins_cut_off, said_at
+from toolkit.studies.designs.solve_designs import failed_designs
 from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.study_file import LOAD_MARGIN

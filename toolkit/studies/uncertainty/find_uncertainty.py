@@ -9,16 +9,14 @@ import numpy as np
 
 from toolkit.foundation.verdict import Verdict
 from toolkit.studies.designs.design_work import WITH, WITHOUT, DesignJob, DesignWork
-from toolkit.studies.designs.failed_designs import refuse_all_failed
 from toolkit.studies.designs.judged_runs import cut_off
-from toolkit.studies.designs.solve_designs import solve_designs
+from toolkit.studies.designs.solve_designs import refuse_all_failed, solve_designs
 from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.distributions.sobol_points import scrambled
 from toolkit.studies.engine.executor import SERIAL, Executor, Progress
 from toolkit.studies.engine.fingerprint import hashed
 from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.engine.store import opened_store
-from toolkit.studies.study.problem import by_case
 from toolkit.studies.uncertainty.doubts import doubts
 from toolkit.studies.uncertainty.expansion import EXACT, Expansion, fitted
 from toolkit.studies.uncertainty.spread import Neighbour, Spread, beyond, quantiles_of, sampled, without_statistics
@@ -75,15 +73,9 @@ def found_uncertainty(
     return UncertainResult(study, spreads, expansions, tuple(exact), tuple(random), verdict, wall)
 
 
-def _places(study: UncertainStudy) -> dict[str, tuple[int, int]]:
-    """Response, with its case -> place of case and response."""
-    cases, names = study.problem.cases, study.problem.responses
-    return {label: (i, j) for j, name in enumerate(names) for i, label in enumerate(by_case(cases, name))}
-
-
 def _expansions(study: UncertainStudy, exact: Sequence[DesignOutcome]) -> dict[str, Expansion]:
     good = [k for k, each in enumerate(exact) if not each.failed]
-    germs, places = study.germs[good], _places(study)
+    germs, places = study.germs[good], study.problem.labels
     values = np.array([[exact[k].values[place] for place in places.values()] for k in good])
     by_numbers = np.array([[exact[k].gradients[place] for place in places.values()] for k in good])
     slopes = np.einsum("krx,kxg->krg", by_numbers, study.joint.slopes(germs))
@@ -100,7 +92,7 @@ def _spreads(
     known = [k for k, each in enumerate(exact) if not each.failed]
     germs = joint.germs_of(scrambled(SAMPLES, len(joint.marginals), options.seed))
     good, found = [k for k, each in enumerate(random) if not each.failed], {}
-    for label, place in _places(study).items():
+    for label, place in study.problem.labels.items():
         each, name = expansions[label], problem.responses[place[1]]
         values, limit = each.values(germs), problem.study.constraints.get(name)
         alone, together = each.shares()
