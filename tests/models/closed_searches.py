@@ -11,8 +11,8 @@ import numpy as np
 
 from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.program import Values
-from toolkit.studies.optimization.search.found import Found
 from toolkit.studies.optimization.search.search import Search
+from toolkit.studies.optimization.search.search_result import SearchResult
 from toolkit.studies.study.search_options import Search as SearchOptions
 
 Residuals = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -49,7 +49,9 @@ def nowhere(_: np.ndarray) -> bool:
     return False
 
 
-def searched(residuals: Residuals, start: np.ndarray, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any) -> Found:
+def searched(
+    residuals: Residuals, start: np.ndarray, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any
+) -> SearchResult:
     """A search from a start, of variables between 0 and 1, in which designs fail where it is said."""
     return search_of(residuals, len(start), fails, **options).run(start, None)
 

@@ -17,11 +17,11 @@ from toolkit.studies.engine.store import DesignStore, opened_store
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.prices import Price, dependent, objective_of, prices
 from toolkit.studies.optimization.program import Program
-from toolkit.studies.optimization.robustness import Compared, compared
-from toolkit.studies.optimization.search.found import Found
+from toolkit.studies.optimization.robustness import RobustnessCheck, compared
 from toolkit.studies.optimization.search.search import Search
+from toolkit.studies.optimization.search.search_result import SearchResult
 from toolkit.studies.optimization.search.starts import starts_of
-from toolkit.studies.optimization.verification import Again, certified, said_of_norms, said_of_runs, solved_again
+from toolkit.studies.optimization.verification import Verification, certified, said_of_norms, said_of_runs, solved_again
 from toolkit.studies.study.problem import ONLY, Problem
 from toolkit.studies.study.study_file import LOAD_MARGIN
 
@@ -71,7 +71,7 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
         known_wall = sum(each.seconds for each in store)
         starts = starts_of(problem, options.starts)
         _refuse_idle_objective(problem, evaluator, starts[0])
-        searches: list[Found] = []
+        searches: list[SearchResult] = []
         for k, start in enumerate(starts):
             known = next((each.best.design for each in searches if each.best is not None), None)
             searches.append(Search(Program(problem), evaluator, 2 * k, options.warm_starts, tell).run(start, known))
@@ -90,7 +90,7 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
         cautions += said_of_runs(problem, chosen.best, again)
     if options.certify and not again.refusal and chosen.best is not None:
         cautions += certified(problem, chosen.best, again)
-    robust: list[Compared] = []
+    robust: list[RobustnessCheck] = []
     if chosen.best is not None and not again.refusal:
         robust, doubts = compared(problem, chosen.best)
         cautions += [*doubts, *said_of_norms(problem, chosen.best)]
@@ -100,7 +100,7 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
     return Optimum(problem, chosen, tuple(searches), again, costs, Verdict.of(cautions), good, tuple(store), wall, tuple(robust))
 
 
-def _rank(found: Found) -> tuple[bool, bool, float]:
+def _rank(found: SearchResult) -> tuple[bool, bool, float]:
     """The order in which designs of searches are tried: optima by their objective, then feasible ones, then the least violated."""
     assert found.best is not None
     assert found.optimality is not None
@@ -110,7 +110,9 @@ def _rank(found: Found) -> tuple[bool, bool, float]:
     return (not found.arrived, not feasible, value if feasible else found.optimality.violation)
 
 
-def _verified(problem: Problem, evaluator: Evaluator, found: Found, tell: Callable[[DesignOutcome], None]) -> tuple[Found, Again]:
+def _verified(
+    problem: Problem, evaluator: Evaluator, found: SearchResult, tell: Callable[[DesignOutcome], None]
+) -> tuple[SearchResult, Verification]:
     """A search's design solved again; where that fails after warm starts, the search is repeated without them."""
     assert found.best is not None
     again = solved_again(problem, found.best)
@@ -147,7 +149,7 @@ def _undecided(problem: Problem, found: DesignOutcome) -> float:
     return sum(abs(weights.get(name, 0.0)) * each for name, each in left)
 
 
-def _refuse_all_failed(problem: Problem, store: DesignStore, searches: list[Found]) -> None:
+def _refuse_all_failed(problem: Problem, store: DesignStore, searches: list[SearchResult]) -> None:
     if any(each.best is not None for each in searches):
         return
     reasons = []
@@ -161,13 +163,13 @@ def _refuse_all_failed(problem: Problem, store: DesignStore, searches: list[Foun
     )
 
 
-def _prices(found: Found) -> tuple[Price, ...]:
+def _prices(found: SearchResult) -> tuple[Price, ...]:
     assert found.best is not None
     assert found.optimality is not None
     return tuple(prices(found.program, found.best, found.optimality))
 
 
-def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found]) -> Iterator[Caution]:
+def _cautions(problem: Problem, found: SearchResult, again: Verification, searches: list[SearchResult]) -> Iterator[Caution]:
     """What speaks against the design being the optimum."""
     assert found.best is not None
     assert found.optimality is not None
@@ -236,7 +238,7 @@ def _cases(problem: Problem) -> Iterator[Caution]:
         )
 
 
-def _flat(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:
+def _flat(problem: Problem, found: SearchResult, searches: list[SearchResult]) -> Iterator[Caution]:
     """That searches have ended at the same objective with other designs: the optimum is no point."""
     ended = [each for each in searches if each.arrived and each.best is not None]
     values = np.array([float(each.program.objective(each.best.values)[0]) for each in ended if each.best is not None])
@@ -258,7 +260,7 @@ def _flat(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Cau
         )
 
 
-def _unfinished(found: Found, searches: list[Found]) -> Iterator[Caution]:
+def _unfinished(found: SearchResult, searches: list[SearchResult]) -> Iterator[Caution]:
     """That other searches have ended before they were anywhere: what was found is the best of fewer than were asked for."""
     left = [each for each in searches if not each.arrived]
     if found.arrived and left:
@@ -271,7 +273,7 @@ def _unfinished(found: Found, searches: list[Found]) -> Iterator[Caution]:
         )
 
 
-def _other_optima(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:
+def _other_optima(problem: Problem, found: SearchResult, searches: list[SearchResult]) -> Iterator[Caution]:
     """That other searches have ended elsewhere, or on their way to something better."""
     assert found.best is not None
     mine = float(found.program.objective(found.best.values)[0])

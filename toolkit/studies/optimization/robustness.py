@@ -27,7 +27,7 @@ SETTLED = 0.05
 
 
 @dataclass(frozen=True)
-class Compared:
+class RobustnessCheck:
     """Mean and standard deviation of what is to be robust, in one case.
 
     Attributes
@@ -56,7 +56,7 @@ class Compared:
         return {way: dict(zip(("mean", "sigma"), found, strict=True)) for way, found in both.items()}
 
 
-def compared(problem: Problem, found: DesignOutcome) -> tuple[list[Compared], list[Caution]]:
+def compared(problem: Problem, found: DesignOutcome) -> tuple[list[RobustnessCheck], list[Caution]]:
     """What a design's means and deviations are by another way, and what there is to say about that."""
     if problem.points is None or found.failed:
         return [], []
@@ -80,7 +80,7 @@ def _judge(problem: Problem, found: DesignOutcome) -> UncertainResult:
     return found_uncertainty(uncertain_study(study, scene.model_copy(update={"design": named})))
 
 
-def _compared(problem: Problem, found: DesignOutcome, judge: UncertainResult) -> Iterator[Compared]:
+def _compared(problem: Problem, found: DesignOutcome, judge: UncertainResult) -> Iterator[RobustnessCheck]:
     joint, options = judge.study.joint, judge.study.options
     germs = joint.germs_of(scrambled(SAMPLES, len(joint.marginals), options.seed))
     several = {each.of: each for each in problem.statistics.values()}
@@ -88,7 +88,7 @@ def _compared(problem: Problem, found: DesignOutcome, judge: UncertainResult) ->
         mean, sigma = (problem.responses.index(f"{word} of {of}") for word in ("mean", "sigma"))
         for row, (case, label) in enumerate(zip(problem.cases, by_case(problem.cases, of), strict=True)):
             searched = float(found.values[row, mean]), float(found.values[row, sigma])
-            yield Compared(label, searched, _by_polynomials(judge, each, case, germs))
+            yield RobustnessCheck(label, searched, _by_polynomials(judge, each, case, germs))
 
 
 def _by_polynomials(judge: UncertainResult, each: Statistic, case: str, germs: np.ndarray) -> tuple[float, float]:
@@ -101,7 +101,7 @@ def _by_polynomials(judge: UncertainResult, each: Statistic, case: str, germs: n
     return float(np.mean(values)), float(np.std(values))
 
 
-def _unsettled(compared: list[Compared]) -> Iterator[Caution]:
+def _unsettled(compared: list[RobustnessCheck]) -> Iterator[Caution]:
     for each in compared:
         if not each.settled:
             (mean, sigma), (other_mean, other_sigma) = each.searched, each.judged

@@ -38,7 +38,7 @@ them has few digits."""
 
 
 @dataclass(frozen=True)
-class Again:
+class Verification:
     """What came of solving a design again.
 
     Attributes
@@ -60,7 +60,7 @@ class Again:
     cautions: tuple[Caution, ...] = ()
 
 
-def solved_again(problem: Problem, found: DesignOutcome) -> Again:
+def solved_again(problem: Problem, found: DesignOutcome) -> Verification:
     """Solve a design of a search anew in all cases, without anything that the search knew."""
     results: dict[str, Result] = {}
     margins: dict[str, tuple[float, bool]] = {}
@@ -68,7 +68,7 @@ def solved_again(problem: Problem, found: DesignOutcome) -> Again:
     cautions: list[Caution] = []
     derived = _derived(problem, found)
     if derived is not None and derived.failed:
-        return Again(results, derived.reason, changes, margins)
+        return Verification(results, derived.reason, changes, margins)
     for k, case in enumerate(problem.cases):
         where = f"{case}: " if case else ""
         try:
@@ -76,7 +76,7 @@ def solved_again(problem: Problem, found: DesignOutcome) -> Again:
             if _has_margin(problem):
                 margins[case] = _margin(problem, results[case], where, cautions)
         except ToolkitError as error:
-            return Again(results, f"{where}{error}", changes, margins)
+            return Verification(results, f"{where}{error}", changes, margins)
         values = {**results[case].values, **({LOAD_MARGIN: margins[case][0]} if case in margins else {})}
         if derived is not None:
             names = (*map(norm_of, problem.norms), *problem.statistics)
@@ -85,7 +85,7 @@ def solved_again(problem: Problem, found: DesignOutcome) -> Again:
             after = min(values[name], problem.margin_up_to or FAR) if name == LOAD_MARGIN else values[name]
             size = max([abs(before), *(abs(each.bound) for each in problem.limits if each.response == name)])
             changes[by_case([case], name)[0]] = abs(after - before) / (size or 1.0)
-    return Again(results, _changed(problem, changes), changes, margins, tuple(cautions))
+    return Verification(results, _changed(problem, changes), changes, margins, tuple(cautions))
 
 
 def _changed(problem: Problem, changes: dict[str, float]) -> str:
@@ -146,7 +146,7 @@ def finer(scene: Scene) -> Scene:
     return scene.model_copy(update={"solver": options.model_copy(update=halved)})
 
 
-def certified(problem: Problem, found: DesignOutcome, again: Again) -> Iterator[Caution]:
+def certified(problem: Problem, found: DesignOutcome, again: Verification) -> Iterator[Caution]:
     """What independent methods have against the gradients at a design; nothing if they agree."""
     for k, case in enumerate(problem.cases):
         where = f"{case}: " if case else ""
@@ -184,7 +184,7 @@ def _in(where: str, caution: Caution) -> Caution:
     return Caution(caution.code, f"{where}{caution.text}", caution.doubt)
 
 
-def said_of_runs(problem: Problem, found: DesignOutcome, again: Again) -> Iterator[Caution]:
+def said_of_runs(problem: Problem, found: DesignOutcome, again: Verification) -> Iterator[Caution]:
     """What runs at the optimum say about themselves: that which an analysis of its scene is, and the one with finer steps where that says
     something else."""
     for case, finer_run in again.results.items():

@@ -13,7 +13,7 @@ from toolkit.studies.optimization.optimality import Optimality, optimality_of
 from toolkit.studies.optimization.program import Program, Values
 from toolkit.studies.optimization.promise import promised
 from toolkit.studies.optimization.search.curvature import Known
-from toolkit.studies.optimization.search.found import Spent
+from toolkit.studies.optimization.search.search_result import Spent
 
 FIRST_SLOPE = 0.2
 """Largest derivative of the scaled objective at the first design: a method whose first matrix is the identity goes so far at first."""

@@ -28,7 +28,7 @@ class Spent(Ended):
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """How one search ended.
 
     Attributes
