@@ -20,7 +20,7 @@ from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
-from toolkit.studies.tradeoff.settings.axes import read_axes
+from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
 

@@ -24,7 +24,7 @@ from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.basis_errors import cautions_of_frozen, frequency_errors
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
-from toolkit.studies.places.place import Place
+from toolkit.studies.engine.executor import Executor
 from toolkit.system.model_files import refuse_changed
 
 FREE = Caution(
@@ -354,9 +354,9 @@ class Model:
         designs = designs if isinstance(designs, Mapping | str) else list(designs)
         if isinstance(designs, Mapping | str) or not all(isinstance(each, Mapping) for each in designs):
             raise InputError('designs are a list of numbers by name, as in [{"t_w": 1.5}, {"t_w": 1.6}].')
-        place = Place(processes, threads)
+        executor = Executor(processes, threads)
         check_method(gradients)
-        return outcomes(self._compiled, list(designs), kind, gradients, judged, place, progress)
+        return outcomes(self._compiled, list(designs), kind, gradients, judged, executor, progress)
 
     def run(
         self,

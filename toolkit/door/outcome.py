@@ -13,7 +13,7 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind
-from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.engine.executor import Executor, completed
 
 
 @dataclass(frozen=True)
@@ -85,12 +85,12 @@ def outcomes(
     kind: Kind,
     gradients: bool | str,
     judged: bool,
-    place: Place,
+    executor: Executor,
     progress: Progress | None,
 ) -> list[Outcome]:
     """Outcomes of all designs in their order; arguments as of `Model.map`."""
     found: dict[int, Outcome] = {}
-    for k, outcome in done_at(place, Designs(compiled, kind, gradients, judged), dict(enumerate(designs))):
+    for k, outcome in completed(executor, Designs(compiled, kind, gradients, judged), dict(enumerate(designs))):
         found[k] = outcome
         if progress:
             progress(len(found), len(designs))
