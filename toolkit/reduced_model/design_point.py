@@ -248,7 +248,7 @@ class DesignPoint:
 
     def extrapolated(self) -> list[str]:
         """Parameters whose real step the model follows by a tangent."""
-        items = [*(self.model.derivatives or {}), *(self.model.element_derivatives or {})]
+        items = list(self.model.all_derivatives)
         moved = [k for k, step in self._steps.items() if np.real(step) != 0]
         return [self.model.parameters[k] for k in moved if any(self._is_tangent(item, k) for item in items)]
 

@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 
 from preprocessing.elements import beam
-from preprocessing.elements.block_element import LineElement, Tension
+from preprocessing.elements.block_element import LineElement, Tension, section_terms
 from preprocessing.elements.element import Contribution, squared
-from preprocessing.elements.section import Patch, Sheared
+from preprocessing.elements.section import Patch, SectionTerm, Sheared
 from preprocessing.elements.section_shape import ONE, Term, Terms, fixed, value_of
 from preprocessing.elements.space import PLANE
 from toolkit.reduced_model.model import StressPoints
@@ -101,6 +101,20 @@ class PlanarBeam(LineElement):
         """The same of the rows of the stress."""
         factor = self.modulus_factor
         return [(ONE, factor * strain_rows(ends)), (THICKNESS, factor * curvature_rows(ends, phi))]
+
+    def section_terms(self) -> Iterator[SectionTerm]:
+        for number, patch in enumerate(self.patches):
+            k, factor = patch.elements, self.modulus_factor
+            yield from section_terms("stress_per_strain", patch, k, ONE, factor, youngs_modulus=1)
+            yield from section_terms("axial_stiffness", patch, k, AREA, factor, youngs_modulus=1)
+            yield from section_terms("bending_stiffness", patch, k, SECOND_MOMENT, factor, youngs_modulus=1)
+            yield from section_terms("mass_per_length", patch, k, AREA, density=1)
+            if self.sheared:
+                yield from section_terms(
+                    "shear_stiffness", patch, k, AREA, 1 / self.sheared[number].flexibility, youngs_modulus=1
+                )
+            for place, fibre in enumerate(np.tile(FIBRES, 2)):
+                yield from section_terms("fibre_distance", patch, 4 * k + place, THICKNESS, -fibre / 2)
 
     def tensions(self) -> Iterator[Tension]:
         """The normal force on the slopes."""

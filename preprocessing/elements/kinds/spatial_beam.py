@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from preprocessing.elements import spatial_beam
-from preprocessing.elements.block_element import LineElement, Tension
+from preprocessing.elements.block_element import LineElement, Tension, section_terms
 from preprocessing.elements.element import Contribution, squared
-from preprocessing.elements.section import Patch, Sheared
+from preprocessing.elements.section import Patch, SectionTerm, Sheared
 from preprocessing.elements.section_shape import ONE, SectionShape
 from preprocessing.elements.space import SPACE
 from preprocessing.elements.spatial_beam import SECOND, THIRD
@@ -140,6 +140,26 @@ class SpatialBeam(LineElement):
             for terms, blocks in zip((ONE, fibre.second, fibre.third), rows, strict=True):
                 if terms:
                     yield Contribution("stress", each.patch, terms, self.placed_rows(elements, blocks, numbers, int(first[-1])))
+
+    def section_terms(self) -> Iterator[SectionTerm]:
+        for each in self.patches:
+            patch, k, shape, factor = each.patch, each.patch.elements, each.shape, each.modulus_factor
+            yield from section_terms("stress_per_strain", patch, k, ONE, factor, youngs_modulus=1)
+            yield from section_terms("axial_stiffness", patch, k, shape.area, factor, youngs_modulus=1)
+            for column, moment in enumerate((shape.bending_2, shape.bending_3)):
+                yield from section_terms("bending_stiffness", patch, k, moment, factor, column, youngs_modulus=1)
+            yield from section_terms("torsional_stiffness", patch, k, shape.torsion, each.shear_factor, youngs_modulus=1)
+            if each.sheared:
+                yield from section_terms("shear_stiffness", patch, k, shape.area, 1 / each.sheared.flexibility, youngs_modulus=1)
+            yield from section_terms("mass_per_length", patch, k, shape.area, density=1)
+            for number, fibre in enumerate(shape.fibres):
+                rows = (self.first_rows[k, None] + 2 * number + np.arange(2)).ravel()
+                for column, distance in enumerate((fibre.second, fibre.third)):
+                    yield from section_terms("fibre_distance", patch, rows, distance, 1.0, column)
+
+    @property
+    def section_axes(self) -> np.ndarray:
+        return self.orientation
 
     def tensions(self) -> Iterator[Tension]:
         """The normal force on the slopes of the centre line, and its stress on how the fibres of a section turn when it twists."""
