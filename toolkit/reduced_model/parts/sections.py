@@ -27,3 +27,13 @@ class BeamSections:
     shear_stiffness: np.ndarray  # kappa G A (n_elements,), zero where shear does not deform the elements
     mass_per_length: np.ndarray  # (n_elements,)
     fibre_distance: np.ndarray  # y_2 (n_stress, 1), in space y_2 and y_3 (n_stress, 2), of every stress point
+
+    def of_elements(self, first: int, last: int) -> BeamSections:
+        """Those of elements from one up to, but without, another, for all that their fibres do not matter to."""
+        found = {name: array[first:last] for name, array in vars(self).items() if name != "fibre_distance"}
+        return BeamSections(**found, fibre_distance=self.fibre_distance[:0])
+
+    @property
+    def real(self) -> BeamSections:
+        """The same without imaginary steps."""
+        return BeamSections(**{name: np.real(array) for name, array in vars(self).items()})
