@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.foundation.near_ties import first_smallest
-from toolkit.reduced_model.cut.planar_part import PlanarPart
+from toolkit.kinematics.beam_elements import BeamElements, at_place
 
 
 def chord_rows(nodes: np.ndarray, connectivity: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -23,5 +23,5 @@ def displacement_rows(nodes: np.ndarray, connectivity: np.ndarray, place: np.nda
     e = first_smallest(away / np.linalg.norm(side, axis=1).sum())
     found = np.zeros((2, 3 * len(nodes)))
     own = (3 * connectivity[e][:, None] + np.arange(3)).ravel()
-    found[:, own] = PlanarPart.functions(nodes[connectivity[e]], ratio[e])[0]
+    found[:, own] = at_place(BeamElements.in_plane(nodes[connectivity[[e]]]).shape[0], ratio[e])
     return found

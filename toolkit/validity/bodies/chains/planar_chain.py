@@ -20,6 +20,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from toolkit.kinematics.beam_elements import IN_PLANE
 from toolkit.reduced_model.chord_condition import chord_of
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import MEAN_AXES
@@ -34,8 +35,6 @@ SHORTENING = np.array([[4.0, -1.0], [-1.0, 4.0]]) / 30
 """int w'^2 dx / L of a cubic deflection against the chord, by the rotations of the ends."""
 BENDING = np.array([[4.0, 2.0], [2.0, 4.0]])
 """Moments at both ends, times L / EI, per rotation of the ends against the chord."""
-IN_PLANE = [0, 1, 5, 6, 7, 11]
-"""Coordinates of an element of the plane among those of one in space."""
 OF_PLANE = [0, 3, 6]
 """Its deformations among those of one in space: the elongation, and the rotations of both ends about z."""
 
