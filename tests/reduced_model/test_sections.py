@@ -164,6 +164,7 @@ def test_beams_of_the_version_before_are_refused_in_words(tmp_path, model):
     [
         ("axial_stiffness", lambda found: -found, r"sections/axial_stiffness holds numbers that are not positive"),
         ("axis", lambda found: found[1:], r"sections/\w+ has shape \(30,.*instead of \(29"),
+        ("axis", lambda found: 0 * found, r"sections/axis runs along an element, across which it should lie"),
         ("shear_stiffness", lambda found: found - 1.0, r"sections/shear_stiffness holds negative numbers"),
     ],
 )
