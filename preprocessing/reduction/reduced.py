@@ -18,6 +18,7 @@ from preprocessing.basis.boundary import coordinates_of
 from preprocessing.basis.reduction import motions_of_the_frame, per_node, reduced_basis
 from preprocessing.discretisation.discretisation import STEP, Change, DesignSpace, Discretisation, derivative_of
 from preprocessing.discretisation.following_places import with_places
+from preprocessing.reduction.beam_sections import KeptSections, beam_sections
 from preprocessing.reduction.composition import line_composition
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.element_sums import element_sums
@@ -145,6 +146,7 @@ class Reduced:
     elements: Elements | SpatialElements | None = None
     element_derivatives: dict[str, Derivatives] | None = None
     element_affine: dict[str, Polynomial] | None = None
+    sections: KeptSections = field(default_factory=KeptSections)
     spin: Spin | None = None
     left_out_shapes: LeftOutShapes | None = None
     composition: dict[str, str | int | float] = field(default_factory=dict)
@@ -165,6 +167,7 @@ class Reduced:
                 name: getattr(self, name)
                 for name in ("elements", "element_derivatives", "element_affine", "spin", "left_out_shapes", "composition")
             },
+            **self.sections._asdict(),
             **({} if self.richer is None else {f"richer_{name}": getattr(self.richer, name) for name in RICHER}),
         }
 
@@ -221,10 +224,15 @@ def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequen
     if element_parts(choice.kind) and not choice.beside_frozen:
         sums = element_sums(space, nominal, held)
         elements = (sums.elements, sums.derivatives, sums.affine)
+    sections = KeptSections() if choice.beside_frozen else beam_sections(space, nominal, changes)
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     composition = line_composition(space, nominal, still, interfaces)
     rest = left_out_shapes(nominal, matrices, mass, basis)
-    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, stored, rest, composition)
+    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, sections, stored, rest, composition)
+
+
+SECTIONS = ("sections", "section_derivatives", "section_affine")
+"""Parts of a reduced model of beams that hold their sections."""
 
 
 def element_parts(basis: str) -> tuple[str, ...]:

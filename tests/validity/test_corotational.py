@@ -7,13 +7,13 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
-from preprocessing.corotational.command import linear_stress
-from preprocessing.corotational.elements import Corotational
-from preprocessing.corotational.solve import solve_corotational
 from preprocessing.mesh.curve_mesh import CurveMesh
 from tests.models.frames import cantilever, matrices, ring
+from tests.models.rectangular_beams import corotational, points_of
 from toolkit.foundation.errors import InputError
 from toolkit.validity.bodies.chains.second_order import mean_rows
+from toolkit.validity.bodies.corotational.elements import Corotational
+from toolkit.validity.bodies.corotational.equilibrium import solve_corotational
 
 LENGTH, MODULUS, THICKNESS, WIDTH = 100.0, 70000.0, 0.1, 10.0
 EI = MODULUS * WIDTH * THICKNESS**3 / 12
@@ -25,8 +25,7 @@ def rng() -> np.random.Generator:
 
 
 def beam(frame, thickness: float = THICKNESS) -> Corotational:
-    each = np.ones(len(frame.connectivity))
-    return Corotational(CurveMesh(frame.nodes, frame.connectivity), MODULUS * each, thickness * each, WIDTH * each)
+    return corotational(frame.nodes, frame.connectivity, MODULUS, thickness, WIDTH)
 
 
 def clamp(n: int) -> np.ndarray:
@@ -50,9 +49,9 @@ def test_rigid_motions_of_any_size_leave_no_force_and_no_stress(angle):
     moved = np.column_stack([frame.nodes @ turn.T + [300.0, -20.0] - frame.nodes, np.full(12, angle)])
     body = beam(frame)
     # round-off of coordinates of 350 and angles of 100, times E A / L and E
-    scale = body.axial[0] / body.lengths[0]
+    scale = body.law[0, 0, 0]
     np.testing.assert_allclose(body.force(moved.ravel()), 0, atol=1e-12 * scale)
-    np.testing.assert_allclose(body.stress(moved.ravel()), 0, atol=1e-13 * MODULUS)
+    np.testing.assert_allclose(body.stress(moved.ravel(), points_of(12)), 0, atol=1e-13 * MODULUS)
 
 
 def test_forces_turn_with_a_rigid_rotation_of_the_deformed_body(rng):
@@ -78,10 +77,15 @@ def test_tangent_and_stress_at_rest_are_those_of_the_linear_elements(rng):
     frame = ring(9, 50.0)
     body, rest = beam(frame, 1.5), np.zeros(27)
     u = random_state(frame, rng, 1e-3)
-    linear = matrices(body.mesh, type(frame.section)(youngs_modulus=MODULUS, density=1.0, thickness=1.5, width=WIDTH))
+    linear = matrices(
+        CurveMesh(frame.nodes, frame.connectivity),
+        type(frame.section)(youngs_modulus=MODULUS, density=1.0, thickness=1.5, width=WIDTH),
+    )
     expected = linear.stiffness.toarray()
     np.testing.assert_allclose(body.tangent(rest).toarray(), expected, atol=1e-12 * np.abs(expected).max())  # round-off
-    np.testing.assert_allclose(linear_stress(body, u).ravel(), linear.stress @ u, atol=1e-12 * np.abs(linear.stress @ u).max())
+    np.testing.assert_allclose(
+        body.linear_stress(u, points_of(9)), linear.stress @ u, atol=1e-12 * np.abs(linear.stress @ u).max()
+    )
 
 
 def test_small_states_differ_from_linear_ones_by_second_order(rng):

@@ -14,8 +14,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from preprocessing.corotational.elements import Corotational
 from toolkit.foundation.errors import InputError
+from toolkit.validity.bodies.corotational.elements import Corotational
 
 FIRST_STEP, SMALLEST_STEP = 0.1, 1e-3
 """Parts of the load: the steps, halved where Newton fails or finds an unstable state, and where they are not halved any more."""
@@ -56,7 +56,7 @@ def solve_corotational(frame: Corotational, loads: np.ndarray, held: np.ndarray)
 
 def _newton(frame: Corotational, loads: np.ndarray, held: np.ndarray, u: np.ndarray) -> np.ndarray | None:
     """The equilibrium next to u; None if the iteration does not find it, or it is unstable."""
-    size, before = np.ptp(frame.mesh.nodes, axis=0).max(), np.inf
+    size, before = np.ptp(frame.nodes, axis=0).max(), np.inf
     for _ in range(ITERATIONS):
         try:
             correction = Bordered.of(frame.tangent(u), held).solve(loads - frame.force(u))
