@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.analyses.run_start import known_start
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import Description
 from toolkit.description.point import Point
@@ -117,7 +118,7 @@ def _result(solution: Solution) -> Result:
     scene, names, wall = solution.system.scene, solution.system.design.names, solution.wall
     values, gradients = evaluate_with_gradients(solution)
     method = "direct" if names else "none"
-    repeat = partial(again, solution.system) if moving(solution) and not solution.own_start else None
+    repeat = partial(again, solution.system, known=known_start(solution)) if moving(solution) and not solution.own_start else None
     price = wall.get("run"), wall.get("sensitivity", None if names else 0.0)
     return result(scene, solution, values, gradients if names else {}, method, *price, repeat)
 
