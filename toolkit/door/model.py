@@ -315,7 +315,7 @@ class Model:
         gradients: bool | str = False,
         processes: int = 1,
         threads: int = 1,
-        judged: bool = True,
+        judged: bool | str = True,
         progress: Progress | None = None,
     ) -> list[Outcome]:
         """Analyse many designs; a failure is data with its reason.
@@ -336,7 +336,9 @@ class Model:
             its motion, another one is prepared or looked at; so two threads pay where motions are long, and processes where they are short.
             The numbers are the same to the last bit.
         judged
-            Whether every outcome has a verdict, at the price of up to a few more runs each.
+            Whether every outcome has a verdict. It is measured, at the price of several more runs, at designs that are far from each
+            other, or close to the limit of a check, and carried from there to those whose answers and states differ by a few percent;
+            a remark says so. With "each" it is measured at all designs.
         progress
             Called with the designs done and the designs in all.
 
@@ -348,7 +350,7 @@ class Model:
         Raises
         ------
         InputError
-            There is no such analysis or method; or both processes and threads are asked for.
+            There is no such analysis or method, or `judged` is another word; or both processes and threads are asked for.
         """
         kind = kind_of(analysis)
         designs = designs if isinstance(designs, Mapping | str) else list(designs)
@@ -356,6 +358,8 @@ class Model:
             raise InputError('designs are a list of numbers by name, as in [{"t_w": 1.5}, {"t_w": 1.6}].')
         executor = Executor(processes, threads)
         check_method(gradients)
+        if not isinstance(judged, bool) and judged != "each":
+            raise InputError(f'judged = {judged!r}: write True, False, or "each" to measure the verdict on every design.')
         return outcomes(self._compiled, list(designs), kind, gradients, judged, executor, progress)
 
     def run(
