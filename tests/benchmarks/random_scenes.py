@@ -35,7 +35,6 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -49,11 +48,11 @@ from tests.random_scenes.strained import strained_scene
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import again
+from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.step_cautions import GRADIENTS as GRADIENT
 from toolkit.sensitivity.errors.step_cautions import VALUES
-from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.sensitivity.result import Result, result
+from toolkit.sensitivity.methods import by_method
+from toolkit.sensitivity.result import Result
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.energy_balance import energy_balance
 
@@ -74,6 +73,7 @@ MODEL = frozenset(
         "tension",
         "weight-between-nodes",
         "left-out-shapes",
+        "frozen-basis",
     }
 )
 """Codes of doubts about a model, which only finer models can judge."""
@@ -82,8 +82,8 @@ GRADIENTS = frozenset({"gradient-steps", "geometric-gradients"})
 """Codes of doubts about gradients alone."""
 NOTHING = 1e-9
 """Error below which nothing is wrong at all."""
-UNJUDGED = frozenset({"curve-overshoot", "stale-model"})
-"""Codes of doubts about what was meant, which no finer run can judge."""
+UNJUDGED = frozenset({"curve-overshoot", "stale-model", "tied-extreme"})
+"""Codes of doubts about what was meant, or about derivatives that do not exist, which no finer run can judge."""
 STEPS = frozenset({"steps", "gradient-steps", "lost-vibrations", "energy"})
 """Codes of doubts about steps."""
 MOVED = ("way", "turn", "middle", "end", "most", "cross")
@@ -172,10 +172,9 @@ def judge(seed: int, folder: Path, known: dict[str, Any], strained: bool = False
     found = Judged(seed, kind, solver=_solver(scene))
     begun = time.perf_counter()
     try:
-        system = prepare(scene, list(scene.design))
-        solution = solve(system, "transient")
-        mine = answers(solution, sizes=False)
-        verdict = verdict_of(result(scene, solution, mine.values, mine.gradients, "direct", 0.0, 0.0, partial(again, system)))
+        run = by_method("direct", Compiled(scene, tuple(scene.design)), "transient")
+        solution = run.solution
+        mine, verdict = answers(solution, sizes=False), verdict_of(run)
     except ToolkitError as error:
         found.outcome, found.texts = "refused", [f"{type(error).__name__}: {error}"]
         return found

@@ -19,6 +19,7 @@ from toolkit.responses.over_time.loose_maxima import loose_maxima
 from toolkit.responses.over_time.missed_peaks import missed_peaks
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.over_time.tied_extremes import tied_extremes
+from toolkit.responses.over_time.tied_stresses import tied_stresses
 from toolkit.responses.vibrations.flutter import unstable_vibrations
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
@@ -29,7 +30,14 @@ from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
 from toolkit.sensitivity.errors.weighed_doubts import Answers, turned_displacements, unless_it_converges, unless_unfelt
-from toolkit.sensitivity.frames.gradient_errors import NONE, FrameErrors, Reframed, doubtful_gradients, frame_errors
+from toolkit.sensitivity.frames.gradient_errors import (
+    NONE,
+    FrameErrors,
+    Reframed,
+    doubtful_gradients,
+    doubtful_values,
+    frame_errors,
+)
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
@@ -171,7 +179,8 @@ class Result:
         if errors is None:
             return found
         sizes = variable_sizes(self.solution.system.scene, self)
-        doubts = doubtful_gradients(errors, self.gradients, sizes)
+        scales = self._answers.scales if moving(self.solution) else {f: abs(value) for f, value in self.values.items()}
+        doubts = (*doubtful_values(errors, scales), *doubtful_gradients(errors, self.gradients, sizes))
         return Verdict.of([*found.warnings, *doubts], {**found.measures, "geometric_error": errors.record(self.gradients, sizes)})
 
     @property
@@ -183,7 +192,8 @@ class Result:
             loose = loose_maxima(self.solution) if self.values else ()
             of_state = set(unstable_vibrations(self.solution))  # said again by what was asked for
             others = [each for each in found.warnings if each not in of_state]
-            every = [*others, *self._of_vibrations(), *folded, *loose, *self._undefined()]
+            tied = tied_stresses(self.solution) if self.gradients else ()
+            every = [*others, *self._of_vibrations(), *folded, *loose, *tied, *self._undefined()]
             return Verdict.of(without_false_zeros(every), found.measures)
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
@@ -207,6 +217,7 @@ class Result:
             *turned_displacements(self.solution, self.values, self._answers.scales),
             *loose_maxima(self.solution),
             *tied_extremes(self.solution),
+            *tied_stresses(self.solution),
             *self._undefined(),
             *self._of_vibrations(),
         )

@@ -135,6 +135,26 @@ def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapp
     )
 
 
+def doubtful_values(found: FrameErrors, scales: Mapping[str, float]) -> Iterator[Caution]:
+    """Values that the run with other frames finds elsewhere: it was made for the gradients, and tells these as well.
+
+    Parameters
+    ----------
+    scales : response -> what an error of its value is compared with
+    """
+    parts = {f: abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]}
+    off = sorted((f for f, part in parts.items() if part > LIMIT), key=lambda f: -parts[f])
+    if off:
+        told = ", ".join(f"{f} by about {parts[f]:.1%}" for f in off[:NAMED])
+        more = f" and {len(off) - NAMED} more" if len(off) > NAMED else ""
+        yield Caution(
+            "large-deformation",
+            f"values are off where elements turn with the body: {told}{more}, in parts of the largest that "
+            f"they are. So says the same run with {_others(found.frames)}. Write "
+            f"{_written(found.advised(max(parts.values())))} in the scene.",
+        )
+
+
 def _parts(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float]) -> dict[tuple[str, str], float]:
     """Response and variable -> error in parts of the gradient, of those that count."""
     parts: dict[tuple[str, str], float] = {}
