@@ -25,6 +25,8 @@ from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.tension.pulled_joints import lacking_joints
+from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
 
 SMALL, SMALL_OF_PARTS = 2e-3, 5e-4
 """Geometric error by the meter up to which gradients are not looked at, of a body with one frame and with several: of a wing whose parts
@@ -33,6 +35,9 @@ UNIMPORTANT = 0.02
 """A gradient that changes its response by less than this part of what the most important one does is not worth a word."""
 NAMED = 6
 """So many gradients are named one by one."""
+STEEP = 5e-3
+"""Part of a joint's force that a deflection pulls with from which its gradients are looked at: this part grows with the square of the
+deflection or more, by a thickness with ten times its relative change."""
 NONE = Largest(0.0, np.zeros(0))
 UNCERTAIN = 2.0
 """The estimate of an error may be too small by this factor."""
@@ -80,11 +85,7 @@ UNFELT = 1e-3
 
 def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed) -> FrameErrors | None:
     """Errors of values and gradients; None where no body is deformed so far that its frames matter, or can be given more."""
-    more = {
-        body: _more(solution, body)
-        for body, each in geometric_errors(solution).items()
-        if each is not None and each.relative > _small(solution, body) and _can_have_more(solution, body)
-    }
+    more = {body: _more(solution, body) for body in _felt(solution) if _can_have_more(solution, body)}
     if not more:
         return None
     counts = {body: (_count(solution, body), each if isinstance(each, int) else len(each) + 1) for body, each in more.items()}
@@ -106,6 +107,17 @@ def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slo
             if f in values
         },
     )
+
+
+def _felt(solution: Solution) -> list[str]:
+    """Bodies that are deformed so far that gradients may feel it, or whose deflection pulls at joints whose forces are asked for."""
+    pulls = any(each.missing > STEEP * each.counts > 0 for each in lacking_joints(solution).values())
+    pulling = {most_pulled(solution)} if pulls else set()
+    return [
+        body
+        for body, each in geometric_errors(solution).items()
+        if body in pulling or (each is not None and each.relative > _small(solution, body))
+    ]
 
 
 def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapping[str, float]) -> Iterator[Caution]:
