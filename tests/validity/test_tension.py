@@ -225,3 +225,21 @@ def test_joints_lack_what_the_deflection_pulls_them_with(folder):
     assert float(re.search(r"pull by ([\d.e+]+) N", text)[1]) == pytest.approx(
         true, rel=0.25
     )  # stiffer by 5 %, and not quite at rest
+
+
+@pytest.mark.parametrize(("force", "told"), [(3.73, True), (0.8, False)])
+def test_gradients_of_joint_forces_are_doubted_before_the_forces(folder, force, told):
+    """Of a bar clamped at both ends a pull N of a fifth of V = F / 2 makes sqrt(V^2 + N^2) 2 % larger, and a thickness that V does not
+    know makes it smaller by 5 N^2."""
+    rest = """joints.B = {{ type = "rigid", bodies = ["bar", "ground"], point = "B" }}
+responses.pull = {{ type = "joint-force", joint = "B", component = "magnitude" }}
+design.t = "bodies.bar.thickness_s"
+"""
+    run = system(folder, "one", 'frame = "grounded"', rest + ACROSS, force=force).statics(gradients=True)
+    pull = STRETCHING / 2 * (force / BENDING) ** 2 / 7680  # of int w'^2 = F^2 L^5 / 7680 (E I)^2
+    assert doubts(run) == []
+    assert ("geometric-gradients" in run.verdict.codes) is told
+    if told:
+        missing = -5 * pull**2 / np.hypot(force / 2, pull) / THICKNESS
+        assert run.frame_errors.gradients["pull"]["t"] == pytest.approx(missing, rel=0.15)
+        assert abs(run.gradients["pull"]["t"]) < 1e-3 * abs(missing)

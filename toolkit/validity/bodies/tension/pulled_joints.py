@@ -26,8 +26,9 @@ from toolkit.validity.bodies.tension.pulled_body import PulledBody
 from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled, pulled_bodies
 from toolkit.validity.bodies.tension.stiffened_state import stiffened_state
 
-FELT = 1e-5
-"""Part of the critical force of a body below which its tension is no twentieth of what joints hold across it."""
+FELT, FELT_BY_GRADIENTS = 1e-5, 1e-6
+"""Part of the critical force of a body below which its tension is no twentieth of what joints hold across it, and changes no gradient of
+that by as much."""
 MANY = 100.0
 """Times that a force is off above which they are not counted."""
 HARDLY = 0.1
@@ -100,7 +101,7 @@ def _most_grown(solution: Solution, known: Mapping[str, PulledBody]) -> int | No
         worst = first_largest(grown)
         parts.append((float(grown[worst]), int(instants[worst])))
     part, n = max(parts, default=(0.0, 0))
-    return n if part > FELT else None
+    return n if part > (FELT_BY_GRADIENTS if solution.dq.shape[2] else FELT) else None
 
 
 def _low(solution: Solution, known: Mapping[str, PulledBody], n: int, asked: Mapping[str, JointForce]) -> dict[str, Lacking]:
