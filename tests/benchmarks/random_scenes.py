@@ -42,7 +42,16 @@ from typing import Any
 import numpy as np
 
 from tests.random_scenes.finer import finer_scene
-from tests.random_scenes.reference import AGREED, Answers, Reference, answers, errors, model_reference, reference
+from tests.random_scenes.reference import (
+    AGREED,
+    Answers,
+    Reference,
+    answers,
+    confirmed_reference,
+    errors,
+    model_reference,
+    reference,
+)
 from tests.random_scenes.scene import named_scene
 from tests.random_scenes.strained import strained_scene
 from toolkit.foundation.errors import ToolkitError
@@ -188,7 +197,11 @@ def judge(seed: int, folder: Path, known: dict[str, Any], strained: bool = False
     found.measures = {**_measures(solution), **dict(verdict.measures)}
     true = _reference(fine or scene, seed, solution.steps, folder, known)
     finer = _finer_model(scene, seed, true.finer * solution.steps, folder, known) if true.answers and fine is None else None
-    return _compared(found, scene, mine, true, finer)
+    found = _compared(found, scene, mine, true, finer)
+    if finer is not None and found.outcome == "wrong" and not found.doubted:
+        finer = _finer_model(scene, seed, true.finer * solution.steps, folder, known, "confirmed")
+        found = _compared(found, scene, mine, true, finer)
+    return found
 
 
 def _compared(found: Judged, scene: Scene, mine: Answers, true: Reference, finer: Reference | None) -> Judged:
@@ -196,10 +209,12 @@ def _compared(found: Judged, scene: Scene, mine: Answers, true: Reference, finer
     if true.answers is None:
         found.outcome, found.unknown = "dropped", [true.why]
         return found
-    found.unknown, found.model_known = true.unknown, finer is None or finer.answers is not None
+    found.unknown = [*true.unknown, *(finer.unknown if finer else [])]
+    found.model_known = finer is None or finer.answers is not None
     values, gradients = errors(scene, mine, finer.answers if finer and finer.answers else true.answers)
     found.values = {name: off for name, off in values.items() if name not in found.unknown}
-    slopes = {name: off for name, off in gradients.items() if true.gradients.get(name, 1.0) <= AGREED and np.isfinite(off)}
+    apart = {name: max(off, finer.gradients.get(name, 0.0) if finer else 0.0) for name, off in true.gradients.items()}
+    slopes = {name: off for name, off in gradients.items() if apart.get(name, 1.0) <= AGREED and np.isfinite(off)}
     found.gradients = slopes
     found.worst, found.error = max(found.values.items(), key=lambda item: item[1], default=("", 0.0))
     found.worst_gradient, found.gradient_error = max(slopes.items(), key=lambda item: item[1], default=("", 0.0))
@@ -223,13 +238,15 @@ def _reference(scene: Scene, seed: int, steps: int, folder: Path, known: dict[st
     return _known(known, key) or _added(reference(scene, steps), key, seed, folder, known)
 
 
-def _finer_model(scene: Scene, seed: int, steps: int, folder: Path, known: dict[str, Any]) -> Reference | None:
-    """The same of the scene with finer models; None where it has none."""
+def _finer_model(
+    scene: Scene, seed: int, steps: int, folder: Path, known: dict[str, Any], confirmed: str = ""
+) -> Reference | None:
+    """The same of the scene with finer models, by two runs if it is to be confirmed; None where it has none."""
     finer = finer_scene(scene)
     if finer is None:
         return None
-    key = _key(finer, steps)
-    return _known(known, key) or _added(model_reference(finer, steps), key, seed, folder, known)
+    key, found = _key(finer, steps) + confirmed, confirmed_reference if confirmed else model_reference
+    return _known(known, key) or _added(found(finer, steps), key, seed, folder, known)
 
 
 def _key(scene: Scene, steps: int) -> str:

@@ -52,8 +52,10 @@ from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.dead_points.cautions import dead_points_passed
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
-from toolkit.validity.motion.noisy_forces import NOISY, JointNoise, noise_at, noise_of_joints, noisy_forces
+from toolkit.validity.motion.noisy_forces import NOISY, JointNoise, noise_at, noise_of_joints, noise_of_values, noisy_forces
 
+AROUND = 6
+"""States on both sides of the one that is asked for in which a force may jump to and fro."""
 UNIMPORTANT = 0.02
 """A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
 compared with such a change instead of with itself."""
@@ -205,7 +207,7 @@ class Result:
                 "gradients": self.step_error.gradients,
             }
             measured["estimated_error"] = {**measured["estimated_error"], **estimated}
-        about_forces = force_cautions(self.solution, measured["force_noise"])
+        about_forces = force_cautions(self.solution, measured["force_noise"], self._answers.scales)
         variables = next(iter(self.gradients.values()), {})
         about_responses = (
             *about_forces,
@@ -278,13 +280,14 @@ def result(
     )
 
 
-def force_cautions(solution: Solution, noise: Mapping[str, Any]) -> Iterator[Caution]:
-    """A doubt where a response is such a force, at the time that it asks for; otherwise a remark. The noise is that of `force_noise`."""
+def force_cautions(solution: Solution, noise: Mapping[str, Any], sizes: Mapping[str, float]) -> Iterator[Caution]:
+    """A doubt where a response is such a force, at the time that it asks for; otherwise a remark. The noise is that of `force_noise`, sizes
+    are the largest that responses are."""
     scene = solution.system.scene
     if not noise or noise["size"] <= NOISY:
         return
     joints = noise_of_joints(solution)
-    noisy = [name for name, each in scene.responses.items() if _noise_in(each, joints, solution) > NOISY]
+    noisy = [name for name, each in scene.responses.items() if _noise_in(each, joints, solution, sizes.get(name, 0.0)) > NOISY]
     quiet = [name for name, each in scene.responses.items() if name not in noisy and _largest_noise(each, joints) > NOISY]
     yield from noisy_forces(solution.options or scene.solver, noise, noisy, quiet)
 
@@ -296,12 +299,19 @@ def _largest_noise(response: Any, joints: Mapping[str, JointNoise]) -> float:
     return 0.0 if joint is None else float(joints[joint].noise.max())
 
 
-def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution) -> float:
-    """Noise in a response that is a joint's force, or a driver's power by it, as a part of the joint's largest force: at its time, or of an
-    extreme over time at any. Means do not feel what alternates."""
+def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution, size: float) -> float:
+    """Noise in a response that is a joint's force, or a driver's power by it: at its time, or of an extreme over time at any. Means do not
+    feel what alternates. It is a part of the joint's largest force, or of the largest that the response itself is, whichever is less."""
     extreme = isinstance(response, TimeMax | TimeMin | TimeKS)
     looked = response.source if extreme else response
     joint = looked.joint if isinstance(looked, JointForce | Power) else None
     if joint is None:
         return 0.0
-    return float(joints[joint].noise.max()) if extreme else noise_at(joints[joint], looked.step(solution))
+    last, step = len(solution.times) - 1, 0 if extreme else looked.step(solution)
+    found = float(joints[joint].noise.max()) if extreme else noise_at(joints[joint], step)
+    if found <= NOISY:
+        return found
+    states = np.arange(last + 1) if extreme else np.arange(max(step - AROUND, 0), min(step + AROUND, last) + 1)
+    look = looked.instants(solution)
+    values = np.array([float(np.real(look(int(n)).value)) for n in states])
+    return min(found, noise_of_values(values, solution.times[states], size))
