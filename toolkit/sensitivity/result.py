@@ -34,9 +34,12 @@ from toolkit.sensitivity.frames.gradient_errors import (
     NONE,
     FrameErrors,
     Reframed,
+    bodies_with_more,
     doubtful_gradients,
     doubtful_values,
     frame_errors,
+    framed_doubts,
+    unless_frames_deny,
 )
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
@@ -174,7 +177,8 @@ class Result:
     def verdict(self) -> Verdict:
         """Whether values and gradients can be trusted, and why not; found out when it is first asked for, at the price of half a run, and
         of one with more floating frames where there are gradients of bodies that deform far, with more shapes where bases are frozen."""
-        found, errors = self._verdict, self.frame_errors
+        found = self._verdict
+        errors = self._errors_of_doubted(framed_doubts(found.warnings))
         if self.basis_errors is not None:
             about_bases = {**found.measures, "frozen_basis": self.basis_errors.record()}
             found = Verdict.of([*found.warnings, *cautions_of_frozen(self.basis_errors)], about_bases)
@@ -182,8 +186,15 @@ class Result:
             return found
         sizes = variable_sizes(self.solution.system.scene, self)
         scales = self._answers.scales if moving(self.solution) else {f: abs(value) for f, value in self.values.items()}
+        weighed = unless_frames_deny(found.warnings, self.solution, errors, scales, self.gradients, sizes)
         doubts = (*doubtful_values(errors, scales), *doubtful_gradients(errors, self.gradients, sizes))
-        return Verdict.of([*found.warnings, *doubts], {**found.measures, "geometric_error": errors.record(self.gradients, sizes)})
+        return Verdict.of([*weighed, *doubts], {**found.measures, "geometric_error": errors.record(self.gradients, sizes)})
+
+    def _errors_of_doubted(self, bodies: set[str]) -> FrameErrors | None:
+        """Errors by the number of frames, with doubted bodies among those that are given more."""
+        if self.reframed is None or not self.gradients or bodies <= set(bodies_with_more(self.solution)):
+            return self.frame_errors
+        return frame_errors(self.solution, self.values, self.gradients, self.reframed, bodies)
 
     @property
     def _verdict(self) -> Verdict:

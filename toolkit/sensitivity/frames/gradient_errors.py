@@ -8,8 +8,8 @@ With every part cut in half, the error is a quarter of what it was. So of number
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -24,7 +24,7 @@ from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
-from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
 from toolkit.validity.bodies.tension.pulled_joints import lacking_joints
 from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
 
@@ -35,6 +35,10 @@ UNIMPORTANT = 0.02
 """A gradient that changes its response by less than this part of what the most important one does is not worth a word."""
 NAMED = 6
 """So many gradients are named one by one."""
+WEIGHED = ("large-deformation", "critical-load", "tension", "reference-condition")
+"""Codes of doubts about what linear bodies do not know in their frames, and do between them."""
+BENT = 1e-3
+"""Rotation, rad, from which something turns a body aside that may buckle, so that a run with more frames shows it."""
 STEEP = 5e-3
 """Part of a joint's force that a deflection pulls with from which its gradients are looked at: this part grows with the square of the
 deflection or more, by a thickness with ten times its relative change."""
@@ -83,9 +87,12 @@ UNFELT = 1e-3
 """Part of a value by which a variable has to change it, if it changes by all of itself, for a derivative to be worth a word."""
 
 
-def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed) -> FrameErrors | None:
-    """Errors of values and gradients; None where no body is deformed so far that its frames matter, or can be given more."""
-    more = {body: _more(solution, body) for body in _felt(solution) if _can_have_more(solution, body)}
+def frame_errors(
+    solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed, doubted: Collection[str] = ()
+) -> FrameErrors | None:
+    """Errors of values and gradients; None where no body is deformed so far that its frames matter, or is doubted, or can be given more."""
+    bodies = [body for body in whole_bodies(solution.system.scene) if body in {*bodies_with_more(solution), *doubted}]
+    more = {body: _more(solution, body) for body in bodies if _can_have_more(solution, body)}
     if not more:
         return None
     counts = {body: (_count(solution, body), each if isinstance(each, int) else len(each) + 1) for body, each in more.items()}
@@ -109,7 +116,7 @@ def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slo
     )
 
 
-def _felt(solution: Solution) -> list[str]:
+def bodies_with_more(solution: Solution) -> list[str]:
     """Bodies that are deformed so far that gradients may feel it, or whose deflection pulls at joints whose forces are asked for."""
     pulls = any(each.missing > STEEP * each.counts > 0 for each in lacking_joints(solution).values())
     pulling = {most_pulled(solution)} if pulls else set()
@@ -118,6 +125,41 @@ def _felt(solution: Solution) -> list[str]:
         for body, each in geometric_errors(solution).items()
         if body in pulling or (each is not None and each.relative > _small(solution, body))
     ]
+
+
+def framed_doubts(cautions: Iterable[Caution]) -> set[str]:
+    """Bodies with doubts that more frames can weigh."""
+    return {each.body for each in cautions if each.doubt and each.body and each.code in WEIGHED}
+
+
+def unless_frames_deny(
+    cautions: Iterable[Caution],
+    solution: Solution,
+    found: FrameErrors,
+    scales: Mapping[str, float],
+    gradients: Slopes,
+    sizes: Mapping[str, float],
+) -> Iterator[Caution]:
+    """The cautions, with those about what more frames know as remarks where no answer feels them."""
+    values = [abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]]
+    felt = max([*values, found.largest(gradients, sizes)], default=0.0)
+    unfelt = not found.failure and felt * UNCERTAIN <= LIMIT
+    for each in cautions:
+        if unfelt and each.doubt and each.code in WEIGHED and each.body in found.frames and _moves(solution, each):
+            said = (
+                f" The responses hardly feel it: they change by {felt:.1e} at most by the same run with {_others(found.frames)}."
+            )
+            yield replace(each, text=each.text + said, doubt=False)
+        else:
+            yield each
+
+
+def _moves(solution: Solution, doubt: Caution) -> bool:
+    """Whether a run with more frames would show what is doubted: not a loss of stability in an equilibrium, or of what is straight."""
+    if np.isfinite(doubt.part):
+        return True
+    bent = geometric_errors(solution).get(doubt.body)
+    return moving(solution) and not solution.system.scene.solver.quasi_static and bent is not None and bent.rotation > BENT
 
 
 def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapping[str, float]) -> Iterator[Caution]:
