@@ -65,10 +65,11 @@ def _elastic(solution: Solution) -> float:
         return 0.0
     if _elastic not in solution.known:
         law, weights = StrainEnergy(), solution.system.weights[: solution.system.n_q]
-        forces = [np.real(law.at(solution, step).q) / weights for step in spread(len(solution.times) - 1, FEW)]
+        found = [law.at(solution, step).q for step in spread(len(solution.times) - 1, FEW)]
+        forces = [np.real(each) / weights for each in found if each is not None]
         solution.known[_elastic] = float(np.abs(forces).max(initial=0.0))
-    found: float = solution.known[_elastic]
-    return found
+    largest: float = solution.known[_elastic]
+    return largest
 
 
 @singledispatch
