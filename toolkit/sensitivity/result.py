@@ -50,6 +50,8 @@ from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
 from toolkit.validity.bodies.reduced.frozen_bases import frozen_bodies
 from toolkit.validity.bodies.shear.sheared_vibrations import sheared_vibrations
+from toolkit.validity.bodies.tension.steep_joints import steep_joints
+from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
 from toolkit.validity.bodies.tension.tension_cautions import tension
 from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.dead_points.cautions import dead_points_passed
@@ -179,6 +181,8 @@ class Result:
         of one with more floating frames where there are gradients of bodies that deform far, with more shapes where bases are frozen."""
         found = self._verdict
         errors = self._errors_of_doubted(framed_doubts(found.warnings))
+        if self.gradients and self.solution.system.n_x and (errors is None or most_pulled(self.solution) not in errors.frames):
+            found = Verdict.of([*found.warnings, *steep_joints(self.solution)], found.measures)
         if self.basis_errors is not None:
             about_bases = {**found.measures, "frozen_basis": self.basis_errors.record()}
             found = Verdict.of([*found.warnings, *cautions_of_frozen(self.basis_errors)], about_bases)

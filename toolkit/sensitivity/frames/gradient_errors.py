@@ -25,7 +25,7 @@ from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
-from toolkit.validity.bodies.tension.pulled_joints import lacking_joints
+from toolkit.validity.bodies.tension.pulled_joints import STEEP, lacking_joints
 from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
 
 SMALL, SMALL_OF_PARTS = 2e-3, 5e-4
@@ -39,9 +39,6 @@ WEIGHED = ("large-deformation", "critical-load", "tension", "reference-condition
 """Codes of doubts about what linear bodies do not know in their frames, and do between them."""
 BENT = 1e-3
 """Rotation, rad, from which something turns a body aside that may buckle, so that a run with more frames shows it."""
-STEEP = 5e-3
-"""Part of a joint's force that a deflection pulls with from which its gradients are looked at: this part grows with the square of the
-deflection or more, by a thickness with ten times its relative change."""
 NONE = Largest(0.0, np.zeros(0))
 UNCERTAIN = 2.0
 """The estimate of an error may be too small by this factor."""
@@ -118,7 +115,7 @@ def frame_errors(
 
 def bodies_with_more(solution: Solution) -> list[str]:
     """Bodies that are deformed so far that gradients may feel it, or whose deflection pulls at joints whose forces are asked for."""
-    pulls = any(each.missing > STEEP * each.counts > 0 for each in lacking_joints(solution).values())
+    pulls = any(abs(each.missing) > STEEP * each.counts > 0 for each in lacking_joints(solution).values())
     pulling = {most_pulled(solution)} if pulls else set()
     return [
         body

@@ -29,6 +29,9 @@ from toolkit.validity.bodies.tension.stiffened_state import stiffened_state
 FELT, FELT_BY_GRADIENTS = 1e-5, 1e-6
 """Part of the critical force of a body below which its tension is no twentieth of what joints hold across it, and changes no gradient of
 that by as much."""
+STEEP = 5e-3
+"""Part of a joint's force that a deflection pulls with from which its gradients are looked at: this part grows with the square of the
+deflection or more, by a thickness with ten times its relative change."""
 MANY = 100.0
 """Times that a force is off above which they are not counted."""
 HARDLY = 0.1
@@ -49,15 +52,15 @@ class Lacking(NamedTuple):
 
 def pulled_joints(solution: Solution) -> Iterator[Caution]:
     """Responses that are forces of joints, at the end of a motion or over time, which lack what a deflection pulls with."""
-    low = {name: each for name, each in lacking_joints(solution).items() if each.missing > LIMIT * each.counts > 0}
+    low = {name: each for name, each in lacking_joints(solution).items() if abs(each.missing) > LIMIT * each.counts > 0}
     if low:
         body, scene = most_pulled(solution), solution.system.scene
         asked = joint_forces(scene)
         told = [
-            f"{name} by {each.missing:.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {each.size:.3g} at the most"
+            f"{name} by {abs(each.missing):.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {each.size:.3g} at the most"
             for name, each in list(low.items())[:NAMED]
         ]
-        much = max(each.missing / each.size if each.size > 0 else MANY for each in low.values())
+        much = max(abs(each.missing) / each.size if each.size > 0 else MANY for each in low.values())
         yield Caution(
             "tension",
             f"the deflection of {body} pulls at what holds its ends, which these equations do not know: forces of joints are off, "
@@ -117,5 +120,5 @@ def _low(solution: Solution, known: Mapping[str, PulledBody], n: int, asked: Map
     for name, response in asked.items():
         here, there = (float(np.real(response.at(each, n).value)) for each in (solution, pulled))
         size = max([abs(here), *(abs(float(np.real(response.at(solution, int(k)).value))) for k in steps)])
-        found[name] = Lacking(abs(there - here), size, max(size, held))
+        found[name] = Lacking(there - here, size, max(size, held))
     return found
