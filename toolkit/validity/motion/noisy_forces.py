@@ -74,6 +74,14 @@ def noise_at(joint: JointNoise, step: int) -> float:
     return float(joint.noise[max(min(step - IN_A_ROW, last), 0) : last + 1].max())
 
 
+def noise_of_values(values: np.ndarray, times: np.ndarray, size: float) -> float:
+    """The same of a number that is made of such a force, (n_t,), at states in a row, as a part of a size: of a magnitude it is less than of
+    the components that jump across it."""
+    if len(times) < IN_A_ROW + 2 or not size > 0:
+        return np.inf
+    return float(_amplitudes(values[:, None], np.diff(times)).max()) / size
+
+
 def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     """Amplitude from each inner state and the next three, (n_t - 5, rows), of forces (n_t, rows) after steps (n_t - 1,)."""
     before, after = lengths[:-1, None], lengths[1:, None]
@@ -101,7 +109,7 @@ def noisy_forces(
         if asked is None
         else f", {', '.join(asked)} among them"
         if asked
-        else f"; {', '.join(quiet)} feel less than {NOISY:.0%} of it, at other times or as means"
+        else f"; {', '.join(quiet)} feel less than {NOISY:.0%} of it, at other times, as means, or along what does not jump"
         if quiet
         else "; no response that was asked for is one of them"
     )
