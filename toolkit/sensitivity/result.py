@@ -180,7 +180,7 @@ class Result:
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             folded = folded_equilibria(self.solution) if self.values and not self.solution.steps else ()
-            loose = loose_maxima(self.solution) if self.values else ()
+            loose = [*loose_maxima(self.solution), *self._tied()] if self.values else ()
             of_state = set(unstable_vibrations(self.solution))  # said again by what was asked for
             others = [each for each in found.warnings if each not in of_state]
             every = [*others, *self._of_vibrations(), *folded, *loose, *self._undefined()]
@@ -206,7 +206,7 @@ class Result:
             *missed_peaks(self.solution),
             *turned_displacements(self.solution, self.values, self._answers.scales),
             *loose_maxima(self.solution),
-            *tied_extremes(self.solution),
+            *self._tied(),
             *self._undefined(),
             *self._of_vibrations(),
         )
@@ -232,6 +232,10 @@ class Result:
             yield from critical_loads(self.solution, lateral=True)  # what its derivatives feel is not known
             yield from tension(self.solution, lateral=True)
             yield from merging_vibrations(self.solution, lateral=True)
+
+    def _tied(self) -> Iterator[Caution]:
+        """Derivatives of largest values that jump."""
+        return tied_extremes(self.solution, variable_sizes(self.solution.system.scene, self) if self.gradients else {})
 
     def _undefined(self) -> Iterator[Caution]:
         """Values and derivatives that do not exist at this design, and variables that nothing feels."""

@@ -248,9 +248,13 @@ class MaxStress(StressResponse):
 
     def partials(self, solution: Solution) -> Partials:
         """Value, and weight one at the place of the maximum."""
+        stress = self.considered(solution)
+        return self.of_place(solution, first_largest(stress.real.ravel(), SAME))
+
+    def of_place(self, solution: Solution, place: int) -> Partials:
+        """Of one of the stress values that count, by its number among all of them."""
         components = self.components(solution)
         stress = self.signed(components)
         weights = np.zeros(stress.shape)
-        place = np.unravel_index(first_largest(stress.real.ravel(), SAME), stress.shape)
-        weights[place] = 1
-        return self.chain(solution, components, stress[place], weights)
+        weights.flat[place] = 1
+        return self.chain(solution, components, stress.flat[place], weights)
