@@ -100,7 +100,7 @@ def _planar(_coiled: bool) -> dict[str, Any]:
 
 
 def _spatial(coiled: bool) -> dict[str, Any]:
-    """With a rotational spring, whose turns are counted by compiled code, on request."""
+    """Fields of the smallest spatial scene; on request with a rotational spring, whose turns compiled code counts."""
     spring = SpatialRotationalSpringDamper(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0), stiffness=1.0)
     return {
         "dimension": 3,

@@ -185,7 +185,7 @@ def _moving(model: ReducedModel) -> np.ndarray:
 
 
 def _shifting(moved: np.ndarray) -> np.ndarray:
-    """Of spatial beams: the fibres around a node that only turns move against each other, (n_points, 3, n_f) -> (n_f,)."""
+    """Which elastic coordinates of spatial beams move nodes and do not only turn them, (n_points, 3, n_f) -> (n_f,)."""
     whole = np.abs(moved).sum(axis=(0, 1))
     return np.abs(moved.sum(axis=0)).max(axis=0) > CANCELLED * whole
 

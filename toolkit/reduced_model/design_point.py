@@ -88,7 +88,7 @@ class DesignPoint:
         return kind(**dict(zip(names, self.some_invariants(*names), strict=True)))
 
     def some_invariants(self, *items: str) -> tuple[np.ndarray, ...]:
-        """Those of some names; errors as `invariants`, of a stiffness if it is among them."""
+        """Invariants of the given names; errors as `invariants` if the stiffness is among them."""
         self.check_extrapolated(items)
         return tuple(map(self.value, items))
 
@@ -101,7 +101,7 @@ class DesignPoint:
         return BeamSections(axis=nominal.axis, **changed)
 
     def check_extrapolated(self, items: Sequence[str]) -> None:
-        """Refuse the same, if it is among some items."""
+        """Refuse a stiffness that a tangent has led to and that no body has, if it is among some items."""
         if self.first_order and "stiffness" in items:
             self.check_stiffness(self.value("stiffness"))
 
@@ -135,7 +135,7 @@ class DesignPoint:
 
     @cached_property
     def _interfaces(self) -> dict[str, InterfacePoint]:
-        """Those that were asked for."""
+        """Interface points that were evaluated so far, by name."""
         return {}
 
     def _interface(self, name: str) -> InterfacePoint:

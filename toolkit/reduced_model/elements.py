@@ -58,7 +58,7 @@ class SpatialElements:
     stress_operator: np.ndarray  # (n_stress n_components, 12), on the coordinates of the element that the stress point is in
 
     def held_nodes(self, _mesh: Any) -> np.ndarray:
-        """As kept."""
+        """Numbers of the nodes that the frame of the whole body is tied to, as stored in `held`."""
         return self.held
 
     def shapes(self, _mesh: Any) -> np.ndarray | None:

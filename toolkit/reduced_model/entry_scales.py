@@ -27,7 +27,7 @@ class EntryScale(NamedTuple):
     column: np.ndarray
 
     def at(self, entry: np.ndarray) -> np.ndarray:
-        """Of places in the flattened array."""
+        """Sizes at places in the flattened array."""
         row, column = np.divmod(entry, len(self.column))
         return self.row[row] * self.column[column]
 
@@ -56,7 +56,7 @@ def entry_factors(inv: Any) -> dict[str, EntryScale]:
 
 
 def _diagonal_of_inertia(inv: Any) -> np.ndarray:
-    """Of G, in space of the sum of the Q_aa."""
+    """Diagonal of the inertia matrix G; in space of the sum of the Q_aa."""
     if isinstance(inv, SpatialInvariants):
         z = inv.second_moment.shape[-1]
         moments = inv.second_moment if inv.second_moment.ndim == 2 else inv.second_moment.reshape(-1, z)

@@ -42,7 +42,7 @@ class Placed(NamedTuple):
 
     @property
     def line(self) -> np.ndarray:
-        """From the point nearly to the edge of the name, (2, 2)."""
+        """Line (2, 2) from the point nearly to the edge of the name."""
         way = self.place - self.name.point
         inside = float(np.min((self.name.half + 1) / np.maximum(np.abs(way), 1e-12)))
         return np.array([self.name.point, self.place - min(inside, 1.0) * way])
@@ -66,7 +66,7 @@ class Panel(NamedTuple):
 
 
 class Side(NamedTuple):
-    """On which side of its point a name stands: the centre of its place counted from there, and whether a line leads there."""
+    """Position of a name beside its point: offset of the name's centre, and whether a line leads there."""
 
     offset: np.ndarray  # (2,)
     led: bool

@@ -54,5 +54,5 @@ def readable(largest: float, label: str) -> Readable:
 
 
 def readable_stress(limit: float, units: str) -> Readable:
-    """That of stresses up to a limit, in a system of units."""
+    """Readable unit for stresses up to a limit, in a system of units."""
     return readable(limit, unit(units, "stress"))

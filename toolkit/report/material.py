@@ -147,7 +147,7 @@ def judge(material: Material, progress: Progress, everything: bool = False) -> M
 
 
 def _certificate(material: Material, kind: Kind, judges: Mapping[str, Result], progress: Progress) -> Certificate | None:
-    """From the gradients at hand, if they come from direct differentiation and a complex step was affordable."""
+    """Certificate of gradients from direct differentiation, where a complex step was affordable; None otherwise."""
     results, stepped = material.results, judges.get("complex-step")
     if stepped is None or results.method != "direct" or not results.gradients:
         return None

@@ -42,7 +42,7 @@ class Table:
         return write_csv(folder / f"{self.name}.csv", self.head, self.rows)
 
     def record(self) -> dict[str, Any]:
-        """For JSON; numbers that do not exist are None."""
+        """Table as a record for JSON; numbers that are not finite become None."""
         rows = [[None if isinstance(x, float) and not np.isfinite(x) else x for x in row] for row in self.rows]
         return {"title": self.title, "head": list(self.head), "rows": rows}
 

@@ -21,12 +21,12 @@ class ShortTable(NamedTuple):
     rows: tuple[tuple[str, ...], ...]
 
     def text(self) -> str:
-        """As lines of a text: words to the left, numbers to the right."""
+        """Table as lines of plain text: words to the left, numbers to the right."""
         widths = [max(map(len, column)) for column in zip(self.columns, *self.rows, strict=True)]
         return "\n".join(_line(row, widths) for row in (self.columns, *self.rows))
 
     def html(self) -> str:
-        """As a table of a page."""
+        """Table in HTML."""
         head = "".join(f"<th>{escape(name)}</th>" for name in self.columns)
         body = "".join("<tr>" + "".join(f"<td>{escape(word)}</td>" for word in row) + "</tr>" for row in self.rows)
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

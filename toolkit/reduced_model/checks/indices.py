@@ -65,7 +65,7 @@ def _check_pieces(model: ReducedModel, path: Path) -> None:
 
 
 def _check_beams(model: ReducedModel, path: Path) -> None:
-    """As many sections as beams, none of which has its axis along its element."""
+    """Refuse sections that are not as many as the beams, or whose axis lies along their element."""
     sections, beams = model.sections, model.mesh or model.elements
     if sections is None or beams is None:
         return

@@ -59,7 +59,7 @@ class PartShapes:
 
 
 def part_shapes(stiffness: np.ndarray, inertia: np.ndarray, weights: np.ndarray, kept: np.ndarray, count: int) -> PartShapes:
-    """With the lowest modes with the kept coordinates held; all coordinates if there are no more than these shapes.
+    """Craig-Bampton shapes with the lowest fixed-interface modes; all coordinates if these are no more than the shapes.
 
     Modes of equal frequency are taken together, so that there may be some more than `count`.
 

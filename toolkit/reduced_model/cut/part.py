@@ -95,7 +95,7 @@ class Sums:
 
     @property
     def z(self) -> np.ndarray:
-        """[[1, 0], [0, C]]."""
+        """Matrix [[1, 0], [0, C]] with the undeformed shape as a coordinate of its own."""
         found = np.zeros((1 + len(self.psi), 1 + self.psi.shape[1]), self.psi.dtype)
         found[0, 0], found[1:, 1:] = 1, self.psi
         return found
@@ -107,23 +107,23 @@ class Sums:
 
     @property
     def whole(self) -> np.ndarray:
-        """The same with that of the undeformed shape first."""
+        """Numbers of the undeformed shape, 0, and of the nodal coordinates of every element, (n_elements, 1 + 2 per_node)."""
         return np.column_stack([np.zeros(len(self.nodes) - 1, int), 1 + self.where])
 
     def reduced(self, shapes: PartShapes | None, stiffness: np.ndarray) -> Sums:
-        """On fewer coordinates, by the blocks of the stiffness at this design; on the same ones without shapes."""
+        """Sums on fewer coordinates, by the blocks of the stiffness at this design; on the same ones without shapes."""
         return self if shapes is None else replace(self, psi=self.psi @ shapes.columns(self.square(stiffness)))
 
     def moment(self, blocks: np.ndarray) -> np.ndarray:
-        """Of blocks (n_e, 1 + 2 per_node, ..)."""
+        """Sum of blocks (n_e, 1 + 2 per_node, ..) on the undeformed shape and the elastic coordinates."""
         return _between(sparing(self.z, WORTH), blocks[self.own], self.whole)
 
     def square(self, blocks: np.ndarray) -> np.ndarray:
-        """Of blocks (n_e, 2 per_node, ..), symmetric."""
+        """Sum of symmetric blocks (n_e, 2 per_node, ..) on the elastic coordinates, symmetric."""
         return symmetric(_between(sparing(self.psi, WORTH), blocks[self.own], self.where))
 
     def first_moment(self, blocks: np.ndarray) -> np.ndarray:
-        """Of blocks (n_e, d, 1 + 2 per_node)."""
+        """Sum of blocks (n_e, d, 1 + 2 per_node) on the undeformed shape and the elastic coordinates."""
         columns: np.ndarray = np.zeros((blocks.shape[1], 1 + len(self.psi)), blocks.dtype)
         for block, places in zip(blocks[self.own], self.whole, strict=True):
             columns[:, places] += block

@@ -100,7 +100,7 @@ def pressed(part: SpatialPart, loads: PieceLoads) -> SurfaceLoad:
 
 
 def _stress(sums: Sums, operator: np.ndarray, elements: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Of some of all stress points, whose elements are given, (n, n_components, n_f)."""
+    """Rows of the stress operator at some stress points, given the element of each point, (n, n_components, n_f)."""
     components = len(operator) // len(elements) if len(elements) else 1
     every = (components * rows[:, None] + np.arange(components)).ravel()
     found = sums.stress(operator[every], np.repeat(elements[rows], components) - sums.own.start)

@@ -71,7 +71,7 @@ def told_left_out(left_out: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _kind(kind: str, number: int) -> str:
-    """For example "4 hexahedra", or "11 hexahedra with 20 nodes each"."""
+    """Number and kind of elements in words, for example "4 hexahedra", or "11 hexahedra with 20 nodes each"."""
     found = re.fullmatch(r"([a-z]+)(\d*)", kind)
     if found is None or found[1] not in NAMES:
         return f"{number} {kind}"

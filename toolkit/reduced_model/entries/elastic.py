@@ -41,7 +41,7 @@ def elastic_matrices(design: DesignPoint, *items: str) -> ElasticMatrices:
 
 
 def _inside(here: np.ndarray | slice, n_f: int, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of places in a flattened matrix those of elastic coordinates, numbered among these; and which ones of all places they are."""
+    """Entries between elastic coordinates: places in the flattened (n_f, n_f) matrix, and which of the given places they are."""
     row, column = (each - (size - n_f) for each in np.divmod(np.arange(size * size)[here], size))
     elastic = np.flatnonzero((row >= 0) & (column >= 0))
     return row[elastic] * n_f + column[elastic], elastic

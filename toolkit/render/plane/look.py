@@ -93,7 +93,7 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
 
 
 def shown_stress(moment: Configuration) -> Iterator[tuple[str, np.ndarray]]:
-    """Of every flexible body that can be drawn its name and the stress that pictures show of it."""
+    """Name and displayed stress of every flexible body that can be drawn."""
     for name in moment.flexible():
         if (skin := skin_shape(moment, name)) is not None:
             yield name, skin.stress
@@ -109,7 +109,7 @@ def drawn_points(moment: Configuration) -> np.ndarray:
 
 
 def _thickness(scene: Scene, body: str) -> float:
-    """Of the skin, or of all sections of a frame; zero where they differ."""
+    """Thickness of a skin or of all sections of a frame; zero where they differ."""
     path = f"bodies.{body}.thickness"
     found = {
         float(np.real(scene.number(each))) for each in scene.available_paths() if each == path or each.startswith(f"{path}_")

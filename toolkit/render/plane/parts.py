@@ -108,7 +108,7 @@ def draw_outlines(axes: Axes, moment: Configuration, body: str, look: Look) -> N
 
 
 def outlines(moment: Configuration, body: str, look: Look) -> list[tuple[str, np.ndarray, str, Dashes, float]]:
-    """Of the contours of a body that are drawn: what it is, points (n, 2), colour, dashes and height."""
+    """Contours of a body that are drawn: kind, points (n, 2), colour, dashes and drawing height of each."""
     mesh = drawn_model(moment, body).mesh
     if mesh is None:
         return []

@@ -192,7 +192,7 @@ def meanings(windows: Sequence[np.ndarray], look: Look, moment: Configuration) -
 
 
 def _thicker(windows: Sequence[np.ndarray], look: Look) -> list[str]:
-    """By which factor windows show skins thicker than they are, in words."""
+    """Words telling by which factor windows show skins thicker than they are."""
     if not all(look.thickness.values()):
         return ["thickness not to scale"]
     factors = [max(drawn_thickness(true, corners) / true for true in look.thickness.values()) for corners in windows]

@@ -28,7 +28,7 @@ class Symbol(NamedTuple):
     direction: np.ndarray = _ALONG_X
 
     def lines(self, size: float) -> list[np.ndarray]:
-        """Its polylines round its point, each (n, 2)."""
+        """Polylines (n, 2) that draw the symbol around its point."""
         c, s = self.direction
         return [size * corners @ np.array([[c, s], [-s, c]]) for corners in _LINES[self.kind]]
 

@@ -27,7 +27,7 @@ class Arrow(NamedTuple):
 
 
 def arrows(moment: SpatialConfiguration) -> list[Arrow]:
-    """Of all loads that are forces or torques; of a torque between two bodies its reaction too, of a pressure its resultant."""
+    """Arrows of all loads that are forces or torques, the reaction of a torque and the resultant of a pressure included."""
     found = []
     for load in moment.scene.loads.values():
         if isinstance(load, SpatialPointForce):
@@ -44,7 +44,7 @@ def arrows(moment: SpatialConfiguration) -> list[Arrow]:
 
 
 def _resultant(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
-    """Of a pressure; on a cut body the sum over its parts, in the middle of theirs."""
+    """Resultant force of a pressure; on a cut body the sum over its parts, at their weighted mean point."""
     found = [
         arrow
         for piece in moment.scene.pieces([load.body])

@@ -66,7 +66,7 @@ class SpatialLook:
 
     @property
     def radius(self) -> float:
-        """Of a tube."""
+        """Radius of a tube that is drawn."""
         return TUBE * self.extent
 
     @property

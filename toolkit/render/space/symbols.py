@@ -28,7 +28,7 @@ class SpatialSymbol(NamedTuple):
     grounded: bool = False
 
     def surface(self, size: float) -> Any:
-        """Its surface; size is about the radius of its parts."""
+        """Surface that draws the symbol; `size` is about the radius of its parts."""
         mesh = _SURFACES[self.kind]()
         placed = np.eye(4)
         placed[:3, :3], placed[:3, 3] = size * self.axes, self.point
