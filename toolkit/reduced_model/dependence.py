@@ -79,7 +79,7 @@ class Polynomial:
         return Derivatives(parameter, entry, slope[factor, term] * value)
 
     def slopes_by(self, numbers: np.ndarray) -> Slopes:
-        """Where derivatives stand, by parameters with other numbers, without those whose new number is negative."""
+        """Entries of the derivatives by parameters with other numbers, without those whose new number is negative."""
         factor, place = np.nonzero(np.append(numbers, -1)[self.factor[self.term].T] >= 0)
         term = self.term[place]
         return Slopes(numbers[self.factor[term, factor]], self.entry[place], self.value[place], term, factor)
@@ -119,7 +119,7 @@ class Polynomial:
 
 
 class Slopes(NamedTuple):
-    """Derivatives of a polynomial, without what its parameters make of them: one for every factor of every entry."""
+    """Entries of a polynomial's derivatives that do not depend on the parameters' values: one for every factor of every entry."""
 
     parameter: np.ndarray  # its number
     entry: np.ndarray  # place in the flattened array
@@ -172,7 +172,7 @@ class Together(NamedTuple):
         return cls(places, joined, any(each.complex for each in told.values()))
 
     def __call__(self, p: np.ndarray) -> dict[str, np.ndarray]:
-        """Item -> values on its places."""
+        """Values of every item, by its name, on the item's places."""
         flat = self.polynomial(p if self.complex else np.real(p), max(place.stop for place in self.places.values()))
         return {item: flat[place] for item, place in self.places.items()}
 

@@ -15,7 +15,7 @@ PARALLEL = 1e-6
 
 
 def check_indices(model: ReducedModel, path: Path) -> None:
-    """Numbers of nodes, elements, ends and fibres that pictures index with."""
+    """Refuse numbers of nodes, elements, points, ends and fibres that do not exist."""
     mesh, stress, outline, surface = model.mesh, model.stress, model.outline, model.surface
     elements = model.elements
     if elements is not None and not np.isin(elements.connectivity, np.arange(len(elements.nodes))).all():
@@ -44,7 +44,7 @@ def check_indices(model: ReducedModel, path: Path) -> None:
 
 
 def _check_pieces(model: ReducedModel, path: Path) -> None:
-    """Stress of all components of every point one after the other, and points of the surface by elements that exist."""
+    """Refuse pieces and loads on them whose numbers of rows, points or elements do not fit the body."""
     elements, points, components = model.elements, *model.invariants.stress_operator.shape[:2]
     if isinstance(elements, SpatialElements):
         if len(elements.stress_operator) != points * components:

@@ -35,5 +35,5 @@ class BeamSections:
 
     @property
     def real(self) -> BeamSections:
-        """The same without imaginary steps."""
+        """Sections without imaginary steps."""
         return BeamSections(**{name: np.real(array) for name, array in vars(self).items()})
