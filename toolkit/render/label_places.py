@@ -26,7 +26,7 @@ _NOWHERE = np.zeros((0, 2))
 
 
 class Name(NamedTuple):
-    """A text that is to stand beside a point, and half of its width and height."""
+    """Text beside a point, and half of its width and height."""
 
     text: str
     point: np.ndarray  # (2,)
@@ -34,7 +34,7 @@ class Name(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """A name, the centre of its place, and whether a line has to lead there from its point."""
+    """Name in its place: centre of the text, and whether a line has to lead there from its point."""
 
     name: Name
     place: np.ndarray  # (2,)
@@ -49,19 +49,19 @@ class Placed(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """Names of which those outside of it are not shown, and points that should stay visible (m, 2), densely along lines."""
+    """Names in a panel, of which those outside are not shown, and points (m, 2) that should stay visible, densely along lines."""
 
     names: list[Name]
     obstacles: np.ndarray
     size: np.ndarray  # (2,)
 
     def shows(self, points: np.ndarray) -> np.ndarray:
-        """Whether points (..., 2) are inside."""
+        """Whether points (..., 2) are inside the panel."""
         return np.all((points >= 0) & (points <= self.size), axis=-1)
 
     @property
     def shown(self) -> np.ndarray:
-        """The points whose names are shown, (n, 2)."""
+        """Points whose names are shown, (n, 2)."""
         return np.array([name.point for name in self.names if self.shows(name.point)]).reshape(-1, 2)
 
 
@@ -73,7 +73,7 @@ class Side(NamedTuple):
 
 
 def panel_of(names: list[Name], lines: list[np.ndarray], letter: float, size: np.ndarray, spots: np.ndarray = _NOWHERE) -> Panel:
-    """A panel of a size with names off polylines (n, 2) and spots (m, 2).
+    """Panel of a size with names that keep off polylines (n, 2) and spots (m, 2).
 
     All lengths are pixels or points of print, counted from the panel's lower left corner.
     """
@@ -83,7 +83,7 @@ def panel_of(names: list[Name], lines: list[np.ndarray], letter: float, size: np
 
 
 def placed(panel: Panel, sides: list[Side]) -> list[Placed | None]:
-    """Names on their sides; None for a point outside of the panel."""
+    """Names in their places beside their points; None for a point outside of the panel."""
     return [
         Placed(name, name.point + side.offset, side.led) if panel.shows(name.point) else None
         for name, side in zip(panel.names, sides, strict=True)
@@ -91,7 +91,9 @@ def placed(panel: Panel, sides: list[Side]) -> list[Placed | None]:
 
 
 def sides(panels: Sequence[Panel], letter: float, reaches: Reaches = _NEAR) -> list[Side]:
-    """Where each name stands beside its point, for the same names in several panels the same in all: where they are best on the mean.
+    """Position of each name beside its point.
+
+    The same names in several panels stand in the same positions in all: where they are best on the mean.
 
     Parameters
     ----------
@@ -116,7 +118,7 @@ def sides(panels: Sequence[Panel], letter: float, reaches: Reaches = _NEAR) -> l
 
 
 def _free(panel: Panel, around: np.ndarray, before: list[Side], letter: float) -> np.ndarray:
-    """How good places (m, 2) beside the next point are, after those of the names before, (m,)."""
+    """Quality (m,) of places (m, 2) beside the next name's point, given the places of the names before."""
     name, candidates = panel.names[len(before)], panel.names[len(before)].point + around
     clearances = [_clearance(candidates, name.half, panel.obstacles)]
     others = [each for each in placed(panel._replace(names=panel.names[: len(before)]), before) if each is not None]

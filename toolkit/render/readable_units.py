@@ -22,14 +22,14 @@ _LEAST, _MOST = 1e-2, 1e4
 
 
 class Readable(NamedTuple):
-    """The factor by which numbers are multiplied for a picture, and the label of what they are then."""
+    """Factor by which numbers are multiplied for a picture, and the label of their unit then."""
 
     factor: float
     label: str
 
 
 def readable(largest: float, label: str) -> Readable:
-    """The unit in which numbers are written in a picture.
+    """Unit in which numbers are written in a picture.
 
     Parameters
     ----------

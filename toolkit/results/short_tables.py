@@ -15,7 +15,7 @@ MOST_COLUMNS = 8
 
 
 class ShortTable(NamedTuple):
-    """Names of the columns, and rows of words; the first column names the rows."""
+    """Table of words: names of the columns, and rows; the first column names the rows."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -40,13 +40,13 @@ def _line(row: Sequence[str], widths: Sequence[int]) -> str:
 
 
 def table_of_values(result: Result) -> ShortTable:
-    """Value and unit of every response."""
+    """Table with value and unit of every response."""
     rows = tuple((name, f"{value:.6g}", result.units[name]) for name, value in result.values.items())
     return ShortTable(("response", "value", "unit"), rows)
 
 
 def table_of_gradients(result: Result) -> ShortTable | None:
-    """Derivatives of all responses by all variables; None if there are none."""
+    """Table with derivatives of all responses by all variables; None if there are none."""
     variables = list(next(iter(result.gradients.values()), {}))
     if not variables:
         return None
