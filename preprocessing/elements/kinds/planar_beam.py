@@ -38,7 +38,7 @@ THICKNESS: Terms = (Term(1.0, {"thickness": 1}),)
 
 @dataclass(frozen=True, eq=False)
 class PlanarBeam(LineElement):
-    """Displacements x, y and the rotation at both ends."""
+    """Planar beams with displacements x, y and the rotation at both ends."""
 
     patches: Sequence[Patch]
     modulus_factor: Any = 1.0  # 1, or 1 / (1 - nu^2) in plane strain; may carry a complex step
@@ -49,12 +49,12 @@ class PlanarBeam(LineElement):
 
     @property
     def hidden(self) -> int:
-        """One coordinate for the offset of points from the centre line, where the section has rotary inertia."""
+        """Number of hidden coordinates: one for the offset of points from the centre line, where there is rotary inertia."""
         return int(self.rotary_inertia)
 
     @cached_property
     def phi(self) -> np.ndarray | None:
-        """Phi of every element, (n_e,); None without shear."""
+        """Shear parameter Phi of every element, (n_e,); None without shear."""
         if not self.sheared:
             return None
         lengths = length(self.ends)
@@ -66,7 +66,7 @@ class PlanarBeam(LineElement):
 
     @cached_property
     def beams(self) -> BeamElements:
-        """The elements that contribute."""
+        """Elements that contribute."""
         own = self.contributing
         return BeamElements.in_plane(self.ends[own], None if self.phi is None else self.phi[own])
 
@@ -98,12 +98,12 @@ class PlanarBeam(LineElement):
         return [along, (SECOND_MOMENT, self.beams.rotary_mass[0])] if self.rotary_inertia else [along]
 
     def _stiff(self) -> list[tuple[Terms, np.ndarray]]:
-        """The same of the rows of the stiffness in stretching and bending."""
+        """Polynomials of the section and the rows of the stiffness in stretching and bending that they multiply."""
         root = np.sqrt(self.modulus_factor)
         return [(AREA, root * self.beams.stretching), (SECOND_MOMENT, root * self.beams.bending[0])]
 
     def _stressed(self) -> list[tuple[Terms, np.ndarray]]:
-        """The same of the rows of the stress: of eps, and of f kappa / 2."""
+        """Polynomials of the section and the rows of the stress that they multiply: of eps, and of f kappa / 2."""
         rows = self.beams.curvature[0][:, :, None, :] * FIBRES[:, None] / 2
         bent = rows.reshape(len(rows), 4, -1)
         return [
@@ -126,7 +126,7 @@ class PlanarBeam(LineElement):
                 yield from section_terms("fibre_distance", patch, 4 * k + place, THICKNESS, -fibre / 2)
 
     def tensions(self) -> Iterator[Tension]:
-        """The normal force on the slopes."""
+        """Stiffening by the normal force, which acts on the slopes."""
         strain, slopes = self.modulus_factor * self.beams.strain, self.beams.turning[0]
         for number, patch in enumerate(self.patches):
             elements, here = self.of_patch(patch)
@@ -140,7 +140,7 @@ class PlanarBeam(LineElement):
 
     @property
     def stress_points(self) -> StressPoints:
-        """For every element its ends 0 and 1, at each end the fibres +1 and -1."""
+        """Stress points: for every element its ends 0 and 1, at each end the fibres +1 and -1."""
         element, end, fibre = np.meshgrid(np.arange(len(self.connectivity)), [0, 1], FIBRES, indexing="ij")
         return StressPoints(element.ravel(), end.ravel(), fibre.ravel())
 

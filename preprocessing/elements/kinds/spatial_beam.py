@@ -38,7 +38,7 @@ class SpatialPatch:
 
     @property
     def polynomials(self) -> SectionShape:
-        """Of its section; numbers where shear deforms it."""
+        """Polynomials of the section; numbers where shear deforms it."""
         return self.shape.fixed(self.sheared.dimensions) if self.sheared else self.shape
 
     @property
@@ -50,7 +50,7 @@ class SpatialPatch:
 
 @dataclass(frozen=True, eq=False)
 class SpatialBeam(LineElement):
-    """Displacements along and rotations about x, y and z at both ends."""
+    """Spatial beams with displacements along and rotations about x, y and z at both ends."""
 
     orientation: np.ndarray  # (n_e, 3), the e_3 of each section before it is made normal to its element
     patches: Sequence[SpatialPatch]
@@ -59,7 +59,7 @@ class SpatialBeam(LineElement):
 
     @property
     def hidden(self) -> int:
-        """One coordinate for the offset of points from the centre line."""
+        """Number of hidden coordinates: one for the offset of points from the centre line."""
         return 1
 
     @cached_property
@@ -69,13 +69,13 @@ class SpatialBeam(LineElement):
 
     @cached_property
     def beams(self) -> BeamElements:
-        """The elements that contribute."""
+        """Elements that contribute."""
         own = self.contributing
         return BeamElements.in_space(self.ends[own], self.orientation[own], None if self.phi is None else self.phi[own])
 
     @cached_property
     def phi(self) -> np.ndarray | None:
-        """Phi of deflections along e_2 and e_3 of every element, (n_e, 2); None without shear."""
+        """Shear parameters Phi of deflections along e_2 and e_3 of every element, (n_e, 2); None without shear."""
         if not any(each.sheared for each in self.patches):
             return None
         lengths = length(self.ends)
@@ -97,7 +97,7 @@ class SpatialBeam(LineElement):
 
     @property
     def stress_points(self) -> StressPoints:
-        """Element by element, fibre by fibre, of each its two ends."""
+        """Stress points element by element, fibre by fibre, of each its two ends."""
         fibres = {int(k): each.shape.fibres for each in self.patches for k in each.patch.elements}
         rows = [(k, end, fibre.side) for k in sorted(fibres) for fibre in fibres[k] for end in (0, 1)]
         return StressPoints(*np.array(rows).T)
@@ -135,7 +135,7 @@ class SpatialBeam(LineElement):
             yield squared(each.patch, terms, self.placed_rows(elements, np.sqrt(factor) * rows[here]))
 
     def _stress(self, each: SpatialPatch, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
-        """Strain and both curvatures at the ends of every fibre."""
+        """Contributions of strain and both curvatures to the stress at the ends of every fibre."""
         first, beams = self.first_rows, self.beams
         strain = np.repeat(beams.strain[here][:, None, :], 2, axis=1)
         rows = [each.modulus_factor * values for values in (strain, -beams.curvature[0][here], -beams.curvature[1][here])]
