@@ -143,6 +143,6 @@ def _told(scene: Scene, body: str, found: Bending) -> str:
     return (
         f"{body} leaves the range of small deformations: it is displaced by up to {found.displacement:.3g} {length} in its frame at "
         f"t = {found.time:.4g}, and bodies that bend so far are off by some {found.error:.2g} {length}, {found.relative:.0%} of that "
-        f"(limit {LIMIT:.0%}), because their lines grow where they turn. A stiffer body, or "
-        f"{divided(scene, body, found.relative / LIMIT)}, make it smaller."
+        f"(limit {LIMIT:.0%}), because their lines grow where they turn. Fix: "
+        f"{divided(scene, body, found.relative / LIMIT)}, or stiffen the body."
     )

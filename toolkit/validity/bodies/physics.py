@@ -36,10 +36,10 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
         if each is not None and each.exceeded:
             yield Caution(
                 "large-deformation",
-                f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and "
-                f"elements that turn with it would be off by about {each.error:.2g} {length} under the same forces, "
-                f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}){_cause(each)}. ffrf check-deformation computes this "
-                f"error; a stiffer body, or {divided(scene, body, each.relative / LIMIT)}, make it smaller.{advice_of_frame(scene, body)}",
+                f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame. A corotational "
+                f"model would differ by about {each.error:.2g} {length} under the same forces, {each.relative:.1%} of its displacement "
+                f"(limit {LIMIT:.0%}){_cause(each)}. ffrf check-deformation computes this error. Fix: "
+                f"{divided(scene, body, each.relative / LIMIT)}, or stiffen the body.{advice_of_frame(scene, body)}",
                 body=body,
                 part=each.relative,
             )

@@ -14,7 +14,7 @@ from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
 
 
 def created_energy(solution: Solution) -> float:
-    """Largest energy that came from nowhere, over the largest energy or work; infinite where it is no number.
+    """Largest energy that nothing accounts for, over the largest energy or work; infinite where it is no number.
 
         max over time of  E - E_start - |E_2 - E|,   E = T + U - W - integral of v . D v
 

@@ -130,7 +130,7 @@ def _faster(found: Merging, s: complex) -> str:
 
 
 def _remedy(solution: Solution, found: Merging) -> str:
-    return f"What helps: {divided(solution.system.scene, found.body, ENOUGH)}."
+    return f"Fix: {divided(solution.system.scene, found.body, ENOUGH)}."
 
 
 def _size(part: float) -> str:

@@ -87,7 +87,7 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
         yield Caution(
             "parametric-resonance",
             f"{what}. These equations, which lack the geometric stiffness inside of frames, do not show it; with it this vibration is up "
-            f"to {times:.3g} times as large. What helps: {divided(solution.system.scene, found.body, 4.0)}.",
+            f"to {times:.3g} times as large. Fix: {divided(solution.system.scene, found.body, 4.0)}.",
         )
     elif not shown and found.growth > SETS_OFF:
         yield Caution(

@@ -115,7 +115,7 @@ def _told(solution: Solution, body: str, found: Unseen) -> str:
         what = _stiffer(found)
     return (
         f"forces {how} {body}{when} with {np.abs(found.load):.2g} times the critical load, which its basis does not show: "
-        f"{what}. Linear FFRF has no geometric stiffness of a body in its frame. What helps: "
+        f"{what}. Linear FFRF has no geometric stiffness of a body in its frame. Fix: "
         f"{divided(solution.system.scene, body, 1.0)}."
     )
 

@@ -64,7 +64,7 @@ def pulled_joints(solution: Solution) -> Iterator[Caution]:
         yield Caution(
             "tension",
             f"the deflection of {body} pulls at what holds its ends, which these equations do not know: forces of joints are off, "
-            f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. What helps: "
+            f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. Fix: "
             f"{divided(scene, body, min(much, MANY) / LIMIT)}.",
         )
 
