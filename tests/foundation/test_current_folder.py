@@ -182,6 +182,21 @@ def test_the_preprocessing_does_not_work_with_a_namesake_of_the_runtime(tmp_path
     assert f"'toolkit' is not the other half of this program, '{HOME / 'toolkit'}', but {tmp_path}" in done.stderr.decode()
 
 
+@pytest.mark.parametrize("half", ["toolkit", "preprocessing"])
+def test_a_foreign_half_is_named_when_the_public_names_are_imported(half, tmp_path):
+    (tmp_path / half).mkdir()
+    (tmp_path / half / "__init__.py").touch()
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", "import ffrf; ffrf.preprocessing"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (tmp_path, HOME)))},
+        capture_output=True,
+        check=False,
+    )
+    assert (
+        f"ImportError: '{half}' is not the half of ffrf-toolkit, '{HOME / half}', but {tmp_path / half}" in done.stderr.decode()
+    )
+
+
 def test_the_path_of_processes_lacks_the_current_folder_unless_the_program_is_there(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", ["", ".", "relative", str(tmp_path), "/elsewhere"])

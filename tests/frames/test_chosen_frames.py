@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.basis.basis_choice import BasisChoice
 from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_wing import WING, wing

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.cases import write_models
 from tests.models.every_number import SCENES
 from tests.models.scenes import MODELS, WING

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.truss import force_slope, height, write_truss
 from tests.responses.test_vibration import MASS, STIFFNESS, blocks
 from toolkit.foundation.errors import InputError

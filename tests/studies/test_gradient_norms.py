@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.truss import HALF, REST, STIFFNESS, height, write_truss
 from toolkit.foundation.errors import InputError
 from toolkit.studies.designs.solved_design import solve_design

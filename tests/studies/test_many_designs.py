@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.studies import SWEEP, UNCERTAIN, sweep_file
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.hdf5 import reading

@@ -17,7 +17,7 @@ import pytest
 from scipy.optimize import rosen, rosen_der
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.truss import STIFFNESS, force, force_slope, height, limit_load, snapped_height, write_truss
@@ -540,7 +540,7 @@ def same(one: Optimum, other: Optimum) -> None:
 
 KILLED = """
 import os, signal, sys
-import toolkit as ffrf
+import ffrf
 ffrf.optimize(sys.argv[1], output=sys.argv[2], progress=lambda done, total: os.kill(os.getpid(), signal.SIGKILL) if done > 5 else None)
 """
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.models.truss import HALF, HEIGHT, REST, force, force_slope, height, write_truss
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError

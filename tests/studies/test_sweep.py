@@ -10,7 +10,7 @@ import pytest
 from pyarrow import parquet
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.models.studies import LEFT, LOAD, SWEEP, sweep_file
 from tests.models.truss import force_slope, height, limit_load
 from toolkit.command_line.cli import app

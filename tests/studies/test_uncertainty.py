@@ -11,7 +11,7 @@ import pytest
 from scipy.special import ndtr, ndtri
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.models.studies import LEFT, LOAD, RIGHT, UNCERTAIN, sweep_file
 from tests.models.truss import STIFFNESS, force, force_slope, height
 from toolkit.command_line.cli import app
