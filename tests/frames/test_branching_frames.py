@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.frames.test_cut_bodies import agree
 from tests.models.rectangular_beams import corotational, points_of
@@ -18,7 +18,7 @@ from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
-from toolkit.studies.tradeoff.settings.axes import read_axes
+from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.corotational.equilibrium import solve_corotational
 from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places

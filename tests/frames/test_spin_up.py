@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial import Polynomial
 from scipy.linalg import eigh
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.models.spatial_chains import chain_scene, save_chain
 from toolkit.scene.cut_scene import with_parts

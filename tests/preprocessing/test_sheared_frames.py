@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.assembly.invariants import contract
 from preprocessing.basis.reduction import undeformed
 from preprocessing.recipes.build_model import build

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.elements.section import Section
 from tests.frames.test_cut_bodies import EI, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_bodies import SECTION as FRAMED
