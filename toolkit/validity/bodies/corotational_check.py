@@ -45,7 +45,7 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
         The preprocessing is not installed; the reduced model does not hold its finite elements; or the corotational body has no
         equilibrium under the forces.
     """
-    scene = solution.system.scene
+    scene = solution.system.placed
     behind = chain(scene, body)
     if not isinstance(behind, PlanarChain):
         raise InputError(_without_beams(scene, body))
@@ -77,7 +77,7 @@ def flexible_of(solution: Solution) -> list[str]:
     InputError
         There is none.
     """
-    found = flexible_bodies(solution.system.scene)
+    found = flexible_bodies(solution.system.placed)
     if not found:
         raise InputError("no body of the scene is flexible, so that none deforms. Give a scene with a flexible body.")
     return found

@@ -44,5 +44,5 @@ def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | 
     yield from tension_of_vibrations(solution, numbers)
     yield from merging_of(solution, numbers)
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
-    yield from cautions_of_frequencies(solution.system.scene, named, doubt=count is not None)
+    yield from cautions_of_frequencies(solution.system.placed, named, doubt=count is not None)
     yield from sheared_vibrations(solution, named, differentiated=False)

@@ -39,7 +39,7 @@ LOOKED_AT = 24
 
 def pulled_joints(solution: Solution) -> Iterator[Caution]:
     """Responses that are forces of joints, at the end of a motion or over time, which lack what a deflection pulls with."""
-    asked = joint_forces(solution.system.scene)
+    asked = joint_forces(solution.system.placed)
     known = pulled_bodies(solution) if asked and not solution.spins else {}
     grown = _most_grown(solution, known)
     if grown is None:
@@ -49,7 +49,7 @@ def pulled_joints(solution: Solution) -> Iterator[Caution]:
         mine = {name: each for name, (each, at_end) in asked.items() if n == (len(solution.times) - 1 if at_end else grown)}
         low |= _low(solution, known, n, mine)
     if low:
-        body, scene = most_pulled(solution), solution.system.scene
+        body, scene = most_pulled(solution), solution.system.placed
         told = [
             f"{name} by {missing:.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {size:.3g} at the most"
             for name, (missing, size) in list(low.items())[:NAMED]
