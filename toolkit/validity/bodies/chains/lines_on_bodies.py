@@ -91,7 +91,7 @@ def _words(line: Line, known: dict[int, Beside | None], told: str) -> str:
 
 def _lines(solution: Solution) -> Iterator[Line]:
     """All of a scene, on bodies whose finite elements are known."""
-    system, scene = solution.system, solution.system.scene
+    system, scene = solution.system, solution.system.placed
     names = NORMALS[scene.dimension]
     for number, (name, joint) in enumerate(scene.joints.items()):
         written = scene.bodies.get(joint.bodies[1])
@@ -177,7 +177,7 @@ def _under(
     along, d = _along(_normals(line, pose)), len(nodes[0])
     here = np.array(
         [
-            _place(solution.system.scene, line, _own(solution, line, q), node, shape)
+            _place(solution.system.placed, line, _own(solution, line, q), node, shape)
             for node, shape in zip(nodes, shapes, strict=True)
         ]
     )
@@ -238,8 +238,8 @@ def _material(
     for k in range(len(own)):
         moved = own.astype(complex)
         moved[k] += 1e-30j
-        found[:, where.start + k] = np.imag(_place(solution.system.scene, line, moved, *under)) / 1e-30
-    return np.real(_place(solution.system.scene, line, own, *under)), found
+        found[:, where.start + k] = np.imag(_place(solution.system.placed, line, moved, *under)) / 1e-30
+    return np.real(_place(solution.system.placed, line, own, *under)), found
 
 
 def _step(solution: Solution, line: Line, instant: int, new: np.ndarray, gap: np.ndarray) -> np.ndarray:
