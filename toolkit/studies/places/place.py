@@ -62,23 +62,39 @@ HERE = Place()
 
 
 def done_at(
-    place: Place, work: Callable[[Task], Found], tasks: Mapping[Key, Task], remedy: str = "Ask for fewer processes."
+    place: Place,
+    work: Callable[[Task], Found],
+    tasks: Mapping[Key, Task],
+    remedy: str = "Ask for fewer processes.",
+    more: Callable[[], Mapping[Key, Task]] = dict,
 ) -> Iterator[tuple[Key, Found]]:
     """What the work makes of each task, as it gets done.
 
     Work and tasks are sent to where they are done: the work once to every process or worker, where it may keep what all tasks have in
-    common. Whoever stops listening lets the tasks that are running end, and no others begin.
+    common. Whoever stops listening lets the tasks that are running end, and no others begin. When all tasks are done, `more` is asked for
+    others, which follow from what was found, until it has none.
 
     Raises
     ------
     StudyError
         A process was killed, or the cluster is gone; `remedy` tells what to do then.
     """
-    if place.dask and tasks:
-        return on_cluster(work, tasks, place.dask, remedy)
-    if place.processes > 1 and len(tasks) > 1:
-        return in_processes(work, tasks, place.processes, remedy)
-    return _here(work, tasks, place.threads)
+    if place.processes > 1 and len(tasks) > 1 and not place.dask:
+        return in_processes(work, tasks, place.processes, remedy, more)
+    return _in_rounds(
+        lambda each: on_cluster(work, each, place.dask, remedy) if place.dask else _here(work, each, place.threads), tasks, more
+    )
+
+
+def _in_rounds(
+    done: Callable[[Mapping[Key, Task]], Iterator[tuple[Key, Found]]],
+    tasks: Mapping[Key, Task],
+    more: Callable[[], Mapping[Key, Task]],
+) -> Iterator[tuple[Key, Found]]:
+    """What becomes of some tasks, then of those that follow from them."""
+    while tasks:
+        yield from done(tasks)
+        tasks = more()
 
 
 def _here(work: Callable[[Task], Found], tasks: Mapping[Key, Task], threads: int) -> Iterator[tuple[Key, Found]]:
