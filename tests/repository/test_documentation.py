@@ -301,7 +301,14 @@ def test_every_error_that_a_docstring_announces_exists():
 
 
 def test_no_text_has_a_phrase_that_nobody_would_look_for():
-    folders = (("ffrf", "*.py"), ("toolkit", "*.py"), ("preprocessing", "*.py"), ("toolkit", "*.toml"), ("docs", "*.md"), ("tutorials", "*.py"))
+    folders = (
+        ("ffrf", "*.py"),
+        ("toolkit", "*.py"),
+        ("preprocessing", "*.py"),
+        ("toolkit", "*.toml"),
+        ("docs", "*.md"),
+        ("tutorials", "*.py"),
+    )
     files = [path for folder, pattern in folders for path in (ROOT / folder).rglob(pattern)] + [ROOT / "README.md"]
     found = [
         f"{path.relative_to(ROOT)}: {phrase!r}, write {instead!r}"

@@ -93,6 +93,6 @@ def most_compressed(law: Stiffening, elastic: np.ndarray) -> list[int]:
 
 def critical_compressions(solution: Solution) -> Iterator[Compression]:
     """The state nearest to a critical load, if deflections there are off by more than `LIMIT`."""
-    found = compression(solution, of_interest=LIMIT)
+    found = solution.known[Compression] = compression(solution, of_interest=LIMIT)
     if found is not None and max(found.missed, found.feigned) > LIMIT:
         yield found
