@@ -11,7 +11,7 @@ import re
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 
 FRAME = """units = "m-kg-s"

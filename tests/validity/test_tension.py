@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 import scipy
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.models.solid_bodies import MODULUS, WIDTH, box, rectangle, write_body
 from toolkit.analyses.modes import solve_modes
+from toolkit.foundation.errors import BifurcationError
 from toolkit.validity.bodies.tension.raised_vibrations import raised_by_tension
 from toolkit.validity.bodies.tension.stiffened_bodies import too_large
 
@@ -125,6 +126,26 @@ def test_frequencies_of_a_pulled_cantilever_are_too_low_by_what_is_said(folder, 
 def test_frames_in_number_know_it(folder):
     run = system(folder, "one", 'frame = "grounded", frames = 6', ALONG, force=10 * BENDING).statics()
     assert doubts(run) == []
+
+
+def test_a_pulled_bar_that_its_frame_makes_buckle_is_refused_with_the_reason(folder):
+    """At 3 EI / L^2 of a frame that turns with its end, instead of the frequencies of a bar between pins that is pulled."""
+    force = 10 * BENDING
+    with pytest.raises(BifurcationError, match=r"bar is in tension and does not buckle.*Fix: frames = 9 .*basis\.chord") as told:
+        system(folder, "one", 'frame = "moving"', SLIDING + ALONG, force=force).statics()
+    assert told.value.load_factor == pytest.approx(0.3, rel=1e-3)
+    k, per_length = np.pi * np.arange(1, 3), 2700.0 * BROAD * THICKNESS
+    true = k**2 * np.sqrt(BENDING / per_length * (1 + 10.0 / k**2)) / (2 * np.pi)
+    run = system(folder, "one", 'frame = "moving", frames = 9', SLIDING + ALONG, force=force).statics()
+    assert [run.values["f1"], run.values["f2"]] == pytest.approx(true, rel=0.01)
+    assert run.verdict.trusted
+
+
+def test_modes_say_their_tension_once_and_nothing_of_responses(folder):
+    found = system(folder, "chord", 'frame = "moving"', SLIDING + ALONG, force=10 * BENDING).modes(count=2)
+    (text,) = doubts(found)
+    assert "mode 1 by" in text
+    assert "f1" not in str(found.verdict)
 
 
 @pytest.mark.parametrize("force", [200.0, 60.0, 15.0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 
 FRAME = """units = "m-kg-s"

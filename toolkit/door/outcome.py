@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 from toolkit.door.analysed import analysed
 from toolkit.foundation.errors import ToolkitError
@@ -13,7 +13,9 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind
-from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.designs.carried_verdicts import Answers, CarriedVerdicts, Measured, answers, apart, measured
+from toolkit.studies.designs.indicators import Indicators, written_numbers
+from toolkit.studies.engine.executor import Executor, completed
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,21 @@ class Outcome:
         return bool(self.error)
 
 
+class Task(NamedTuple):
+    """A design, and whether its verdict is to be measured."""
+
+    numbers: Mapping[str, float]
+    judged: bool
+
+
+class Solved(NamedTuple):
+    """What becomes of a task; `answers` and `measured` are what verdicts of other designs can be carried by."""
+
+    outcome: Outcome
+    answers: Answers | None = None
+    measured: Measured | None = None
+
+
 @dataclass(frozen=True)
 class Designs:
     """The work of one design after the other of a compiled scene, which every process compiles once.
@@ -61,21 +78,25 @@ class Designs:
     compiled: Compiled
     kind: Kind
     gradients: bool | str
-    judged: bool
+    judged: bool | str
 
-    def __call__(self, numbers: Mapping[str, float]) -> Outcome:
+    def __call__(self, task: Task) -> Solved:
         """What becomes of a design."""
+        numbers = dict(task.numbers)
         try:
-            run = analysed(self.compiled.at(numbers), self.kind, self.gradients)
-            return Outcome(dict(numbers), run.values, run.gradients, run.verdict if self.judged else None)
+            run = analysed(self.compiled.at(task.numbers), self.kind, self.gradients)
+            if self.judged is not True:
+                return Solved(Outcome(numbers, run.values, run.gradients, run.verdict if self.judged else None))
+            judged = measured(run) if task.judged else None
+            return Solved(Outcome(numbers, run.values, run.gradients), answers(run), judged)
         except ToolkitError as error:
-            return Outcome(dict(numbers), error=str(error))
+            return Solved(Outcome(numbers, error=str(error)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _designs, (self.compiled.scene, self.compiled.names, self.kind, self.gradients, self.judged)
 
 
-def _designs(scene: Scene, names: tuple[str, ...], kind: Kind, gradients: bool | str, judged: bool) -> Designs:
+def _designs(scene: Scene, names: tuple[str, ...], kind: Kind, gradients: bool | str, judged: bool | str) -> Designs:
     return Designs(Compiled(scene, names), kind, gradients, judged)
 
 
@@ -84,14 +105,36 @@ def outcomes(
     designs: Sequence[Mapping[str, float]],
     kind: Kind,
     gradients: bool | str,
-    judged: bool,
-    place: Place,
+    judged: bool | str,
+    executor: Executor,
     progress: Progress | None,
 ) -> list[Outcome]:
     """Outcomes of all designs in their order; arguments as of `Model.map`."""
-    found: dict[int, Outcome] = {}
-    for k, outcome in done_at(place, Designs(compiled, kind, gradients, judged), dict(enumerate(designs))):
-        found[k] = outcome
+    work = Designs(compiled, kind, gradients, judged)
+    written = written_numbers(compiled.scene, designs) if judged is True else []
+    first = set(apart(written))
+    found: dict[int, Solved] = {}
+    for k, solved in completed(executor, work, {k: Task(each, k in first) for k, each in enumerate(designs)}):
+        found[k] = solved
         if progress:
             progress(len(found), len(designs))
-    return [found[k] for k in range(len(designs))]
+    if judged is True:
+        _judge(work, found, written, executor)
+    return [found[k].outcome for k in range(len(designs))]
+
+
+def _judge(work: Designs, found: dict[int, Solved], written: Sequence[Indicators], executor: Executor) -> None:
+    """Give each outcome its verdict; designs that none can be carried to are solved once more for that."""
+    verdicts = CarriedVerdicts(written, {k: each.answers for k, each in found.items() if each.answers is not None})
+    for k, each in sorted(found.items()):
+        if each.measured is not None:
+            verdicts.learn(k, each.measured)
+    while wanted := verdicts.wanted():
+        for k, again in completed(executor, work, {k: Task(found[k].outcome.numbers, True) for k in wanted}):
+            if again.measured is None:
+                found[k] = again
+                verdicts.forget(k)
+            else:
+                verdicts.learn(k, again.measured)
+    for k in verdicts.found:
+        found[k] = Solved(replace(found[k].outcome, verdict=verdicts.verdict(k)))

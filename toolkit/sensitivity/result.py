@@ -256,7 +256,7 @@ class Result:
         scene = self.solution.system.scene
         responses = {f: each for f, each in scene.responses.items() if f in self.values}
         asked = {f: self.values[f] for f, each in responses.items() if isinstance(each, Frequency)}
-        yield from cautions_of_frequencies(scene, asked, doubt=True)
+        yield from cautions_of_frequencies(self.solution, asked, doubt=True, differentiated=bool(self.gradients))
         yield from sheared_vibrations(self.solution, asked, bool(self.gradients))
         yield from cautions_of_changed(self.solution)
         yield from growing_vibrations(self.solution, self.values)

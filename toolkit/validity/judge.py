@@ -44,6 +44,7 @@ from toolkit.validity.motion.spring_length import springs_through_zero
 from toolkit.validity.start.middle_axis import middle_spins
 from toolkit.validity.start.start_cautions import cautions_of_start
 from toolkit.validity.start.sudden_loads import halved_steps
+from toolkit.validity.start.undisturbed import undisturbed
 
 
 @one_thread()
@@ -90,9 +91,8 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from overshooting_tables(solution)
         yield from creeping_friction(solution)
         yield from turns_in_a_step(solution)
-        yield from middle_spins(solution)
         yield from left_out(solution)
-        yield from stays_in_unstable(solution)
+        yield from [*middle_spins(solution), *stays_in_unstable(solution)] or undisturbed(solution)
     else:
         yield from limits_passed(solution)
         if solution.spins:

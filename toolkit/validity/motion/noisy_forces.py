@@ -87,8 +87,11 @@ def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     before, after = lengths[:-1, None], lengths[1:, None]
     off = force[1:-1] - (after * force[:-2] + before * force[2:]) / (before + after)
     signs = np.where(np.arange(len(off)) % 2, -1.0, 1.0)[:, None]
-    four = np.stack([(signs * off)[k : len(off) - IN_A_ROW + 1 + k] for k in range(IN_A_ROW)])
-    return np.maximum(four.min(axis=0), (-four).min(axis=0)).clip(min=0) / 2
+    four = [(signs * off)[k : len(off) - IN_A_ROW + 1 + k] for k in range(IN_A_ROW)]
+    least, largest = four[0], four[0]
+    for each in four[1:]:
+        least, largest = np.minimum(least, each), np.maximum(largest, each)
+    return np.maximum(least, -largest).clip(min=0) / 2
 
 
 def noisy_forces(
