@@ -28,7 +28,7 @@ app = typer.Typer(pretty_exceptions_enable=False)
 
 
 class Command(TyperCommand):
-    """Preprocessing command, whose usage errors are JSON too, if that was asked for."""
+    """Preprocessing command, which tells invalid input as JSON too, if that was asked for."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the command line."""
