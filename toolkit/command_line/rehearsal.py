@@ -87,7 +87,7 @@ def _small(space: Space, formulation: Formulation, forced: bool, coiled: bool) -
 
 
 ENDS: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
-"""Of the rod."""
+"""Fields of the rod of the smallest scene."""
 
 
 def _planar(_coiled: bool) -> dict[str, Any]:

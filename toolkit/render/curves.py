@@ -15,13 +15,13 @@ from toolkit.render.sheet import WIDE, sheet, style
 from toolkit.system.solution import Solution
 
 Panels = list[tuple[str, str, dict[str, np.ndarray]]]
-"""Of each panel what it shows, the quantity that this is, and name -> values over time."""
+"""Panels of a figure: title, physical quantity, and values over time by name."""
 SEEN = 1e-9
 """A rotation in rad, or a way in parts of the scene's size, below which curves are zero: round-off."""
 EVEN = 1e-6
 """A change that no curve shows, in parts of the values."""
 HIDDEN = 1e-3
-"""Of the largest value of a panel: what a line hides."""
+"""Part of the largest value of a panel that the width of a line hides."""
 _ROWS, _LETTERS = 9, 28
 """Names below each other beside a panel, and letters of one in a line."""
 

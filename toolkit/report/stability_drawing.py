@@ -18,7 +18,7 @@ from toolkit.studies.stability.map_limits import Of, verdicts
 from toolkit.studies.stability.map_result import MapResult, StabilityResult
 
 COLORS = ("#5ab4ac", "#f6e8c3", "#e69f00", "#b2450f", "#bdbdbd", "#ffffff")
-"""From light and cool to dark and warm: told apart by all kinds of colour vision, and in grey."""
+"""Colours from light and cool to dark and warm: told apart by all kinds of colour vision, and in grey."""
 LETTERS = ("", "i", "d", "F", "r", "")
 DARK = ("failed",)
 ROW, STRIP = 0.17, 0.30

@@ -80,7 +80,7 @@ def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple
 
 
 def _gaps_at(solution: Solution, body: str, step: int) -> tuple[np.ndarray, np.ndarray]:
-    """`gaps` at one step, remembered of the last ones: several responses look at the same shape."""
+    """Gap vectors at one step, as `gaps`; the last ones are stored, as several responses use the same shape."""
     kept: dict[int, tuple[np.ndarray, np.ndarray]] = solution.known.setdefault((gaps, body), {})
     if step not in kept:
         if len(kept) >= KEPT:

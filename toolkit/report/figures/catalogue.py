@@ -164,6 +164,6 @@ FIGURES: tuple[Figure, ...] = (
     certificate,
     monitor_curves,
 )
-"""Of scenes in the plane."""
+"""Figures of scenes in the plane."""
 FIGURES_IN: dict[Space, tuple[Figure, ...]] = {PLANE: FIGURES, SPACE: (load_curves, certificate, monitor_curves)}
-"""Those of scenes in space look at no body; pictures of bodies come from `motion`."""
+"""Figures by space; those of scenes in space show no body, whose pictures come from `motion`."""

@@ -20,7 +20,7 @@ from toolkit.system.marker_states import MarkerStates
 from toolkit.system.system import System
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
-"""Of every component the two others, in the order of a vector product."""
+"""Numbers of the two other components of every component, in the order of a vector product."""
 
 
 Force = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
