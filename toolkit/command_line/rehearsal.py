@@ -68,7 +68,7 @@ def rehearse_everything(space: Space) -> None:
 
 
 def pendulum_like(scene: Scene) -> Scene:
-    """A hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
+    """Hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
     judged = [*scene.responses.values(), *(getattr(each, "of", None) for each in scene.responses.values())]
     forced = any(isinstance(each, JointForce) for each in judged)
     coiled = any(isinstance(load, Load) and load.turn for load in scene.loads.values())

@@ -27,7 +27,7 @@ _ROWS, _LETTERS = 9, 28
 
 
 def draw_panels(solution: Solution, panels: Panels) -> Figure:
-    """A panel per quantity, each in a unit in which its numbers are short."""
+    """Draw a panel per quantity, each in a unit in which its numbers are short."""
     scene, units = solution.system.scene, solution.system.scene.units
     seen = {"angle": SEEN, "length": SEEN * scene.size}
     with sheet(0.8 + 2.6 * len(panels), len(panels), width=WIDE, sharex=True) as (figure, axes):
@@ -75,7 +75,7 @@ def told(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def merged(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The same curves, each drawn once: those that coincide, to a thousandth of the largest value, which a line hides, share a name."""
+    """Curves drawn once each: those that coincide, to a thousandth of the largest value, which a line hides, share a name."""
     near = HIDDEN * max(np.abs(values).max() for values in curves.values())
     groups: list[list[str]] = []
     for name, values in curves.items():

@@ -28,7 +28,7 @@ AROUND = 0.72
 
 
 def stability_drawing(study: StabilityResult, name: str) -> Drawing:
-    """One row of panels per map; without variables only the motion."""
+    """Drawing with one row of panels per map; without variables only the motion."""
     sides: tuple[Of, ...] = ("run", "gradient") if study.design else ("run",)
     heights = [_height(each) for each in study.maps]
     with sheet(

@@ -31,7 +31,7 @@ from toolkit.scene_file.gradient_units import per, variable_unit
 
 
 def monitor_curves(material: Material) -> list[Drawing]:
-    """Energies, what the balance lacks, and the largest violation of any joint."""
+    """Figure of energies, energy balance, and the largest constraint violation of any joint."""
     if not material.moving:
         return []
     found, times, energy = material.monitors, material.solution.times, unit(material.scene.units, "energy")
