@@ -76,7 +76,7 @@ def solve_window(run: Run, checkpoint: Checkpoint, first: int, last: int) -> tup
 
 
 def _guesses(memory: Memory) -> tuple[np.ndarray, ...]:
-    """What first guesses are made of."""
+    """Copies of the arrays of the step memory that first guesses are made of."""
     return memory.trend.copy(), memory.fitted.copy(), memory.fit_sums.copy(), memory.learnt.copy()
 
 
@@ -88,7 +88,7 @@ def checkpoint_states(run: Run, bounds: list[int], kept: list[Checkpoint], drift
 
 
 def selected(run: Run, states: tuple[np.ndarray, ...], steps: range | list[int], drift: float) -> Solution:
-    """Some states of a run as a solution."""
+    """Solution that holds the states of some steps of a run."""
     return Solution.from_padded(
         run.system,
         run.times[steps],

@@ -91,7 +91,7 @@ def advance_in_halves(
 def _in_halves(
     run: Run, history: History, steps: tuple[int, int], error: StepError, progress: Callable[[int, int], None] | None
 ) -> tuple[Run, History, tuple[float, ...]]:
-    """The same, with the first and the last of the steps that are halved from the beginning."""
+    """Result of `advance_in_halves` for a given range of steps, the first and last of those halved from the beginning."""
     (thrown, stopped), grid = steps, run.times
     stands = thrown == stopped and run.outcome.counts[STATUS] != CONVERGED  # the memory, where the run stopped
     kept = stopped if stands else 0  # elsewhere the run begins anew
@@ -141,7 +141,7 @@ def _too_many(halvings: list[Ahead], step: Ahead, steps: int) -> bool:
 
 
 class Way(NamedTuple):
-    """Some steps towards the next times."""
+    """Some steps towards the next times, with the states and the run that they led to."""
 
     done: int
     states: States  # that were reached
@@ -176,7 +176,7 @@ def _go_on(run: Run, state: States, time: float, ahead: list[Ahead]) -> Way:
 
 
 def _closed(run: Run, times: np.ndarray, q: np.ndarray) -> int:
-    """How many of these states have closed joints, up to the first that has not."""
+    """Number of these states with closed joints, up to the first whose joints are open."""
     allowed = run.options.drift_tolerance
     if not can_be_closed(run) or drift(run.system, times, q)[0] <= allowed:
         return len(q)
@@ -196,7 +196,7 @@ def _not_helped(way: Way, last: States, error: StepError, everywhere: bool) -> E
 
 
 def _joined(run: Run, times: list[float], chunks: list[States]) -> tuple[Run, History]:
-    """All pieces of a run as one."""
+    """All pieces of a run, joined to one run with its times and states."""
     states = [np.concatenate(parts) for parts in zip(*chunks, strict=True)]
     found = np.array(times)
     lengths = step_lengths(found)

@@ -123,7 +123,7 @@ def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
 def _integrated(
     run: Run, start: State, progress: Callable[[int, int], None] | None, along: Solution | None
 ) -> tuple[Run, History, tuple[float, ...]]:
-    """The run, over the times that it chose or halved, all its states, and the times at which halved steps began."""
+    """The run over the times that it chose or halved, all its states, and the times at which halved steps began."""
     if run.options.local_error is not None:
         return (*advance_adaptively(run, start, progress), ())
     history = allocate_history(run.system, run.options, len(run.times), start)

@@ -52,18 +52,18 @@ class ModelBody(Body):
 
     @property
     def dependence(self) -> tuple[str, ...]:
-        """Parts of its model that tell how what it needs depends on the parameters."""
+        """Parts of the reduced model that tell how what the body needs depends on the parameters."""
         return DEPENDENCE
 
     @property
     def parted(self) -> bool:
-        """Whether it is cut into parts with frames of their own."""
+        """Whether the body is cut into parts with floating frames of their own."""
         return False
 
     @property
     @abstractmethod
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
-        """Key of the body's table -> point -> displacement at the start in the body's own axes, or its velocity: what is written of it."""
+        """Written displacements at the start and their velocities: key of the table -> point -> numbers in the body's axes."""
 
     def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Elastic coordinates (n_f,) and their velocities at the start, see `start_shape`; zero where nothing is written."""
@@ -79,7 +79,7 @@ class ModelBody(Body):
         return start_shape(self.invariants(scene).stiffness, points, f"bodies.{name}.{key}")
 
     def model_values(self) -> Mapping[str, Any]:
-        """Parameters that the scene sets."""
+        """Parameters of the reduced model that the scene sets."""
         return self.model_extra or {}
 
     def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
@@ -120,7 +120,7 @@ class ModelBody(Body):
         return self.design_point(scene).invariants()
 
     def some_invariants(self, scene: Placed, *names: str) -> tuple[np.ndarray, ...]:
-        """Those of some names alone, as others cost their time."""
+        """Invariants of the given names at the scene's parameter values; the others, which would cost time, are left out."""
         return self.design_point(scene).some_invariants(*names)
 
     def stiffening(self, scene: Placed) -> np.ndarray | None:
@@ -157,7 +157,10 @@ class ModelBody(Body):
         return any(design.parameter(k) != 0 for k in own)
 
     def drag(self, scene: Placed) -> Any:
-        """Of a body whose frame turns: what all of its velocity is damped by, not only that of its deformation."""
+        """Invariants times the mass-proportional damping of a body whose frame turns; None of other bodies.
+
+        They damp all of its velocity, not only that of its deformation.
+        """
         if not self.turns:
             return None
         alpha = self.mass_damping(scene)
@@ -165,10 +168,10 @@ class ModelBody(Body):
 
     @abstractmethod
     def undamped(self, scene: Placed) -> Any:
-        """`drag` where the damping is zero: no entries at all."""
+        """Value of `drag` where the damping is zero: invariants without entries."""
 
     def whole_mass(self, scene: Placed) -> Any:
-        """That of its reduced model."""
+        """Mass of the body by its reduced model."""
         return self.invariants(scene).mass
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -239,5 +242,5 @@ def _names(model: ReducedModel) -> str:
 
 
 def is_zero(damping: Any) -> bool:
-    """Whether it is zero and no complex step of zero."""
+    """Whether a number is zero, and not a complex step from zero."""
     return not isinstance(damping, complex) and damping == 0

@@ -10,7 +10,7 @@ from toolkit.bodies.model_body import ModelBody
 
 
 class ChosenFrames(CuttableBody):
-    """What a scene writes of the body, with a number in the place of `frames = "auto"`."""
+    """A flexible body as a scene writes it, with a number of floating frames in the place of `frames = "auto"`."""
 
     kind = ""
     uncut_kind: ClassVar[type[ModelBody]]
