@@ -20,7 +20,7 @@ processor. No ratio of lengths that people choose."""
 
 
 class Rows(NamedTuple):
-    """Numbers of rows."""
+    """Numbers of the rows of a Jacobian that are kept, of those that repeat others, and of those that nearly do."""
 
     kept: np.ndarray
     repeating: np.ndarray

@@ -108,7 +108,7 @@ def moved_numbers(group: str, component: Component, scene: Scene) -> np.ndarray:
 
 
 def argument_names(used: np.ndarray, size: int, dimension: int) -> list[str]:
-    """What the arguments are; the last of `size` is the curve of a load."""
+    """Names of the arguments in use; the last of `size` is the curve of a load."""
     poses = POSES[dimension]
     return [poses[k] if k < len(poses) else "curve" if k == size - 1 else f"parameter z[{k}]" for k in used]
 

@@ -121,7 +121,7 @@ def _pinned(of: np.ndarray, forms: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def _laws(joints: list[Joint], rows: list[tuple[Row, ...]], most: int) -> np.ndarray:
-    """What stands for the law of every row, and how many forms it has, (n_joints, 2 most)."""
+    """Number of the law of every row, and how many forms it has, (n_joints, 2 most)."""
     known: list = laws_of(joints)
     found: np.ndarray = np.zeros((len(rows), most, 2), np.int64)
     for j, each in enumerate(rows):

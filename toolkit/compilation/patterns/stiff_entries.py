@@ -16,7 +16,7 @@ out what couples displacements with rotations, corrections from 300 elements on 
 
 
 class StiffEntries(NamedTuple):
-    """As in `Constant`."""
+    """Arrays of the stiffness entries that are summed in twice the precision, and of all others; fields as in `Constant`."""
 
     soft: np.ndarray
     stiff_row: np.ndarray
