@@ -29,5 +29,5 @@ class Driven(Description):
 
     @property
     def time_curve(self) -> Curve:
-        """The curve that is followed."""
+        """Time curve that the joint coordinate follows."""
         return self.curve

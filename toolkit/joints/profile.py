@@ -33,7 +33,7 @@ KEPT = 64
 
 
 class _Same:
-    """A curve by which one it is, and not by its numbers."""
+    """Key of a curve that equals that of the very same curve alone, whatever its numbers are."""
 
     def __init__(self, curve: Curve) -> None:
         self.curve = curve
@@ -57,7 +57,7 @@ def _remembered(function: Callable[[Curve], R]) -> Callable[[Curve], R]:
 
 @_remembered
 def profile_form(curve: Curve) -> Form:
-    """The numbers of f(t) - f(0) for t from 0 to 2 pi, as `kernels.profile` reads them, real or complex.
+    """Form with the numbers of f(t) - f(0) for t from 0 to 2 pi, as `kernels.profile` reads them, real or complex.
 
     Raises
     ------

@@ -22,7 +22,7 @@ SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[
 
 @inner
 def angle_of(sine, cosine):
-    """atan2 that also takes complex numbers with small imaginary parts."""
+    """Angle atan2(s, c), also of complex numbers with small imaginary parts."""
     turn = np.arctan2(sine.real, cosine.real)
     across = (sine * np.cos(turn) - cosine * np.sin(turn)) / (cosine * np.cos(turn) + sine * np.sin(turn))
     return turn + across

@@ -16,7 +16,7 @@ from toolkit.joints.kernels.laws import angle_of
 
 @inner
 def add_angle(h, w, at, factor, g_h, g_hh, g_hww):
-    """Adds factor t of the vector (h[at], h[at + 1]): its derivatives; returns t and (t_zz w) for both of its numbers."""
+    """Add the derivatives of factor t of the vector (h[at], h[at + 1]); returns t, both numbers of t_z, and both of t_zz w."""
     c, s, u, v = h[at], h[at + 1], w[at], w[at + 1]
     square = c * c + s * s
     t_c, t_s, t_cc, t_cs = -s / square, c / square, 2 * s * c / square**2, (s * s - c * c) / square**2
