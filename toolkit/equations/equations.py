@@ -258,7 +258,7 @@ def evaluate_all(plan, functions, inputs, q, v, acc, linearize, design, terms, w
 
 @kernel
 def evaluate_states(evaluator, plan, functions, curves, curves_x, levels, joints_only, q, v, acc, terms, work, residuals, values):
-    """The residual of k states (k, 2, n), and its derivatives by the state (k, 4, n_entries): both in the order of `Terms`."""
+    """Compute the residuals (k, 2, n) of k states and their derivatives by the state (k, 4, n_entries), ordered as `Terms`."""
     for k in range(len(q)):
         inputs = Inputs(curves[k], curves_x[k], 1.0, levels, True, joints_only)
         evaluator(plan, functions, inputs, q[k], v[k], acc[k], True, False, terms, work)

@@ -77,7 +77,7 @@ SLOTS = 8
 
 @inner
 def copy(source, target):
-    """target = source, for vectors."""
+    """Copy a vector into another: target = source."""
     for i in range(len(source)):
         target[i] = source[i]
 
@@ -111,7 +111,7 @@ def first_class(function: CPUDispatcher, signature: Any) -> Any:
 
 @cache
 def plain(function: CPUDispatcher) -> FunctionType:
-    """The same formula as plain Python, together with every kernel that it calls; it takes complex arrays."""
+    """Formula as plain Python, together with every kernel that it calls; it takes complex arrays."""
     if not isinstance(function, CPUDispatcher):
         return function
     source = function.py_func

@@ -26,7 +26,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def meant(name: str, names: Iterable[str]) -> str:
-    """What was probably meant by a name that is none of these, as a part of a sentence; empty if nothing is like it."""
+    """Part of a sentence with the probable meaning of a name that is none of these; empty if nothing is like it."""
     close = get_close_matches(name, list(names), n=1, cutoff=ALIKE)
     return f", did you mean {close[0]!r}" if close else ""
 

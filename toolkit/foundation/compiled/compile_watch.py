@@ -23,7 +23,7 @@ class CompileWatch(event.Listener):
         self._begun = 0.0
 
     def on_start(self, event: event.Event) -> None:
-        """A function begins to be compiled."""
+        """Note that a function begins to be compiled."""
         if self._on_first and not self.functions and not self._depth:
             self._on_first()
         if not self._depth:
@@ -31,7 +31,7 @@ class CompileWatch(event.Listener):
         self._depth += 1
 
     def on_end(self, event: event.Event) -> None:
-        """It is done, or has failed."""
+        """Note that the compilation of a function is done, or has failed."""
         self._depth -= 1
         self.functions += 1
         if self._on_function:

@@ -42,19 +42,19 @@ def opened(path: Path) -> BinaryIO:
 
 
 def size_of(path: Path) -> int:
-    """Bytes of a regular file; raises as `opened`."""
+    """Size of a regular file in bytes; raises as `opened`."""
     with opened(path) as file:
         return os.fstat(file.fileno()).st_size
 
 
 def read_start(path: Path, most: int) -> bytes:
-    """The whole file, or its first `most` bytes; raises as `opened`."""
+    """Bytes of the whole file, or its first `most` bytes; raises as `opened`."""
     with opened(path) as file:
         return file.read(most)
 
 
 def read_whole(path: Path, most: int) -> bytes:
-    """The whole file.
+    """Bytes of the whole file.
 
     Raises
     ------

@@ -36,7 +36,7 @@ class Tree:
             raise ValueError(f"a tree has {len(self.records)} instead of {total} records")
 
     def _sizes(self, node: int, depth: int) -> list[tuple[int, int]]:
-        """For each level above the leaves, bytes of a child's number of records and of that of all below it."""
+        """For each level above the leaves, bytes of a child's number of records and of the number of all records below it."""
         most = (node - _AROUND) // self._size
         width, below, all_below = bytes_for(most), 0, most
         found = []
