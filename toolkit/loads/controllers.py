@@ -33,16 +33,16 @@ class Controlled(Acting):
 
     @property
     def time_curve(self) -> Curve:
-        """The set value."""
+        """Time curve of the set value."""
         return self.curve
 
     @property
     def state(self) -> RowQuantity | None:
-        """The integral."""
+        """Quantity of the controller's integral, that of what it measures; None without integral action."""
         return None if self.integral_gain is None else self.measured
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """The gains."""
+        """Gains of the controller: proportional, derivative, integral."""
         return [self.proportional_gain, self.derivative_gain, 0.0 if self.integral_gain is None else self.integral_gain]
 
 

@@ -37,16 +37,19 @@ class Friction(BetweenBodies):
 
     @property
     def time_curve(self) -> Curve:
-        """s(t)."""
+        """Time curve s(t) that scales the friction."""
         return self.curve
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """Level and width."""
+        """Parameters of the friction law: level and width."""
         return [self.level, self.width]
 
     @classmethod
     def measured(cls) -> CPUDispatcher:
-        """The function itself; reached through an instance it would be bound to it."""
+        """Function that measures what slides or turns.
+
+        Reached through an instance it would be bound to it.
+        """
         return cls.measure
 
 

@@ -32,5 +32,5 @@ class AboutAxis(Description):
 
     @property
     def axes(self) -> np.ndarray:
-        """The third one along the axis."""
+        """Axes of the markers, (3, 3) as columns, the third one along the axis."""
         return axes_along(self.axis)
