@@ -83,5 +83,5 @@ def text(content: Content, name: str) -> str:
 
 
 def damaged(path: Path, problem: str) -> ResultsFileError:
-    """The error for a file that cannot be trusted."""
+    """Error for a file that cannot be trusted."""
     return ResultsFileError(f"results file {str(path)!r} is damaged or incomplete: {problem}. Run the scene again with --output.")

@@ -29,7 +29,7 @@ from toolkit.loads.spatial.load import AnySpatialLoad
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """What differs between the plane and space; rooms above the scene keep what is theirs in tables by this record.
+    """Record of the differences between the plane and space; rooms above the scene keep what is theirs in tables by this record.
 
     Attributes
     ----------

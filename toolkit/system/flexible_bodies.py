@@ -33,7 +33,7 @@ def flexible_body(scene: Scene, body: str) -> ModelBody:
 
 
 def deforming(scene: Scene) -> dict[str, ModelBody]:
-    """The flexible bodies that have coordinates: of a cut body its parts."""
+    """Flexible bodies that have coordinates; of a cut body its parts."""
     return {
         name: body for name, body in scene.all_bodies().items() if isinstance(body, ModelBody) and not isinstance(body, CutBody)
     }
@@ -58,7 +58,7 @@ def is_in_pieces(scene: Scene, body: str) -> bool:
 
 
 def elements_of(scene: Scene, body: str) -> str:
-    """What a flexible body, or part of one, calls its elements."""
+    """Word by which a flexible body, or a part of one, calls its elements."""
     return scene.model(flexible_body(scene, body).model).elements_called
 
 

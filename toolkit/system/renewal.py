@@ -85,7 +85,10 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
 
 
 def _stirred(system: System, scene: Scene, affected: Affected) -> Affected:
-    """What may change, without joints that are written as they were and ask the scene for nothing: most only name points and bodies."""
+    """Items that may change, without joints that are written as they were and ask the scene for nothing.
+
+    Most joints only name points and bodies.
+    """
     before = system.scene.joints
     same = {
         ("joints", name)

@@ -58,7 +58,7 @@ class Solution:
 
     @classmethod
     def from_padded(cls, system: System, times: np.ndarray, states: tuple[np.ndarray, ...], **report) -> Solution:
-        """From arrays q, v, [a; lam], and their derivatives, all padded to n on the second axis."""
+        """Solution from arrays q, v, [a; lam] and their derivatives, all padded to n on the second axis."""
         n_q = system.n_q
         q, v, acc, dq, dv, dacc = states
         return cls(
@@ -75,12 +75,12 @@ class Solution:
 
     @cached_property
     def known(self) -> dict[Any, Any]:
-        """What others have found out about it, each under a key of its own."""
+        """Store of what others have found out about the solution, each under a key of its own."""
         return {}
 
     @property
     def warnings(self) -> tuple[Caution, ...]:
-        """All that whoever reads the solution has to know, doubts first."""
+        """Cautions that whoever reads the solution has to know, doubts first."""
         return self.verdict.warnings
 
     @property
@@ -90,12 +90,12 @@ class Solution:
 
     @property
     def spins(self) -> bool:
-        """Whether it is the steady state of a scene that spins."""
+        """Whether the solution is the steady state of a scene that spins."""
         return not self.steps and (self.options or self.system.scene.solver).equilibrium == "spinning"
 
     @property
     def whole_run(self) -> np.ndarray:
-        """All times of the run, also of those states that the solution does not hold."""
+        """Times of the whole run, also of those states that the solution does not hold."""
         return self.times if self.run_times is None else self.run_times
 
     def derivative(self, state: str) -> np.ndarray:
