@@ -17,7 +17,7 @@ UNSYMMETRIC = 1e-9
 def made_of(
     stiffness: np.ndarray, phi_q: np.ndarray, multipliers: np.ndarray, weights: np.ndarray, motions: np.ndarray
 ) -> np.ndarray:
-    """How large the terms are that the stiffness against motions (n_q, m) is the sum of, (m, m): what its round-off is measured by.
+    """Size of the terms that the stiffness against motions (n_q, m) is the sum of, (m, m), by which its round-off is measured.
 
     They are entries of the stiffness, and joint forces at levers of the scene's size: those of a balance, which has no stiffness, cancel in
     each entry already.

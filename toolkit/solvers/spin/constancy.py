@@ -48,7 +48,7 @@ def refuse_what_changes(system: System, inputs: Inputs, motion: Generator, speed
 
 
 def _balanced(system: System, inputs: Inputs, motion: Generator, q: np.ndarray) -> tuple[Linearised, float]:
-    """A state that turns, with the joint forces that balance it best, and the largest force that they have to balance."""
+    """State that turns, with the joint forces that balance it best, and the largest force that they have to balance."""
     n_q, pad = system.n_q, np.zeros(system.n - system.n_q)
     loose = linearised(system, inputs, q, motion.velocity(q), np.append(motion.acceleration(q), pad))
     found = balancing(system, loose.by_acc[:n_q, n_q:], loose.residual[:n_q])

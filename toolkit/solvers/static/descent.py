@@ -77,7 +77,10 @@ def _moving(system: System, correction: np.ndarray) -> np.ndarray:
 
 
 def _shift(system: System, terms: Terms, acc: np.ndarray) -> float:
-    """0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free."""
+    """Shift s of the stiffness.
+
+    It is 0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free.
+    """
     n_b = system.n_b
     if _plainly_stable(system, terms):
         return 0.0
@@ -132,7 +135,7 @@ def _plainly_stable(system: System, terms: Terms) -> bool:
 
 
 def _metric(system: System) -> np.ndarray:
-    """W on the pattern: weights squared on the diagonal of the bodies' coordinates."""
+    """Metric W on the pattern: weights squared on the diagonal of the bodies' coordinates."""
     rows = np.repeat(np.arange(system.n), np.diff(system.plan.indptr))
     diagonal = (rows == system.plan.indices) & (rows < system.n_b)
     return np.where(diagonal, system.weights[rows] ** 2, 0.0)

@@ -30,7 +30,7 @@ def static_change(
     where: str,
     transposition: np.ndarray | None = None,
 ) -> np.ndarray:
-    """A^-1 forces with the static matrix A = [K, G; J, 0] of an equilibrium, or with its transpose.
+    """Solution A^-1 forces with the static matrix A = [K, G; J, 0] of an equilibrium, or with its transpose.
 
     Parameters
     ----------
@@ -73,6 +73,6 @@ def static_change(
 
 
 def _largest(system: System, change: np.ndarray) -> float:
-    """Of all coordinates, in parts of the scene's size or rad."""
+    """Largest change of any coordinate, in parts of the model size or rad."""
     sizes = system.weights[: system.n_q, None] * np.abs(np.real(change[: system.n_q]))
     return float(sizes.max(initial=0.0))

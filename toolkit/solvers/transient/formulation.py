@@ -58,5 +58,5 @@ def constraint_levels(options: RunOptions, lengths: np.ndarray, times: np.ndarra
 
 
 def start_levels(options: RunOptions, lengths: np.ndarray) -> np.ndarray:
-    """Those of the accelerations at the start, (3,)."""
+    """Levels (3,) of the constraints at which the accelerations of the start are found."""
     return constraint_levels(options.model_copy(update={"formulation": "index-1", "quasi_static": False}), lengths[:1])[0]

@@ -45,7 +45,7 @@ FADING = 0.8
 
 @inlined
 def begin(evaluator, plan, functions, inputs, scheme, history, memory):
-    """Auxiliary acceleration and carried terms of the first step, from the consistent start."""
+    """Set the auxiliary acceleration and the carried terms of the first step, from the consistent start."""
     memory.span[0] = 0
     memory.learnt[:] = 0
     forget_trend(memory)
@@ -61,7 +61,7 @@ def begin(evaluator, plan, functions, inputs, scheme, history, memory):
 
 @inlined
 def foresee(plan, scheme, foreseen, history, step, memory):
-    """Predicted coordinates and velocities, and a first guess of [a; lam], unless it is `foreseen`."""
+    """Predict coordinates and velocities, and make a first guess of [a; lam], unless it is `foreseen`."""
     ratio = step_ratio(scheme.h, memory.span[0])
     if ratio != 1:
         rescale_auxiliary(ratio, history.acc[step], plan.n_q, memory.aux)
@@ -141,7 +141,9 @@ def integrate(
     evaluator, plan, functions, curves, curves_x, lengths, levels, scheme, weights, control, begins, first, last, history, memory,
     ggl, outcome,
 ):  # fmt: skip
-    """Steps first ... last - 1; step n goes from time n to n + 1, over lengths[n]. Stops at the first step that is not CONVERGED.
+    """Take steps first ... last - 1, where step n goes from time n to n + 1, over lengths[n].
+
+    The loop stops at the first step that is not CONVERGED.
 
     `begins` if state 0 is the consistent start; otherwise `memory` holds what the step to the first state has left. An EASY step is
     accepted, all others at which the loop stops are not. `ggl` is the memory of stabilised index 2, idle in other formulations: one loop

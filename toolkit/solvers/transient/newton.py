@@ -62,7 +62,7 @@ again: a beam that turned 50 times in a step was off by 1e-11 with factors that 
 
 
 class Control(NamedTuple):
-    """When a step is done, and whether it was a good one."""
+    """Limits by which a step is done, and by which it was a good one."""
 
     tolerance: float
     most: int  # iterations
@@ -85,7 +85,7 @@ def is_finite(vector):
 
 @inlined
 def place(scheme, memory, count, acc, q, v):
-    """Coordinates and velocities that belong to accelerations."""
+    """Compute coordinates and velocities that belong to accelerations."""
     c_q, c_v = by_acceleration(scheme)
     for i in range(count):
         q[i] = memory.q_predicted[i] + c_q * acc[i]
@@ -125,7 +125,9 @@ def left_over(control, learnt, fresh, kept, iteration, before, size):
 
 @inlined
 def allowed(control, scheme, kept):
-    """Error that a step may leave: with the exact Jacobian the tolerance, which its own quadratic convergence undercuts by far.
+    """Error that a step may leave.
+
+    With the exact Jacobian it is the tolerance, which its own quadratic convergence undercuts by far.
 
     What kept factors leave has one sign for many steps. An error e in q is one of about e / h^2 in the acceleration, which moves bodies by
     (T / h)^2 e until the end T of the run: left = allowed / T^2 bounds that. Without inertia no step inherits it, but forces are stiffness
@@ -265,7 +267,9 @@ def moves_gently(plan, scheme, weights, v):
 
 @inlined
 def solve(plan, kept, blind, memory):
-    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine.
+    """Solve for Newton's correction with kept factors, or with those of the Jacobian.
+
+    Returns -1, or the unknown that it does not determine.
 
     A `blind` one is not refined, if its factors are sparse.
     """
@@ -288,7 +292,7 @@ def solve(plan, kept, blind, memory):
 
 @inlined
 def factorize_step(plan, scheme, memory, ggl):
-    """Factors of the step's matrix, from the Jacobian; as `factorize`."""
+    """Factor the step's matrix, from the Jacobian; results as those of `factorize`."""
     if ggl.active:
         return factorize_ggl(scheme, memory, ggl)
     return factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)

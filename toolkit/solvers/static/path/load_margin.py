@@ -28,7 +28,7 @@ from toolkit.system.system import System
 
 
 def next_limit_point(system: System, options: RunOptions, begin: np.ndarray, up_to: float) -> np.ndarray:
-    """The first limit point z = [q; lam; factor] on the path of equilibria beyond a stable one.
+    """First limit point z = [q; lam; factor] on the path of equilibria beyond a stable one.
 
     Raises
     ------

@@ -40,7 +40,7 @@ class StaticEntries(NamedTuple):
         return cls(np.repeat(np.arange(system.n), np.diff(system.plan.indptr)), system.plan.indices, values)
 
     def added(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray) -> StaticEntries:
-        """The same with others (k, l) added, each at another place, that may be at known places or at new ones."""
+        """Entries with others (k, l) added, each at another place, that may be at known places or at new ones."""
         n = int(max(self.columns.max(), columns.max())) + 1
         places, wanted = self.rows * n + self.columns, rows * n + columns
         order = np.argsort(places)
@@ -53,7 +53,7 @@ class StaticEntries(NamedTuple):
         )
 
     def block(self, rows: np.ndarray, columns: np.ndarray, states: slice = slice(None)) -> np.ndarray:
-        """Some rows and columns of the matrices of some states, (k, rows, columns)."""
+        """Blocks (k, rows, columns) of the matrices of some states."""
         count = int(max(self.rows.max(), self.columns.max(), rows.max(initial=0), columns.max(initial=0))) + 1
         row, column = np.full((2, count), -1)
         row[rows], column[columns] = np.arange(len(rows)), np.arange(len(columns))
@@ -92,7 +92,7 @@ def are_positive(system: System, static: StaticEntries) -> bool:
 
 
 def _in_comparable_sizes(system: System, static: StaticEntries) -> StaticEntries:
-    """D A D of all matrices, with D as of `saddle.balance`."""
+    """Entries of D A D for all matrices, with D as of `saddle.balance`."""
     (rows, columns, values), n_b = static, system.n_b
     scale = np.append(1 / system.weights[:n_b], np.ones(system.n - n_b))
     values = values * (scale[rows] * scale[columns])
@@ -122,6 +122,6 @@ def _differing(n_b: int, static: StaticEntries) -> np.ndarray:
 
 
 def _asymmetry(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """How far matrices (k, r, c) are at most from others (k, c, r) transposed, (k,)."""
+    """Largest difference of matrices (k, r, c) from the transposes of others (k, c, r), (k,)."""
     found: np.ndarray = np.abs(one - other.transpose(0, 2, 1)).max(axis=(1, 2), initial=0.0)
     return found

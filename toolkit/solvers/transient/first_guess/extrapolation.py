@@ -31,7 +31,10 @@ BETTER = 0.5
 
 @inlined
 def forget_trend(memory):
-    """As at the start of a run, and where the way of the last steps has misled Newton."""
+    """Forget the trend of the last steps, as at the start of a run.
+
+    That is also done where the last steps have misled Newton.
+    """
     memory.trend[:] = 0
     memory.learnt[ORDER], memory.learnt[EXPECTED], memory.learnt[FITTING], memory.learnt[FITTED] = 0, 0, 0, 0
     forget_fit(memory)
@@ -39,7 +42,7 @@ def forget_trend(memory):
 
 @inlined
 def guess(plan, ratio, memory, before, acc):
-    """First guess of [a; lam] in `acc`, from those of the step `before`; `ratio` of the lengths of both steps."""
+    """Put a first guess of [a; lam] into `acc`, from those of the step `before`; `ratio` is that of the lengths of both steps."""
     trend, order, power = memory.trend, int(memory.learnt[ORDER]), ratio
     if ratio != 1:
         memory.learnt[EXPECTED], memory.learnt[FITTING], memory.learnt[FITTED] = 0, 0, 0
@@ -58,7 +61,7 @@ def guess(plan, ratio, memory, before, acc):
 
 @inlined
 def learn_trend(plan, scheme, weights, before, acc, memory):
-    """Differences behind an accepted step, and the order that would have been best for it."""
+    """Take up the differences behind an accepted step, and the order that would have been best for it."""
     (c_q, _), trend, change, learnt = by_acceleration(scheme), memory.trend, memory.guess, memory.learnt
     lowest = max(int(learnt[ORDER]) - 1, 0)
     order, best = 0, 0.0

@@ -26,7 +26,9 @@ RIDGE = 1e-13
 
 @inner
 def fit_trend(n_q, scale, weights, change, memory):
-    """Learn from an accepted step, whose `change` (n,) of [a; lam] is known; returns by how much the multiples before it missed that.
+    """Learn from an accepted step, whose `change` (n,) of [a; lam] is known.
+
+    Returns by how much the multiples before it missed that.
 
     `memory.trend` are the differences behind the step before.
     """
@@ -79,7 +81,7 @@ def solve_fit(sums, root, fitted):
 
 @inner
 def beside(n_q, scale, weights, order, memory):
-    """How far the next guess by the multiples is from that of a polynomial of some order."""
+    """Distance of the next guess by the multiples from that of a polynomial of some order."""
     largest = 0.0
     for i in range(n_q):
         apart = 0.0
@@ -91,6 +93,6 @@ def beside(n_q, scale, weights, order, memory):
 
 @inner
 def forget_fit(memory):
-    """As if no step had been seen."""
+    """Forget the fit of the last steps, as if no step had been seen."""
     memory.fitted[:] = 0
     memory.fit_sums[:] = 0
