@@ -44,7 +44,7 @@ def window_bounds(n_t: int) -> list[int]:
 
 
 def solve_windows(run: Run, bounds: list[int], kept: list[Checkpoint]) -> Iterator[Solution]:
-    """The states of a run without design variables, window by window; appends the checkpoints before each window and after the last.
+    """States of a run without design variables, window by window; appends the checkpoints before each window and after the last.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def _guesses(memory: Memory) -> tuple[np.ndarray, ...]:
 
 
 def checkpoint_states(run: Run, bounds: list[int], kept: list[Checkpoint], drift: float) -> Solution:
-    """The states at the checkpoints: all that is left of the run."""
+    """States at the checkpoints: all that is left of the run."""
     states = [np.stack([getattr(each, name) for each in kept]) for name in ("q", "v", "acc")]
     derivatives = [np.zeros((*states[0].shape, 0))] * 3
     return selected(run, (*states, *derivatives), bounds, drift)

@@ -1,4 +1,7 @@
-"""What nothing holds, as states that can be drawn: the given positions, and each motion that is free, by a tenth of the scene's size."""
+"""Free motions as states that can be drawn: the given positions, and each motion that nothing holds.
+
+Each motion moves its bodies by a tenth of the model size.
+"""
 
 from __future__ import annotations
 

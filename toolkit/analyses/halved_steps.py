@@ -42,7 +42,7 @@ class Ahead(NamedTuple):
 
 
 def most_halvings(options: RunOptions) -> int:
-    """How often one step may be halved: as the options say, or as far as steps may change their length.
+    """Number of times that one step may be halved: as the options say, or as far as steps may change their length.
 
     Without inertia a step that fails tells of the end of a path of equilibria.
     """
@@ -122,7 +122,7 @@ def _in_halves(
 
 
 def first_thrown(run: Run, history: History, stopped: int) -> int:
-    """The first of the last `FEW` steps before one that were too long for their own errors, see `THROWN`; itself if none was."""
+    """First of the last `FEW` steps before one that were too long for their own errors, see `THROWN`; that one if none was."""
     first, weights, n_q = max(0, stopped - FEW), run.system.weights, run.system.n_q
     changes = weights[:n_q] * np.abs(np.diff(np.real(history.acc[first : stopped + 1, :n_q]), axis=0))
     errors = abs(run.scheme.error) * run.lengths[first:stopped] ** 2 * np.max(changes, axis=1, initial=0.0)
@@ -130,12 +130,12 @@ def first_thrown(run: Run, history: History, stopped: int) -> int:
 
 
 def _halves(begin: float, step: Ahead) -> list[Ahead]:
-    """Both halves of a step, the later one first."""
+    """Halves of a step, the later one first."""
     return [Ahead(step.time, step.depth + 1), Ahead((begin + step.time) / 2, step.depth + 1)]
 
 
 def _too_many(halvings: list[Ahead], step: Ahead, steps: int) -> bool:
-    """Whether a run of so many steps may halve no more."""
+    """Whether too many steps of a run were halved for another one."""
     begun = sum(each.depth == 0 for each in [*halvings, step])
     return begun > max(FEW, PART * steps) or len(halvings) >= MOST_IN_ALL
 
@@ -154,7 +154,7 @@ class Way(NamedTuple):
 
 
 def _go_on(run: Run, state: States, time: float, ahead: list[Ahead]) -> Way:
-    """The next step, or the next ones that are equally long and were never halved."""
+    """Next step to take, or the next ones that are equally long and were never halved."""
     count = 1
     if ahead[-1].depth == 0:
         lengths = step_lengths(np.array([time, *(each.time for each in ahead[: -MOST - 1 : -1])]))
@@ -184,7 +184,10 @@ def _closed(run: Run, times: np.ndarray, q: np.ndarray) -> int:
 
 
 def _not_helped(way: Way, last: States, error: StepError, everywhere: bool) -> Exception:
-    """The error of the step at which a run stopped, after halves of it have failed behind a `last` state, or too many of its steps."""
+    """Error of the step at which a run stopped, where halving did not help.
+
+    Halves of it have failed behind a `last` state, or too many of its steps.
+    """
     time, step = float(way.run.times[way.done]), float(way.run.lengths[0])
     lasting = f"Halved down to {step:.2g} it fails, too, at t = {time:.4g}: the scene may ask for what cannot be done there (a mechanism "
     lasting += "that locks), or something jumps or is far stiffer than all else (a spring, a friction, a curve)."

@@ -1,4 +1,4 @@
-"""What the compilation asks of every body; a new kind of body is one subclass."""
+"""Base of all bodies, which says what the compilation asks of every body; a new kind of body is one subclass."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ class Body(InSpace):
 
     @abstractmethod
     def marker(self, scene: Placed, point: str, name: str) -> Any:
-        """The named point of the scene as a marker on this body."""
+        """Marker on this body at the named point of the scene."""
 
     @abstractmethod
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:

@@ -1,4 +1,4 @@
-"""What flexible bodies in the plane and in space share: a reduced model, its parameters and its interface points."""
+"""Base of flexible bodies in the plane and in space: a reduced model, its parameters and its interface points."""
 
 # Without `from __future__ import annotations`: pydantic before 2.13 looks for the names of the type of extra keys in the modules of
 # subclasses.
@@ -175,7 +175,9 @@ class ModelBody(Body):
         return self.invariants(scene).mass
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (d, 1 + n_f) and T_P (1 + n_f,), in space (3, 1 + n_f), of an interface point, the frame or the centre of mass.
+        """Z_P (d, 1 + n_f) and T_P of an interface point, the frame or the centre of mass.
+
+        T_P is (1 + n_f,), in space (3, 1 + n_f).
 
         Raises
         ------
@@ -211,7 +213,7 @@ class ModelBody(Body):
     @property
     @abstractmethod
     def only_axis(self) -> np.ndarray | None:
-        """The one axis that its frame can turn about, (3,) in the axes of the reduced model; None if there is more than one."""
+        """Axis that the frame can turn about, if there is one alone, (3,) in the axes of the reduced model; None otherwise."""
 
     @abstractmethod
     def spins(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""What a scene's numbers cannot mean, refused by name before anything is compiled."""
+"""Checks of a scene's numbers: those that are invalid are refused by name before anything is compiled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a number of a scene can change: only the items that name its owner, directly or through others.
+"""Dependence on a number of a scene: it can change only the items that name its owner, directly or through others.
 
 A joint finds its bodies, a rod its points, a point its body by name; gravity alone acts on all without being named, and a body alone
 depends on points that name it. So a step in one number needs to evaluate those items only, which keeps the compilation of hundreds of

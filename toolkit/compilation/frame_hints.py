@@ -1,4 +1,4 @@
-"""What the frame of a body has to do with an error: one that is fixed to the ground by mistake, or one that is not."""
+"""Hints on an error that a body's frame may explain: one that is fixed to the ground by mistake, or one that is not."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ PLANE, UNITS = 2, np.eye(2)
 
 
 def joint_forms(joints: Sequence[Joint]) -> JointForms:
-    """The forms of joints, in the plane or in space."""
+    """Forms of joints, in the plane or in space, with the places of their numbers."""
     planar = all(joint.dimension == PLANE for joint in joints)
     rows = [tuple(joint.constraint(None)) for joint in joints]
     terms = [planar_terms(form) if planar else spatial_terms(form) for each in rows for form in forms_of(each)]

@@ -122,7 +122,7 @@ def _owners(first: dict[str, int], end: int, unknowns: np.ndarray) -> list[str]:
 
 
 def grips_of(path: str, component: Component) -> list[tuple[str, ...]]:
-    """The markers of a component: (body, point), and its path if they have axes of its own."""
+    """Markers of a component: (body, point), and its path if they have axes of its own."""
     own = () if component.axes is None else (path,)
     return [(*grip, *own) for grip in component.grips]
 

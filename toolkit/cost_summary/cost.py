@@ -1,4 +1,4 @@
-"""What a scene costs with more and less of it: counted, and measured by interleaved runs of the scene itself."""
+"""Cost of a scene with more and less of it: counted, and measured by interleaved runs of the scene itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was read of the files of reduced models, and why the rest was not."""
+"""Bytes that were read of the files of reduced models, and why the rest was not."""
 
 from __future__ import annotations
 

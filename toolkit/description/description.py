@@ -1,4 +1,4 @@
-"""What a person writes: frozen, validated records whose numbers can be reached by a path."""
+"""Base of all that a person writes: frozen, validated records whose numbers can be reached by a path."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def holds_complex(value: Any) -> bool:
 
 
 def number_at(value: Any, keys: Sequence[str]) -> Any | None:
-    """The number that keys lead to from a value, as `numbers_below` names it; None if there is none."""
+    """Number that keys lead to from a value, as `numbers_below` names it; None if there is none."""
     for key in keys:
         if isinstance(value, Description):
             extra = value.model_extra or {}

@@ -36,7 +36,7 @@ class CommonVariable(Description):
 
     @property
     def shares(self) -> tuple[float, ...]:
-        """The factors, also where they are not written."""
+        """Factors of the numbers, also where they are not written."""
         return (1.0,) * len(self.of) if self.factors is None else self.factors
 
 

@@ -1,4 +1,4 @@
-"""What a number measures, said beside its field: `mass: Annotated[Positive, Quantity("mass")]`."""
+"""Measure of a number, said beside its field: `mass: Annotated[Positive, Quantity("mass")]`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Measure(NamedTuple):
 
 
 class Quantity:
-    """What the numbers of a field measure: of all of them in one, or of each in its order.
+    """Measure of the numbers of a field: of all of them in one, or of each in its order.
 
     Words are those of `toolkit.foundation.dimensions.LABELLED`; factors stand apart by spaces, a slash divides by what follows it:
     "mass", "mass length^2", "length/time^2", "1/time", "none". Conversion of units, labels of gradients, schema and documentation read it.
@@ -81,7 +81,7 @@ OF_OWNER_PER_TIME = PerTime()
 
 
 def _measure(text: str) -> Measure:
-    """The measure that a text such as "force time/length" stands for."""
+    """Measure that a text such as "force time/length" stands for."""
     found, angle = NONE, 0
     for k, factors in enumerate(text.split("/")):
         for word in factors.split():

@@ -1,4 +1,4 @@
-"""What pydantic found wrong, in words for the person who wrote it: the key as it stands in the file, and what would be right."""
+"""Messages on what pydantic found wrong: the key as it stands in the file, and what would be right."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the design changes in the steps of a backward run, summed up over many of them at once, or for all variables together.
+"""Sums of what the design changes in the steps of a backward run, over many steps at once, or for all variables together.
 
 With the multiplier mu of a step its gradient grows by mu^T (f_I I_x + f_A A_x). Some of that changes by the design, and not with time:
 

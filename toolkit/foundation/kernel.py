@@ -83,7 +83,7 @@ def copy(source, target):
 
 
 def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
-    """The functions as the fixed-length tuple of one type that the compiled loop accepts.
+    """Functions as the fixed-length tuple of one type that the compiled loop accepts.
 
     Raises
     ------

@@ -13,8 +13,10 @@ SAME = 1e-9
 
 
 def first_largest(sizes: np.ndarray, band: float = BAND) -> int:
-    """Number of the first size (n,) that is the largest but for a part `band` of it; of the first that is no number, if there is
-    one."""
+    """Number of the first size (n,) that is the largest but for a part `band` of it.
+
+    Where a size is not a number, it is that of the first such one.
+    """
     lost = np.isnan(sizes)
     if lost.any():
         return int(np.argmax(lost))

@@ -1,4 +1,4 @@
-"""What the programs `ffrf` and `ffrf-preprocess` have in common on the terminal: options, JSON, and errors as one plain message."""
+"""Parts that `ffrf` and `ffrf-preprocess` share on the terminal: options, JSON, and errors as one plain message."""
 
 from __future__ import annotations
 

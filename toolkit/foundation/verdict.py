@@ -1,4 +1,4 @@
-"""Whether the numbers of a run can be trusted, with reasons: the same in Python, in JSON and on the terminal."""
+"""Verdict on the numbers of a run, with reasons: the same in Python, in JSON and on the terminal."""
 
 from __future__ import annotations
 
@@ -84,12 +84,12 @@ class Verdict:
 
     @classmethod
     def of(cls, cautions: Iterable[Caution], measures: Mapping[str, Any] | None = None) -> Verdict:
-        """The verdict that follows from cautions: each is said once, doubts before remarks."""
+        """Verdict that follows from cautions: each is said once, doubts before remarks."""
         return cls(tuple(sorted(dict.fromkeys(cautions), key=lambda each: not each.doubt)), measures or {})
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Verdict:
-        """The verdict that `record` was made of."""
+        """Verdict that `record` was made of."""
         reasons = record["verdict"]["reasons"]
         cautions = [Caution(each["code"], each["text"], each["text"] in reasons) for each in record["warnings"]]
         return cls.of(cautions, {name: value for name, value in record.items() if name not in ("verdict", "warnings")})

@@ -1,4 +1,4 @@
-"""What joints in the plane and in space share: where they grip."""
+"""Points at which joints in the plane and in space grip their bodies."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ class Pose:
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """Both poses, and rows of them. `for a, b in [poses]` or `a, b = poses` gives the poses."""
+    """Poses of the two markers of a joint, and rows of them. `for a, b in [poses]` or `a, b = poses` gives the poses."""
 
     a: Pose
     b: Pose

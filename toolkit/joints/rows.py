@@ -1,4 +1,4 @@
-"""What joints are stated in, in the plane and in space: rows of forms of the poses of two markers, see `poses`."""
+"""Rows of joints, in the plane and in space: forms of the poses of two markers, see `poses`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a results file says in words: everything that is no array, checked when it is read."""
+"""Words of a results file: everything that is no array, checked when it is read."""
 
 from __future__ import annotations
 

@@ -148,7 +148,7 @@ def apply_inverse_block(solver, block):
 def refine(solver, indptr, indices, values, rhs, solution):
     """Make one step of iterative refinement; returns whether it changed so little that the factors can be trusted.
 
-    Compared by coordinates alone, in units of the scene's size: multipliers follow from them. (A comparison row by row fails where
+    Compared by coordinates alone, in units of the model size: multipliers follow from them. (A comparison row by row fails where
     all terms of a row are zero but for round-off.)
     """
     multiply(indptr, indices, values, solution, solver.residual)

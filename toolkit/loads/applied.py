@@ -1,4 +1,4 @@
-"""What forces and torques in the plane and in space share: where they act, and their time curve."""
+"""Base of forces and torques in the plane and in space: where they act, and their time curve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What controllers in the plane and in space share: a set value over time, and their gains."""
+"""Base of controllers in the plane and in space: a set value over time, and their gains."""
 
 from __future__ import annotations
 

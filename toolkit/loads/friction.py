@@ -1,4 +1,4 @@
-"""What friction in the plane and in space shares: its level, and the width of its regularisation."""
+"""Base of friction in the plane and in space: its level, and the width of its regularisation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where loads between two bodies grip: both at a point, or each at a point of its own."""
+"""Points at which loads between two bodies grip: one for both, or one for each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What spring-dampers in the plane and in space share: their numbers, and where they grip."""
+"""Base of spring-dampers in the plane and in space: their numbers, and where they grip."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What joints and loads about an axis in space share."""
+"""Base of joints and loads about an axis in space."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class Component(InSpace):
 
     @property
     def time_curve(self) -> Curve | None:
-        """The time curve that drives or scales the component."""
+        """Time curve that drives or scales the component."""
         return None
 
     @classmethod

@@ -52,7 +52,7 @@ class CutScene(Scene):
 
     @property
     def written(self) -> Scene:
-        """The scene as the user has written it, at its own numbers."""
+        """Scene as the user has written it, at its own numbers."""
         ties = set(self.ties)
         fields = dict(self)
         for group in ("points", "joints"):
@@ -71,7 +71,7 @@ def _uncut(body: Body) -> Body:
 
 
 def written(scene: Scene) -> Scene:
-    """The scene as the user has written it, with the numbers of frames that were chosen."""
+    """Scene as the user has written it, with the numbers of frames that were chosen."""
     if isinstance(scene, CutScene):
         return scene.written
     if any(isinstance(body, ChosenFrames) for body in scene.bodies.values()):
@@ -246,7 +246,10 @@ def _kept_by(model: ReducedModel) -> str:
 
 
 def clamped_nodes(model: ReducedModel) -> list[int]:
-    """Numbers along the chain of the nodes that the frame of the uncut model is tied to; none if it is tied to no node, or is no chain."""
+    """Numbers along the chain of the nodes that the frame of the uncut model is tied to.
+
+    They are none if it is tied to no node, or is no chain.
+    """
     order = None if model.elements is None else chain_nodes(model.elements.connectivity)
     if model.elements is None or order is None:
         return []

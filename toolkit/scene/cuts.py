@@ -1,4 +1,4 @@
-"""Where a body is cut into parts: as its `frames` say, and where its chains of elements meet."""
+"""Cuts of a body into parts: as its `frames` say, and where its chains of elements meet."""
 
 from __future__ import annotations
 

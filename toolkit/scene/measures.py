@@ -1,4 +1,4 @@
-"""What a number of a scene measures, read from what stands beside its field."""
+"""Measure of a number of a scene, read from what stands beside its field."""
 
 from __future__ import annotations
 

@@ -143,7 +143,7 @@ class Scene(Description):
         return [*self.model_files(), *([] if self.start_file is None else [self.start_file])]
 
     def model(self, path: str, *parts: str) -> ReducedModel:
-        """The invariants and interface points of a reduced model, and other parts on request; each is read once.
+        """Reduced model with its invariants and interface points, and other parts on request; each is read once.
 
         Parameters
         ----------

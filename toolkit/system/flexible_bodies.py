@@ -16,7 +16,7 @@ from toolkit.system.solution import Solution
 
 
 def flexible_body(scene: Scene, body: str) -> ModelBody:
-    """The flexible body of that name.
+    """Flexible body of that name.
 
     Raises
     ------
@@ -40,7 +40,10 @@ def deforming(scene: Scene) -> dict[str, ModelBody]:
 
 
 def elastic_coordinates(solution: Solution, body: str) -> Any:
-    """Where the elastic coordinates of a body are on the second axis of q: a slice, or the numbers of those of all parts of a cut body."""
+    """Places of a body's elastic coordinates on the second axis of q.
+
+    They are a slice, or the numbers of those of all parts of a cut body.
+    """
     if isinstance(found := solution.system.scene.bodies.get(body), CutBody):
         return solution.system.numbering.first[body] + found.elastic_places
     whole = solution.coordinates(body)

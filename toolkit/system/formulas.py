@@ -19,7 +19,7 @@ def _formulas(scene: Scene) -> tuple[list, list]:
 
 
 def formulas_of(scene: Scene) -> tuple[tuple, tuple]:
-    """The formulas of the scene's joints and loads, ready for the compiled loop."""
+    """Formulas of the scene's joints and loads, ready for the compiled loop."""
     joints, loads = _formulas(scene)
     return slots(joints, LAW_SIGNATURE), slots(loads, LOAD_SIGNATURE)
 

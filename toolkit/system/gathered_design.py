@@ -1,4 +1,4 @@
-"""What a backward run sums up for many steps, or for all variables, together, and how the gradient follows from it; see `design_sums`."""
+"""Sums of a backward run over many steps, or for all variables together, and the gradient by them; see `design_sums`."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _designed(plan: Plan, own: np.ndarray) -> np.ndarray:
 
 
 def _without(markers: Markers, own: np.ndarray) -> Markers:
-    """The markers, some of which no variable moves."""
+    """Markers without the design changes of those that are gathered."""
     counts = np.diff(markers.design_start)
     kept = ~np.repeat(own, counts)
     return markers._replace(

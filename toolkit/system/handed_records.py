@@ -14,7 +14,7 @@ R = TypeVar("R")
 
 
 class HandedRecords:
-    """The parts of a system, which never change, and memory that nobody uses at present.
+    """Parts of a system, which never change, as compiled code takes them, and scratch memory that is not in use.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where the points of bodies are that something grips or looks at."""
+"""States of the markers, the points of bodies that something grips or looks at."""
 
 from __future__ import annotations
 

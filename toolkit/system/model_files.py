@@ -1,4 +1,4 @@
-"""Whether the files of reduced models are those that a scene was compiled with."""
+"""Check that the files of reduced models are those that a scene was compiled with."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a solver returns: states at all times, their design derivatives, and what the run cost."""
+"""Result of a solver: states at all times, their design derivatives, and what the run cost."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Solution:
 
     Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
     `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, `local_error` the
-    largest error that a step is estimated to have made, all relative to the scene's size (or rad); `load_steps` of a static solution.
+    largest error that a step is estimated to have made, all relative to the model size (or rad); `load_steps` of a static solution.
     `options` are those of the run; `own_start` says that it did not begin at the scene's start, and `start_moved`
-    by how much of the scene's size (or rad) a given start was moved to close its joints; `run_times` are all times of the run,
+    by how much of the model size (or rad) a given start was moved to close its joints; `run_times` are all times of the run,
     where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state; `names` are those
     of states that are no times of a run; `halved` are the times at which steps began that Newton could do in halves only. `judge` finds out
     what speaks against the solution, when it is asked for its `verdict`.
@@ -112,7 +112,7 @@ class Solution:
         return found
 
     def coordinates(self, body: str) -> slice:
-        """Where the coordinates of a body, of a cut one those of all its parts, are on the second axis of q, v, a."""
+        """Places of a body's coordinates on the second axis of q, v, a; of a cut body those of all its parts."""
         first, written = self.system.numbering.first, self.system.scene.bodies.get(body)
         if isinstance(written, CutBody):
             return slice(first[body], first[body] + written.starts[-1])

@@ -230,8 +230,11 @@ class System:
         refuse_changed(self.files)
 
     def compiled_as(self, other: System) -> System:
-        """This system with the compiled equations of another one, whose plan has arrays of the same types: to look at these takes longer
-        than a short run. If they are of the same shapes too, it has that one's scratch memory."""
+        """This system with the compiled equations of another one, whose plan has arrays of the same types.
+
+        To look at the types takes longer than a short run. If the arrays are of the same shapes too, it has that one's scratch
+        memory.
+        """
         self.__dict__.update(evaluator=other.evaluator, unit_of_states=other.unit_of_states)
         if (
             self._keeps_memory

@@ -19,8 +19,10 @@ class ChosenFrames(CuttableBody):
     choice: FrameChoice
 
     def uncut(self) -> ModelBody:
-        """The body as the scene has written it, with the number that was chosen; of one frame without `modes_per_frame`, which has no parts
-        to reduce."""
+        """Body as the scene has written it, with the number of frames that was chosen.
+
+        With one frame it is without `modes_per_frame`, as it has no parts to reduce.
+        """
         chosen = {**dict(self), **self.model_values()}
         del chosen["choice"]
         if not self.parted:

@@ -48,7 +48,7 @@ class CutBody(ModelBody):
         return True
 
     def uncut(self) -> ModelBody:
-        """The body as the scene has written it."""
+        """Body as the scene has written it, without cuts."""
         written = {**dict(self), **self.model_values()}
         for own in ("cuts", "choice", "gripped", "starts"):
             written.pop(own, None)

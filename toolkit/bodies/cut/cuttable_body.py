@@ -1,4 +1,4 @@
-"""What a scene writes of the floating frames of a flexible body, in the plane and in space."""
+"""Floating frames of a flexible body as a scene writes them, in the plane and in space."""
 
 # Without `from __future__ import annotations`, as `model_body`.
 from abc import abstractmethod

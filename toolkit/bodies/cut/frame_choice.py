@@ -1,4 +1,4 @@
-"""What a number of floating frames was chosen by, where runs of the scene have chosen it."""
+"""Choice of a number of floating frames by runs of the scene, and what it was chosen by."""
 
 from __future__ import annotations
 

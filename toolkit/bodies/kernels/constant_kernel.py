@@ -1,4 +1,4 @@
-"""What is constant in the equations of motion: rigid bodies (frame at the centre of mass) and grounded flexible bodies.
+"""Constant terms of the equations of motion: rigid bodies (frame at the centre of mass) and grounded flexible bodies.
 
 With the constant force f, in the two groups of the residual:
 

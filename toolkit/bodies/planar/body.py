@@ -1,4 +1,4 @@
-"""What the compilation asks of every body in the plane; a new kind of body is one subclass."""
+"""Base of bodies in the plane, which says what the compilation asks of them; a new kind of body is one subclass."""
 
 from __future__ import annotations
 

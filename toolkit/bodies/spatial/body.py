@@ -1,4 +1,4 @@
-"""What the compilation asks of every spatial body; a new kind of body is one subclass."""
+"""Base of bodies in space, which says what the compilation asks of them; a new kind of body is one subclass."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ class SpatialBody(Body):
 
     @abstractmethod
     def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> Any:
-        """The named point of the scene as a marker on this body; `axes` (3, 3) in the undeformed configuration."""
+        """Marker on this body at the named point of the scene; `axes` (3, 3) in the undeformed configuration."""
 
 
 def pose_of(position: np.ndarray, axes: np.ndarray, origin: np.ndarray | None = None) -> np.ndarray:

@@ -145,7 +145,10 @@ class SpatialRod(UniformRod, SpatialRigidBody):
 
 
 def second_moments(inertia: np.ndarray) -> np.ndarray:
-    """int rho x_a x_b dV (3, 3) from the inertia tensor Theta (3 or 6 numbers in the order of `INERTIA`): tr(Theta) / 2 I - Theta."""
+    """Second moments int rho x_a x_b dV (3, 3) from the inertia tensor Theta: tr(Theta) / 2 I - Theta.
+
+    Theta has 3 or 6 numbers in the order of `INERTIA`.
+    """
     xx, yy, zz, *rest = inertia
     yz, xz, xy = rest or (0 * xx, 0 * xx, 0 * xx)
     tensor: Any = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

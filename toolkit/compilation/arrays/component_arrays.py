@@ -19,7 +19,7 @@ from toolkit.scene.scene import Scene
 
 
 def families(loads: list[Load]) -> list:
-    """The different formulas of the loads, in order of appearance."""
+    """Formulas of the loads, each once, in order of appearance."""
     return list(dict.fromkeys(load.law() for load in loads))
 
 

@@ -38,7 +38,7 @@ PIN_PLACES, PIN_VALUES = (0, 0, 3, 0, 1, 4), (0, 1, -1, 0, 1, -1)
 
 
 def laws_of(joints: list[Joint]) -> list[CPUDispatcher]:
-    """The different open formulas of the joints, in order of appearance; angles and profiles have a place of their own."""
+    """Open formulas of the joints, each once, in order of appearance; angles and profiles have a place of their own."""
     return [law for law in dict.fromkeys(law for joint in joints for law in joint.laws) if law not in (angle_law, profile_law)]
 
 

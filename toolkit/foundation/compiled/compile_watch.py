@@ -1,4 +1,4 @@
-"""Whether formulas are being compiled: how many and for how long, as it happens."""
+"""Watch over the compilation of formulas: how many and for how long, as it happens."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ class KnownFlags(Flags):
     """
 
     def copy(self) -> KnownFlags:
-        """These settings themselves, since they never change."""
+        """The same settings, since they never change."""
         return self
 
     def __hash__(self) -> int:
@@ -58,7 +58,7 @@ class KnownResults(Context):  # type: ignore[misc]
         self.__dict__ = known.__dict__
 
     def resolve_function_type(self, func: Any, args: tuple, kws: dict[str, Any]) -> Any:
-        """The signature of a function for types of arguments."""
+        """Signature of a function for types of arguments."""
         if type(func) is not Function:
             return super().resolve_function_type(func, args, kws)
         call = (func, args, tuple(kws.items()))
@@ -70,7 +70,7 @@ class KnownResults(Context):  # type: ignore[misc]
         return self.results[call]
 
     def resolve_setitem(self, target: Any, index: Any, value: Any) -> Any:
-        """The signature of a written entry."""
+        """Signature of a written entry."""
         return self.resolve_function_type(super().resolve_value_type(operator.setitem), (target, index, value), {})
 
 
@@ -87,7 +87,7 @@ class KnownOperator(Function):
         return found
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """The signature for types of arguments."""
+        """Signature of the operator for types of arguments."""
         return context.resolve_function_type(self.known, args, kws)
 
 

@@ -1,4 +1,4 @@
-"""What the code of a kernel follows from, in one hash: who edits a formula compiles it and those that call it anew, and no others."""
+"""Hash of all that a kernel's code follows from: an edited formula is compiled anew with those that call it, and no others."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ LOADING = tuple(dis.opmap[name] for name in ("LOAD_CONST", "RETURN_CONST") if na
 
 
 class UnknownNameError(Exception):
-    """A kernel uses a name of which nobody knows what its code takes from it, so that its code cannot be kept."""
+    """Error of a kernel that uses a name of which it is unknown what its code takes from it.
+
+    So its code cannot be kept.
+    """
 
 
 @cache

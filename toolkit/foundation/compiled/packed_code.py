@@ -1,4 +1,4 @@
-"""How compiled code reads a packed record: told to numba."""
+"""Code for numba by which compiled code reads a packed record."""
 
 from __future__ import annotations
 

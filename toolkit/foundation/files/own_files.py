@@ -1,4 +1,4 @@
-"""What the program has written into a folder: a list beside it, by which it knows what it may replace, and what to take away.
+"""Files that the program has written into a folder: a list beside them tells what it may replace, and what to take away.
 
 Whoever writes a set of files into a folder refuses before anything long what is there of these names and not in the list
 (`refuse_foreign`), and lists the names when it begins to write (`list_own`): files of an earlier set that are not written again go.

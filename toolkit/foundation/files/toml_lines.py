@@ -1,4 +1,4 @@
-"""Where a key of a TOML file stands: the line that an error message names."""
+"""Line of a key in a TOML file, which an error message names."""
 
 from __future__ import annotations
 

@@ -17,7 +17,10 @@ SINGLE = {"OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 
 
 class _Limit(threading.local):
-    """The limit of one thread of the program, which the outer one of its blocks sets and takes back: OpenBLAS keeps it for each of them."""
+    """A limit of one thread, which the outermost block of a thread of the program sets and takes back.
+
+    OpenBLAS keeps the limit for each thread of the program.
+    """
 
     inside = 0
     set_by_us: Any = None

@@ -1,4 +1,4 @@
-"""What ties the parts of a cut body to each other, and its clamp to the ground: joints that the scene does not show."""
+"""Ties between the parts of a cut body, and between its clamp and the ground: joints that the scene does not show."""
 
 from __future__ import annotations
 

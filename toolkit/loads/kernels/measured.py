@@ -1,4 +1,4 @@
-"""What loads measure between two markers, and act along: g(z) of the two poses, in the plane and in space.
+"""Quantities g(z) of two poses that loads measure between their markers, and act along, in the plane and in space.
 
 Each function returns g, and fills its derivatives g_z into `slope` (n,) and g_zz into the first n columns of `bend`; z is that of
 `load_kernel`.

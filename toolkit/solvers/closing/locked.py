@@ -1,4 +1,4 @@
-"""What is told of drivers that lead a mechanism to a limit position, behind which the joints cannot be closed."""
+"""Messages on drivers that lead a mechanism to a limit position, behind which the joints cannot be closed."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def limit_of_drivers(system: System, acting: Acting, q: np.ndarray, places: tupl
 
 
 def told_limit(system: System, acting: Acting, limit: Limit, last: float, where: str) -> str:
-    """Sentences on a limit position at a place that is told as `where`."""
+    """Sentences on a limit position; `where` are the words for its place."""
     said = [_told(system, acting, name, curve, limit.place, last) for name, curve in _driven(system, acting, limit.place, last)]
     rigid = ", whose shapes are kept here," if RigidBodies(system).bend else ""
     return (

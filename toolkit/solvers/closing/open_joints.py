@@ -1,4 +1,4 @@
-"""What is told of joints that do not close: how near they come, and which one stays open by how much."""
+"""Messages on joints that do not close: how near they come, and which one stays open by how much."""
 
 from __future__ import annotations
 

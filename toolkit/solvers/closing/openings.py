@@ -1,4 +1,4 @@
-"""How far rows of joints are open, in the units in which they measure, for messages."""
+"""Gaps of rows of joints, in the units in which they measure, for messages."""
 
 from __future__ import annotations
 

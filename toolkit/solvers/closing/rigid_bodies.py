@@ -17,7 +17,7 @@ MOST = 400
 
 @dataclass(frozen=True)
 class RigidBodies:
-    """Bodies that move as rigid ones, with their joints; gaps and moves in parts of the scene's size, or in rad."""
+    """Bodies that move as rigid ones, with their joints; gaps and moves in parts of the model size, or in rad."""
 
     system: System
 
@@ -83,7 +83,7 @@ class RigidBodies:
         return found
 
     def way(self, q: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """The move (n_f,) from coordinates to others, both (n,)."""
+        """Move (n_f,) that leads from coordinates to others, both (n,)."""
         return np.real(other - q)[self.frames] * self._scales[1]
 
     def _jacobian(self, terms: Terms) -> np.ndarray:

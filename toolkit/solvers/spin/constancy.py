@@ -1,4 +1,4 @@
-"""Whether a scene that spins is the same at every angle: only then is its steady state one, and its small motions have modes."""
+"""Check that a spinning scene is the same at every angle: only then is its steady state one, and its small motions have modes."""
 
 from __future__ import annotations
 

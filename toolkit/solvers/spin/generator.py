@@ -98,6 +98,6 @@ def _of_frame(body: Body, omega: np.ndarray, centre: np.ndarray) -> tuple[np.nda
 
 
 def left_product(quaternion: np.ndarray) -> np.ndarray:
-    """The matrix (4, 4) of p -> quaternion o p."""
+    """Matrix (4, 4) of the product p -> quaternion o p."""
     a, b, c, d = quaternion
     return np.array([[a, -b, -c, -d], [b, a, -d, c], [c, d, a, -b], [d, -c, b, a]])

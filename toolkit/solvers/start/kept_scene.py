@@ -1,4 +1,4 @@
-"""Whether the state of another run, kept in a results file or at hand, is one of this scene: of its bodies, coordinates and models."""
+"""Check that the state of another run, kept in a results file or at hand, fits this scene: its bodies, coordinates and models."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What acts along a path of equilibria, by the path's factor: loads that grow in proportion, or all that changes with time."""
+"""Loads and drivers along a path of equilibria, by its factor: loads that grow in proportion, or all that changes with time."""
 
 from __future__ import annotations
 

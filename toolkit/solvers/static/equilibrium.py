@@ -63,7 +63,7 @@ def find_equilibrium(
 ) -> tuple[Equilibrium, int]:
     """Equilibrium at one load factor by Newton's iteration, down to round-off, from coordinates q (n,) and [0; lam] (n,).
 
-    Refuses to move any coordinate by more than `allowed`, a part of the scene's size (or rad). Returns the state and the number of
+    Refuses to move any coordinate by more than `allowed`, a part of the model size (or rad). Returns the state and the number of
     iterations.
 
     Raises

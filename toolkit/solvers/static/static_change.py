@@ -1,4 +1,4 @@
-"""What a small change of forces moves an equilibrium by, to all digits of the strains.
+"""Change of an equilibrium by a small change of forces, to all digits of the strains.
 
 Solved with the entries of the static matrix alone it would have the round-off of their products, which a skin of n elements makes n^4 times
 larger than their sum. So what is left of the solution is found with the stiffness in its factors B^T D B, and mended.

@@ -1,4 +1,4 @@
-"""Where the static path begins: without load, or where only the load makes a mechanism rest, at the first load step."""
+"""Beginning of the static path: without load, or where only the load makes a mechanism rest, at the first load step."""
 
 from __future__ import annotations
 

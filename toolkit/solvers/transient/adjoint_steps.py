@@ -67,8 +67,10 @@ def adjoint_memory(plan: Plan, gathered: GatheredPlan, lu_plan: LUPlan, weights:
 
 @inner
 def add_transposed(plan, transposition, one, factor_one, two, factor_two, block, rows, memory, out):
-    """out += (factor_one A + factor_two B)^T block in so many rows, as the others are zero, for values `one` of A and `two` of B on the
-    pattern; blocks (n, n_r filled up)."""
+    """Add (factor_one A + factor_two B)^T block to `out`, in so many rows, as the others are zero.
+
+    `one` are the values of A and `two` those of B on the pattern; blocks are (n, n_r filled up).
+    """
     mixed = memory.mixed
     for e in range(plan.indptr[rows]):
         mixed[e] = factor_one * one[transposition[e]] + factor_two * two[transposition[e]]

@@ -1,4 +1,4 @@
-"""How the constraints enter a time step: as weights of their acceleration, velocity and position.
+"""Formulation of the constraints in a time step: as weights of their acceleration, velocity and position.
 
     "index-1"       phi'' + 2 damping phi' + stiffness^2 phi = 0, Baumgarte's stabilization (1972), by default 1/tau and sqrt(2)/tau
                     with tau the step, or after a longer one what time has left of it: see `relaxed`
@@ -8,7 +8,7 @@
                     positions closed to round-off
     quasi-static    positions, as index 3
 
-Multipliers of index 3 carry round-off of 1e-16 of the scene's size over h^2, and velocities leave the constraint by O(h^2); those of
+Multipliers of index 3 carry round-off of 1e-16 of the model size over h^2, and velocities leave the constraint by O(h^2); those of
 "ggl" carry that of velocities over h.
 """
 

@@ -78,7 +78,7 @@ def foresee(plan, scheme, foreseen, history, step, memory):
 
 @inlined
 def local_error(plan, scheme, weights, history, step, memory):
-    """Estimated error that one step made in q, a part of the scene's size or in rad: error h^2 (w_+ - w_n), see `scheme`."""
+    """Estimated error that one step made in q, a part of the model size or in rad: error h^2 (w_+ - w_n), see `scheme`."""
     h, largest, before, after = scheme.h, 0.0, history.acc[step], history.acc[step + 1]
     for i in range(plan.n_q):
         if scheme.inertia:

@@ -142,7 +142,7 @@ def allowed(control, scheme, kept):
 
 @inlined
 def learn_bend(learnt, before, size):
-    """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
+    """Learn what a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
 
     It depends on their direction (by forces of joints on light bodies a thousandfold), so that less than is known is believed by half.
     """

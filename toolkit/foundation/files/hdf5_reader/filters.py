@@ -1,4 +1,4 @@
-"""What happened to the bytes of an array on their way into the file, undone."""
+"""Filters of an array on its way into the file, and how they are undone."""
 
 from __future__ import annotations
 

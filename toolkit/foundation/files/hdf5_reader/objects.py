@@ -29,7 +29,10 @@ _HARD = 0
 
 @dataclass(frozen=True)
 class Link:
-    """A name in a group; the place of what it stands for is None if that lies in another file, or is found by another name."""
+    """A name in a group, with the place of its object.
+
+    The place is None if the object lies in another file, or is found by another name.
+    """
 
     name: str
     place: int | None

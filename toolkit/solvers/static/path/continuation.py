@@ -30,7 +30,7 @@ LEVEL = 1e-6
 
 
 class Arrival(NamedTuple):
-    """The equilibrium under the full load, the path from the first one, and what it cost."""
+    """Equilibrium under the full load, with the path from the first one, and what it cost."""
 
     state: Equilibrium
     path: StaticPath

@@ -73,7 +73,7 @@ def correct(
         residual(z) = 0,   b^T (z - z_predicted) = 0,   z = [q; lam; factor]
 
     With b along the path this is pseudo-arc-length continuation (Keller 1977; as Riks 1979), whose matrix [K, residual_f; b^T] is regular
-    at limit points too. Newton may move the point by `allowed` parts of the scene's size, rad or the load. It stops where the next
+    at limit points too. Newton may move the point by `allowed` parts of the model size, rad or the load. It stops where the next
     correction would be below the tolerance, if `exact` at round-off; the matrix is that of the point before the last correction.
 
     Raises

@@ -1,4 +1,4 @@
-"""Where along the path of equilibria the load turns back, or reaches a given value."""
+"""Points of the path of equilibria where the load turns back, or reaches a given value."""
 
 from __future__ import annotations
 

@@ -57,7 +57,9 @@ def next_limit_point(system: System, options: RunOptions, begin: np.ndarray, up_
 
 
 def factor_of_limit_point(system: System, options: RunOptions, z: np.ndarray) -> tuple[Any, np.ndarray]:
-    """Load factor at a limit point z (n + 1,), which is that of the real parts of the system's numbers, and its design derivatives (n_x,).
+    """Load factor at a limit point z (n + 1,) and its design derivatives (n_x,).
+
+    The limit point is that of the real parts of the system's numbers.
 
     Of a system with a complex step the factor follows that step.
     """

@@ -110,7 +110,10 @@ class Plan(NamedTuple):
 
 
 class _TooLong(ConvergenceError):
-    """A step that does not show what lies in it: the part of its length that is to be tried, and how far it ends from its prediction."""
+    """A step that does not show what lies in it.
+
+    It holds the part of its length that is to be tried, and how far the step ends from its prediction.
+    """
 
     def __init__(self, why: str, part: float = USUAL, error: float = 0.0) -> None:
         super().__init__(why)

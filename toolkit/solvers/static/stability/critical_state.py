@@ -1,4 +1,4 @@
-"""How far an equilibrium is from a critical state, a limit point or bifurcation, where its stiffness against some motion vanishes."""
+"""Distance of an equilibrium from a critical state, a limit point or bifurcation, where a stiffness against a motion vanishes."""
 
 from __future__ import annotations
 

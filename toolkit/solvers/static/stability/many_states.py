@@ -1,4 +1,4 @@
-"""Whether the static matrices of many states are positive, told by the little in which they differ.
+"""Test whether the static matrices of many states are positive, by the little in which they differ.
 
 Most of a stiffness is that of bodies in their own frames, the same in all states. With the coordinates N among which it is, and which no
 joint holds, and all others S, the matrix K + r J^T J, see `sparse_saddle`, is positive definite if and only if
@@ -105,8 +105,10 @@ def _in_comparable_sizes(system: System, static: StaticEntries) -> StaticEntries
 
 
 def _differing(n_b: int, static: StaticEntries) -> np.ndarray:
-    """Which coordinates (n_b,) joints hold, or the stiffness between which and others is not the same in all states: as few as leave
-    only what is, by the next one that has most of the other entries."""
+    """Which coordinates (n_b,) joints hold, or have a stiffness with others that is not the same in all states.
+
+    They are as few as leave only what is the same, chosen one by one as the one that has most of the other entries.
+    """
     rows, columns, values = static
     held = np.zeros(n_b, bool)
     held[rows[(rows < n_b) & (columns >= n_b)]] = True

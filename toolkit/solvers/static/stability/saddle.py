@@ -19,8 +19,9 @@ REAL = 1e-9
 
 
 class Saddle(NamedTuple):
-    """S = D A D = L T L^T (symmetric; large and stable ones sparse) or P L U, D = diag(1/w) for coordinates; for multipliers such that all
-    entries are comparable.
+    """Factors of S = D A D: L T L^T (symmetric; large and stable ones sparse) or P L U.
+
+    D = diag(1/w) for coordinates; for multipliers it is such that all entries are comparable.
 
     `negative` is the number of motions that the joints allow against which the stiffness is negative.
     """

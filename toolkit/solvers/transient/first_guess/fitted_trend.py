@@ -4,7 +4,7 @@ With the backward differences d1, d2, ... behind a step the change of [a; lam] i
 of a few frequencies has constants c with which this is exact, however large they are in a step; a polynomial has c = 1. The c of the
 next step are those of the least squares
 
-    minimise  sum over steps n of  FADING^-n |change_n - sum_k c_k d_k,n|^2,   each coordinate in parts of the scene's size.
+    minimise  sum over steps n of  FADING^-n |change_n - sum_k c_k d_k,n|^2,   each coordinate in parts of the model size.
 
 The polynomials of `extrapolation` take less time; so this is done as long as they miss by what costs a further correction.
 """

@@ -1,4 +1,7 @@
-"""What the steps of stabilised index 2 share; in other formulations a record of the same type, so that the step loop is compiled once."""
+"""Memory of the steps of stabilised index 2.
+
+In other formulations it is a record of the same type, so that the step loop is compiled once.
+"""
 
 from __future__ import annotations
 

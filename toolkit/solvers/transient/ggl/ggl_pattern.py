@@ -1,4 +1,4 @@
-"""Where the numbers of a stabilised index-2 step go: the sparsity pattern of its matrix, made once per run.
+"""Places of the numbers of a stabilised index-2 step: the sparsity pattern of its matrix, made once per run.
 
 Unknowns are [a; lam; eta], rows those of coordinates, velocity constraints and position constraints (see `ggl_step`):
 
