@@ -15,7 +15,7 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 FAR = 0.1
-"""How far a motion is drawn, in parts of the scene's size or rad."""
+"""Distance that a motion is drawn by, in parts of the model size or rad."""
 
 
 def free_motion_states(system: System, frames: int = 1) -> Solution:

@@ -26,7 +26,7 @@ FEW, PART, MOST_IN_ALL = 6, 0.15, 200
 """Steps of a run that may be halved, at most, or this part of all of them, and all halvings: of a run that needs more the steps are too
 long everywhere. A pendulum that turns by half a turn in a step got through with six of ten steps halved, and nothing of it was right."""
 THROWN = 0.05
-"""Local error, a part of the scene's size (or rad), above which a halved step is halved again: Newton may have found another solution."""
+"""Local error, a part of the model size (or rad), above which a halved step is halved again: Newton may have found another solution."""
 BEFORE = 3
 """Steps before the one that fails which are halved, too, where its own halves do not help: what they have left may be why."""
 

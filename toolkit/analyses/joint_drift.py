@@ -12,7 +12,7 @@ from toolkit.validity.motion.drift import largest_drift
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 
 THROWN_OPEN = 0.05
-"""Violation of a joint, a part of the scene's size (or rad), that is no error of long steps: Newton has found another solution there."""
+"""Violation of a joint, a part of the model size (or rad), that is no error of long steps: Newton has found another solution there."""
 
 
 def can_be_closed(run: Run) -> bool:

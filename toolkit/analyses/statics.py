@@ -34,7 +34,7 @@ Progress = Callable[[int, int], None]
 BEFORE = 0.9
 """Part of the load of a bifurcation at which its reason is looked for."""
 CLOSE = 0.05
-"""Part of the scene's size (or rad) that an equilibrium may be off that of another design from which Newton goes straight to it."""
+"""Part of the model size (or rad) that an equilibrium may be off that of another design from which Newton goes straight to it."""
 
 
 @one_thread()

@@ -14,7 +14,7 @@ from toolkit.reduced_model.model import ReducedModel
 
 T = TypeVar("T")
 CENTRE = "(centre of mass)"
-"""In place of a point of the scene: a body's centre of mass, which moves in a body that deforms."""
+"""Name in place of a point of the scene: a body's centre of mass, which moves in a body that deforms."""
 QUATERNION = 4
 """Coordinates of an orientation that has a length to keep."""
 

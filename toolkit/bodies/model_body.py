@@ -25,7 +25,7 @@ MASS_DAMPING = "damping_mass"
 """Parameter of a reduced model: alpha of its damping D = alpha M + c K."""
 
 FRAME = "(frame)"
-"""In place of an interface point: the origin of the body's frame, which turns with it but does not deform."""
+"""Name in place of an interface point: the origin of the body's frame, which turns with it but does not deform."""
 
 
 class ModelBody(Body):

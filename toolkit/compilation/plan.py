@@ -138,7 +138,7 @@ def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtyp
 
 
 _PARTS = {PLANE: _planar_parts, SPACE: _spatial_parts}
-"""What the plan has of bodies, markers and pressures."""
+"""Functions for the parts of a plan: bodies, markers and pressures."""
 
 
 def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_rows: list, columns: list[np.ndarray]) -> Pattern:

@@ -17,7 +17,7 @@ from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 
 VECTORS = ("position", "axis 1", "axis 2", "axis 3")
-"""Of a marker in space."""
+"""Vectors of the pose of a marker in space."""
 POSES = {
     2: [f"{what} of {body}" for body in ("a", "b") for what in ("x", "y", "angle")],
     3: [f"{axis} of {vector} of {body}" for body in ("a", "b") for vector in VECTORS for axis in "xyz"],

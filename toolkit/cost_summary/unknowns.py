@@ -20,7 +20,7 @@ IDLE = {
     "translating": "it does not turn",
     "turning": "it turns about one axis and does not move",
 }
-"""What frames of fewer coordinates do not do."""
+"""Reasons why frames of fewer coordinates lack the others: what they do not do."""
 
 
 def coordinates(system: System) -> list[Line]:

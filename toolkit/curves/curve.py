@@ -17,7 +17,7 @@ from toolkit.description.description import Registered
 from toolkit.foundation.listed_names import SHORT, meant
 
 PLACEHOLDER = "any time curve"
-"""What stands in a JSON schema of one class for a curve of any kind."""
+"""Comment in a JSON schema of one class that stands for a curve of any kind."""
 
 
 def _any_curve(value: Any) -> Curve:

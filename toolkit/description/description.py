@@ -88,7 +88,7 @@ class Registered(Description):
 
     kind: ClassVar[str] = ""
     dimension: ClassVar[int] = 0
-    """Of the space that it belongs to; 0 of what belongs to none, as every neutral base."""
+    """Dimension of the space that it belongs to; 0 of what belongs to none, as every neutral base."""
     kinds: ClassVar[dict[str, type[Registered]]] = {}
 
     @classmethod

@@ -67,7 +67,7 @@ def _entry(value: Any) -> Any:
 
 
 DesignEntry = Annotated[str | CommonVariable, BeforeValidator(_entry)]
-"""What stands beside a name in the table [design]."""
+"""Entry beside a name in the table [design]."""
 
 
 @dataclass(frozen=True)

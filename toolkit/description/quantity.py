@@ -75,9 +75,9 @@ class OverAngle(Quantity):
 
 
 OF_OWNER = Quantity()
-"""Of a value of a time curve: what it measures is said where the curve stands."""
+"""Measure of a value of a time curve, which is said where the curve stands."""
 OF_OWNER_PER_TIME = PerTime()
-"""Of coefficients of a polynomial."""
+"""Measure of coefficients of a polynomial of time, which is said where the curve stands."""
 
 
 def _measure(text: str) -> Measure:

@@ -33,7 +33,7 @@ LABELLED = {
     "rate": Dimension(0, 0, -1), "velocity": Dimension(0, 1, -1), "acceleration": Dimension(0, 1, -2),
     "angular_velocity": Dimension(0, 0, -1), "power": Dimension(1, 2, -3),
 }  # fmt: skip
-"""Of the quantities that `toolkit.foundation.units` has labels for."""
+"""Dimensions of the quantities that `toolkit.foundation.units` has labels for."""
 
 _IN_KG_M_S = {"m-kg-s": (1.0, 1.0, 1.0), "mm-t-s": (1e3, 1e-3, 1.0)}
 """Units of mass, length and time of each system, in kg, m and s."""

@@ -24,7 +24,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.rare_collections import rare_collections
 
 SETTINGS = {"error_model": "numpy", "_nrt": False, "forceinline": False}
-"""Of numba, for all formulas; one that did not say whether it becomes part of its callers would take that from the first of them."""
+"""Settings of numba for all formulas; one that did not say whether it becomes part of its callers would take that from the first
+of them."""
 
 
 def kernel(function: Callable) -> CPUDispatcher:

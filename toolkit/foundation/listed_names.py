@@ -9,10 +9,10 @@ from itertools import groupby
 from reprlib import Repr
 
 ALIKE = 0.6
-"""How alike two names are, by difflib's measure, of which one is taken for the other."""
+"""Likeness of two names, by difflib's measure, from which one is taken for the other."""
 NUMBERED = re.compile(r"(.*?)(\d+)$")
 SHORT = Repr()
-"""How values are shown in a message."""
+"""Form in which values are shown in a message."""
 SHORT.maxstring = SHORT.maxother = 60
 
 

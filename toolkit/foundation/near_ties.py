@@ -9,7 +9,7 @@ BAND = 1e-6
 """Part of the largest by which sizes that mean the same may differ: round-off of a mechanism's state is far below, a difference
 that a reader would see far above."""
 SAME = 1e-9
-"""Of values of which one is the result: what stiff bodies leave of their digits."""
+"""Band for values of which one is the result: what stiff bodies leave of their digits."""
 
 
 def first_largest(sizes: np.ndarray, band: float = BAND) -> int:

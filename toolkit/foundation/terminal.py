@@ -36,7 +36,7 @@ def print_json(record: dict[str, Any]) -> None:
 
 
 UsageError: Any = typer.BadParameter.__base__
-"""What typer raises where a command line cannot be meant."""
+"""Error that typer raises where a command line is invalid."""
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from typing import Any
 PAGE = "docs/doubts.md"
 """The page with all codes of cautions."""
 REGISTRY = Path(__file__).with_name("codes.toml")
-"""What that page is made from: one line for each code."""
+"""File that the page is made from: one line for each code."""
 
 
 @dataclass(frozen=True)

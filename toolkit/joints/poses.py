@@ -152,6 +152,6 @@ def _space_pose(first: int) -> Pose:
 
 
 PLANE = plane_poses()
-"""With the axes of the coordinates."""
+"""Poses in the plane with the axes of the coordinates."""
 SPACE = SpacePoses(_space_pose(0), _space_pose(4))
 """Vectors 0 to 7 are r, e_1, e_2, e_3 of a and of b, numbers 0 to 23 their components; the axes of markers in space are the joint's own."""

@@ -26,7 +26,7 @@ MOST = 2000
 """Pieces of a profile."""
 NODES = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
 BETWEEN = np.append((NODES[:-1] + NODES[1:]) / 2, [-1 + 1e-6, 1 - 1e-6])
-"""Where polynomials meet a piece, and where their error is looked at, from -1 to 1."""
+"""Places where polynomials meet a piece, and where their error is looked at, from -1 to 1."""
 _AT_NODES, _AT_BETWEEN = (np.vander(places, DEGREE + 1, increasing=True) for places in (NODES, BETWEEN))
 KEPT = 64
 """Curves of which it is remembered what was found: a scene asks its cams again and again, and a curve never changes."""

@@ -11,7 +11,7 @@ from toolkit.joints.kernels.laws import angle_law
 BETWEEN = 6
 """Number of the vector r_a - r_b in the plane, behind r, e_1, e_2 of a and of b."""
 RowQuantity = Literal["length", "angle"]
-"""What a row of a constraint measures."""
+"""Quantity that a row of a constraint measures."""
 ROW_QUANTITIES = get_args(RowQuantity)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from toolkit.foundation.kernel import inner
 
 TERMS = 20
-"""Of the series: round-off up to a full turn."""
+"""Number of terms of the series: they leave round-off up to a full turn."""
 
 
 def _series() -> np.ndarray:

@@ -27,9 +27,9 @@ class Friction(BetweenBodies):
     """
 
     measure: ClassVar[CPUDispatcher]
-    """What slides or turns, g, see `measured`."""
+    """Function g that measures what slides or turns, see `measured`."""
     rate: ClassVar[str]
-    """What g' is, a quantity of `toolkit.foundation.units`."""
+    """Quantity of the rate g', one of `toolkit.foundation.units`."""
 
     level: Annotated[NotNegative, Quantity("force")]
     width: Annotated[Positive, Quantity("length/time")]

@@ -36,7 +36,7 @@ class Component(InSpace):
 
     formula: ClassVar[CPUDispatcher]
     stated_by: ClassVar[str] = "formula"
-    """What a kind of component states its law by."""
+    """Name of the attribute by which a kind of component states its law."""
 
     @classmethod
     def law(cls) -> CPUDispatcher:

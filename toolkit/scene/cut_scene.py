@@ -23,7 +23,7 @@ from toolkit.scene.cuts import cuts_of
 from toolkit.scene.scene import Scene
 
 FRAMES = ("moving", "grounded")
-"""What the frame of a body can be that is cut."""
+"""Frames that a body which is cut can have."""
 MESHED = "scikit-fem"
 """Writer of the models of solids."""
 

@@ -9,7 +9,7 @@ from toolkit.description.registration import import_room
 from toolkit.scene.space import SPACES
 
 DIMENSIONS = tuple(SPACES)
-"""Of scenes."""
+"""Dimensions that a scene can have."""
 
 for _room in ("bodies", "joints", "loads"):
     for _space in ("planar", "spatial"):

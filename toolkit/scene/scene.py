@@ -213,7 +213,7 @@ class Scene(Description):
 
     @property
     def size(self) -> float:
-        """Extent of the points or of the largest body, the length that displacements are compared with."""
+        """Model size: extent of the points or of the largest body, the length that displacements are compared with."""
         return size_of(self)
 
     def number(self, path: str) -> Any:

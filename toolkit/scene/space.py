@@ -118,4 +118,4 @@ SPACE = Space(
     load_parameters=SPATIAL_ARGUMENTS - 25,
 )
 SPACES = {space.dimension: space for space in (PLANE, SPACE)}
-"""By dimension."""
+"""Records of the plane and of space, by dimension."""

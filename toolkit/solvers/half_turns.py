@@ -27,7 +27,7 @@ LOST = {
     ),
     "curve": ("stays half a turn behind", "its torque would jump. Let it follow its curve more closely, or use smaller steps."),
 }
-"""What next to which a load takes the turn of its angle -> what happened, and what to do."""
+"""Messages by the reference next to which a load takes the turn of its angle: what happened, and what to do."""
 
 
 @kernel

@@ -21,7 +21,7 @@ SLOW = 1e-11
 
 
 STEPS = 2
-"""Of Rayleigh's quotient, whose error falls to its third power."""
+"""Steps of Rayleigh's quotient, whose error falls to its third power."""
 
 
 def undamped_modes(stiffness: np.ndarray, mass: np.ndarray, motions: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:

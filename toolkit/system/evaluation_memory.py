@@ -29,7 +29,7 @@ class EvaluationMemory(threading.local):
         work = allocate_work(plan, float)
         self.work: Any = in_memory(work)
         self.care = work.care
-        """How it is evaluated, see `Work`."""
+        """Care with which it is evaluated, see `Work`."""
         self.formula: Callable[..., Any] | None = None
         """The compiled equations, once they have been looked up."""
 

@@ -14,7 +14,7 @@ class ChosenFrames(CuttableBody):
 
     kind = ""
     uncut_kind: ClassVar[type[ModelBody]]
-    """What the scene has written."""
+    """Class of the body that the scene has written."""
 
     choice: FrameChoice
 

@@ -31,9 +31,9 @@ class CutBody(ModelBody):
 
     kind = ""
     uncut_kind: ClassVar[type[ModelBody]]
-    """What the scene has in its place before it is cut."""
+    """Class of the body that the scene has in its place before it is cut."""
     part_kind: ClassVar[type[FramedPart]]
-    """Of its parts."""
+    """Class of the body's parts."""
 
     cuts: tuple[int, ...]
     choice: FrameChoice | None = None

@@ -25,7 +25,7 @@ from toolkit.reduced_model.spatial_model import SURFACE_POSITION
 MANY = 1000
 """Parts whose shapes are remembered: every complex step asks for them again."""
 NODE = "(node {})"
-"""In place of an interface point: a node of the reduced model by its number there."""
+"""Name in place of an interface point: a node of the reduced model by its number there."""
 
 
 class FramedPart(ModelBody):

@@ -22,8 +22,8 @@ HALVES = 134217729.0
 
 
 EXACT, ROUGH, LEFT_OUT = range(3)
-"""How K q is summed, in the caller's `Work.care`: as above; as usual, where its round-off does not matter; or no residual of the constant
-part, where derivatives alone are asked for."""
+"""Ways of summing K q, in the caller's `Work.care`: as the head of this file says; as usual, where its round-off does not matter;
+or no residual of the constant part, where derivatives alone are asked for."""
 
 
 class Changes(NamedTuple):

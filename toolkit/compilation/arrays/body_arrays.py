@@ -78,7 +78,7 @@ def constant_part(
 
 
 PLACES = ("segment_start", "segment_size", "row", "column", "position")
-"""What no number changes."""
+"""Arrays that no number of the scene changes."""
 
 
 def _places(parts: list[ConstantNumbers], rows: list, pattern: Pattern) -> dict[str, np.ndarray]:

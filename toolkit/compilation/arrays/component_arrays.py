@@ -91,7 +91,7 @@ def load_arrays(
 
 
 PLACES = ("family", "marker", "curve", "scaled", "state", "position_start", "position")
-"""What no number changes."""
+"""Arrays that no number of the scene changes."""
 
 
 def _places(scene: Scene, numbering: Numbering, columns: list[np.ndarray], pattern: Pattern) -> dict[str, np.ndarray]:

@@ -11,7 +11,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene.space import SPACE
 
 VECTORS = 4
-"""Of a pose in space: its position, and three axes that no translation moves."""
+"""Vectors of a pose in space: its position, and three axes that no translation moves."""
 Entries = list[tuple[np.ndarray, np.ndarray]]
 
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from numba.core import event
 
 KIND = "numba:compile"
-"""What numba announces the compilation of a function as; one that is loaded from the disk is none."""
+"""Event by which numba announces the compilation of a function; one that is loaded from the disk is none."""
 
 
 class CompileWatch(event.Listener):

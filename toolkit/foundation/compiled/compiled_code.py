@@ -103,7 +103,7 @@ REMEDY = f"Set {VARIABLE} to a folder that lasts and can be written."
 SETTINGS = ("BOUNDSCHECK", "OPT")
 """Settings of numba, from environment variables, that change the code."""
 LAYOUT = 2
-"""Of what is kept; another number for another one."""
+"""Version of the layout of what is kept; another number for another layout."""
 _DIGEST = 32  # bytes of SHA-256, before the code
 _TOLD: set[str] = set()  # kinds of remarks that this process has made
 

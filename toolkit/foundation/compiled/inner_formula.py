@@ -13,7 +13,7 @@ from toolkit.foundation.compiled.compiled_code import CompiledCode
 from toolkit.foundation.compiled.inner_code import InnerCompiler
 
 COMPILED = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "nopython": True, "boundscheck": None}
-"""How: without an entrance from Python."""
+"""Options of numba for a formula without an entrance from Python."""
 
 
 class InnerFormula(CPUDispatcher):

@@ -33,8 +33,8 @@ def _fast_address(array: np.ndarray) -> int:
 
 _PROBE = np.zeros(3)[1:]
 address_of = _fast_address if _fast_address(_PROBE) == _slow_address(_PROBE) else _slow_address
-"""Where the numbers of an array begin: what stands first behind the head of its object, in all of numpy so far. To have numpy tell it takes
-fifty times as long, which was a twentieth of a short run."""
+"""Address where the numbers of an array begin: what stands first behind the head of its object, in all of numpy so far. To have
+numpy tell it takes fifty times as long, which was a twentieth of a short run."""
 
 
 class PackedType(types.Type):

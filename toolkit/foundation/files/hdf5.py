@@ -32,7 +32,7 @@ SMALL, SMALL_SCALAR = 1024, 60_000
 """Bytes of an array, and of a single text, up to which it is kept within those structures and needs no checksum of its own."""
 
 _UNREADABLE = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError, MemoryError)
-"""What the system, numpy and the parsers raise on damaged content."""
+"""Errors that the system, numpy and the parsers raise on damaged content."""
 
 
 @contextmanager

@@ -15,7 +15,7 @@ KINDS = {
     stat.S_IFSOCK: "a socket",
     stat.S_IFDIR: "a folder",
 }
-"""What a path may lead to besides a regular file, in words."""
+"""Words for what a path may lead to besides a regular file."""
 AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 """Flags under which opening never waits, should the file have become a pipe after it was looked at."""
 

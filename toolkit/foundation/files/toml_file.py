@@ -18,7 +18,7 @@ LARGEST_FILE = 10_000_000
 DEEPEST = 30
 """Levels of tables and lists within each other."""
 HDF5 = b"\x89HDF\r\n"
-"""How files of numbers begin."""
+"""First bytes of a file of numbers (HDF5)."""
 LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}""")
 """The time that a key takes grows with more than the square of its parts, half a minute for a file of 64 kB."""
 

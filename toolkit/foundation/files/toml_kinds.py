@@ -72,4 +72,4 @@ _ADVICE = {
     ),
     ("body", "study"): lambda path: f"What is built here are the files that describe flexible bodies; {_of_study(path)}.",
 }
-"""What was wanted and what is there -> what to do."""
+"""Advice by (kind that was wanted, kind that is there): what to do."""

@@ -15,7 +15,7 @@ from toolkit.joints.kernels.records import FORM, GRADIENT, LAW
 from toolkit.joints.kernels.turn_laws import add_angle
 
 DEGREE = 9
-"""Of the polynomials."""
+"""Degree of the polynomials."""
 PIECE = DEGREE + 3
 """Numbers of a piece."""
 SEAM = 1e-6

@@ -11,7 +11,7 @@ CONSTANT, LINEAR, PAIR = 0, 1, 2
 ROWS, SPATIAL_ROWS = 3, 6
 """Most rows of a joint in the plane, and in space."""
 NUMBERS, SPATIAL_NUMBERS = 6, 24
-"""Of the poses of two markers."""
+"""Count of the numbers in the poses of two markers, in the plane and in space."""
 
 
 MARKER, FIRST_ROW, N_ROWS, CURVE, DESIGNED, CURVED, FORM, TURNED, POSITION, DESIGN, PINNED, LAW = (

@@ -22,7 +22,8 @@ class SpatialJoint(Joint):
 
     dimension: ClassVar[int] = 3
     symbol: ClassVar[str] = "ball"
-    """What it is drawn as, by a name of `render.space.symbols`; nothing if empty, as of what stands beside another joint."""
+    """Symbol that the joint is drawn as, by a name of `render.space.symbols`; nothing if empty, as of what stands beside another
+    joint."""
 
     @property
     def poses(self) -> SpacePoses:

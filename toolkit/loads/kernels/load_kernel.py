@@ -19,7 +19,8 @@ from toolkit.markers.poses import add_pose_force, add_pose_force_design, add_pos
 ARGUMENTS, CURVE = 13, 12
 """Most arguments z in the plane: two poses, six parameters, and the value of the time curve, which is the last one."""
 SPATIAL_ARGUMENTS, SPATIAL_CURVE = 37, 36
-"""The same in space: two poses of twelve numbers, twelve parameters, and the value of the time curve."""
+"""Most arguments z in space: two poses of twelve numbers, twelve parameters, and the value of the time curve, which is the last
+one."""
 
 _f8 = numba.float64
 SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[:, ::1])

@@ -16,7 +16,7 @@ from toolkit.system.system import System
 SAMPLES, CORRECTIONS = 100, 20
 """Steps of the way at first, and how often coordinates are corrected in one."""
 REACH = 0.3
-"""Furthest move in a step of the way, a part of the scene's size (or rad): more is a jump to another way of assembling the bodies."""
+"""Furthest move in a step of the way, a part of the model size (or rad): more is a jump to another way of assembling the bodies."""
 REPEATED = 1e-10
 """Singular value, in parts of the largest, of joints that repeat each other."""
 FINEST = 1e-7

@@ -15,16 +15,16 @@ from toolkit.foundation.near_ties import first_largest
 from toolkit.solvers.closing.rigid_bodies import RigidBodies
 
 CLOSED = 1e-9
-"""Gap, a part of the scene's size (or rad), that is none."""
+"""Gap, a part of the model size (or rad), that is none."""
 MOST = 100
 LONGEST, SHORTEST = 0.3, 1e-12
-"""First and last radius within which a model of second order is believed, in parts of the scene's size (or rad)."""
+"""First and last radius within which a model of second order is believed, in parts of the model size (or rad)."""
 FLAT = 1e-9
 """Part of the largest curvature below which one is round-off."""
 GAINS = 1e-13
 """Part of the sum of squares by which a step has to lessen it, to be worth taking."""
 HARD = 1e3
-"""How much larger than others a gap is counted that is to stay closed; each time when the search begins anew."""
+"""Factor by which a gap that is to stay closed counts more than others; each time when the search begins anew."""
 
 
 class Nearest(NamedTuple):

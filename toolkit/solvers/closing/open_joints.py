@@ -14,12 +14,13 @@ from toolkit.solvers.closing.rigid_bodies import RigidBodies
 from toolkit.system.system import System
 
 AGAIN, FEW, ASIDE = 6, 60, 0.7
-"""How often the search begins from other positions if it has found none that close, of up to how many coordinates, and how far aside."""
+"""Number of times that the search begins from other positions if it has found none that close; most coordinates for which it
+does; distance of these positions."""
 TAKES_PART, LARGE = 0.05, 0.25
 """Part of the largest gap from which a joint may be the one that is told to be open; of two the first one is, if their gaps differ by less
 than some such part."""
 TRIED, OTHERS = 6, 1e-5
-"""How many joints are tried, and the gap, a part of the scene's size (or rad), of the others that is none then."""
+"""Number of joints that are tried, and the gap, a part of the model size (or rad), of the others that is none then."""
 REPEATED = 1e-9
 """Singular value, in parts of the largest, of joints that repeat each other."""
 

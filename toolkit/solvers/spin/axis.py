@@ -16,7 +16,7 @@ from toolkit.solvers.spin.generator import Generator, axis_of_turning, generator
 from toolkit.system.system import System
 
 SKEW = 1e-9
-"""Sine of the angle, and part of the scene's size, by which an axis may be off another one."""
+"""Sine of the angle, and part of the model size, by which an axis may be off another one."""
 
 
 STEADY = 1e-6

@@ -13,10 +13,11 @@ from toolkit.solvers.spin.state import Linearised, balancing, linearised
 from toolkit.system.system import System
 
 ANGLES = (1.0, 2.3)
-"""In rad: no multiples of a turn's half, third or quarter."""
+"""Angles in rad to turn the state by: no multiples of a turn's half, third or quarter."""
 CHANGES = 1e-7
-"""By how much forces may change with the angle, in parts of the largest one or of the centrifugal one at the scene's size, and stiffness,
-damping and mass in parts of their largest: round-off of stiff bodies is smaller, a rotor that is worth the word is less round."""
+"""Largest change of forces with the angle, in parts of the largest one or of the centrifugal one at the model size, and of
+stiffness, damping and mass in parts of their largest: round-off of stiff bodies is smaller, a rotor that is worth the word is
+less round."""
 
 
 def refuse_what_changes(system: System, inputs: Inputs, motion: Generator, speed: float, q: np.ndarray) -> None:

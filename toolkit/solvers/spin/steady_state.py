@@ -24,12 +24,12 @@ from toolkit.system.system import System
 SMALLEST = 2.0**-10
 """Part of the load, and of the square of the speed, below which a step is given up."""
 CLOSE = 0.05
-"""Part of the scene's size (or rad) that a state may be off a known one from which Newton goes straight to it."""
+"""Part of the model size (or rad) that a state may be off a known one from which Newton goes straight to it."""
 SINGULAR = 1e-14
 """Smallest singular value of the matrix, in comparable units, in parts of the largest, which is round-off."""
 RATES = np.array([0.0, 1.0, 0.0])
 OPENS = 1e-9
-"""Part of the scene's size per radian by which a joint may open, above round-off."""
+"""Part of the model size per radian by which a joint may open, above round-off."""
 
 
 class SteadyState(NamedTuple):

@@ -22,11 +22,11 @@ from toolkit.solvers.direct_solve import solve_linear
 from toolkit.system.system import System
 
 CLOSED = 1e-13
-"""Last correction, as a part of the scene's size: Newton's method is quadratic, so that round-off is left."""
+"""Last correction, as a part of the model size: Newton's method is quadratic, so that round-off is left."""
 ROUND_OFF = 1e-13
 """Correction, per distance of the bodies from the origin, that is round-off if it does not shrink any more."""
 REACH = 0.3
-"""Furthest move that is an adjustment, as a part of the scene's size; more is another configuration, or a mistake. Of a rotation half the
+"""Furthest move that is an adjustment, as a part of the model size; more is another configuration, or a mistake. Of a rotation half the
 angle counts, as it does in the quaternions of bodies in space: bodies turn by up to 0.6 rad."""
 MOST = 30
 LEVELS = np.array([0.0, 0.0, 1.0])

@@ -17,7 +17,7 @@ from toolkit.solvers.start.written_velocities import refuse_own_velocities, writ
 from toolkit.system.system import System
 
 POSITION_TOLERANCE = 1e-8
-"""Largest violation of a constraint at the start, relative to the scene's size (or rad): round-off of input with 9 digits."""
+"""Largest violation of a constraint at the start, relative to the model size (or rad): round-off of input with 9 digits."""
 SEVERAL = 64
 """Design variables whose derivatives of the constraints are looked at together."""
 

@@ -16,7 +16,7 @@ ELASTIC = "elastic_velocity"
 HOLDS = 1e-6
 """Part of the fastest velocity of the start by which a written one may miss what the joints allow: it was written with seven digits."""
 DERIVATIVE_HOLDS = 1e-8
-"""The same of the derivative by a design variable, which has no written digits."""
+"""Part of the fastest derivative by a design variable by which one may miss what the joints allow; it has no written digits."""
 ALIKE = 0.9
 """Part of the largest miss from which the first one is named, so that no round-off decides."""
 

@@ -20,7 +20,7 @@ from toolkit.solvers.static.stability.static_array import largest_entry, scaled_
 from toolkit.system.system import System
 
 LONGEST, NEAR, MOST = 0.2, 1e-3, 300
-"""Longest step and distance from which Newton is left alone, both in parts of the scene's size (or rad), and most steps."""
+"""Longest step and distance from which Newton is left alone, both in parts of the model size (or rad), and most steps."""
 ROUND_OFF = 1e-12
 """Part of the largest stiffness, or of what would hold the loads over the longest step, that cannot be told from none."""
 PLAIN = 10

@@ -37,7 +37,7 @@ ALIKE = 1e-4
 """Way up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
 zero, not the digits of the matrix."""
 FREE, TRUSTED = 0.05, 1.0
-"""A quasi-static step may end this far (a part of the scene's size, or rad) from where the step before points to, and this part of the
+"""A quasi-static step may end this far (a part of the model size, or rad) from where the step before points to, and this part of the
 way there; further off it has left the path of equilibria."""
 FADING = 0.8
 """Part of the local error before that is remembered from step to step: in an oscillation the estimate passes through zero."""

@@ -26,8 +26,8 @@ from toolkit.solvers.transient.step_matrix import mix, newton_matrix
 from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST, REST
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
-"""What becomes of a step. Those of a run with error control: too large a local error; so small a one that the next step may be longer;
-of quasi-static steps: an equilibrium far off the path."""
+"""Status of a step. Three belong to runs with error control or without inertia: too large a local error; so small a one that the
+next step may be longer; an equilibrium far off the path of quasi-static steps."""
 STAGNATED = 1e-7
 """Correction below which Newton is content when round-off keeps it from shrinking further."""
 SLOW = 0.2
@@ -39,12 +39,13 @@ shrink. Those of the same step are not blamed below the tolerance."""
 
 FAR = 1e-6
 """A first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual; a part of the
-scene's size (or rad)."""
+model size (or rad)."""
 STEADY = 1e-3
 """Relative change of the Jacobian by a correction up to which its factors serve for the rest of a step: a further correction by them leaves
 that part of itself, and costs what the residual costs."""
 CAREFUL = 100.0
-"""How much more they may leave in another direction than that in which the change was found: it was 20 for a boom beside a light block."""
+"""Factor by which they may leave more in another direction than that in which the change was found: it was 20 for a boom beside a
+light block."""
 FADES = 0.5
 """Part of what a correction is known to leave that is believed at least when it has left less."""
 OFTEN, SURPRISE = 20, 10.0
@@ -54,10 +55,10 @@ USUAL, WORSE = 1e-14, 100.0
 """Change by a refinement that is round-off, and how many times more than the least so far tells of a singular position: kept factors leave
 there what is not seen in the size of corrections. Four-bar linkages were off by up to 9e-7, with new factors there by 1e-8."""
 SUDDEN = 1e3
-"""How many times worse sparse factors may have become since a refinement showed how good they are: where even that leaves no more than
-NEGLIGIBLE of the expected correction, it is not refined."""
+"""Factor by which sparse factors may have become worse since a refinement showed how good they are: where even that leaves no
+more than NEGLIGIBLE of the expected correction, it is not refined."""
 GENTLE = 0.05
-"""Part of the scene's size (or rad) that nothing moves by more than in a step, so that factors hardly change until they are looked at
+"""Part of the model size (or rad) that nothing moves by more than in a step, so that factors hardly change until they are looked at
 again: a beam that turned 50 times in a step was off by 1e-11 with factors that were not refined."""
 
 

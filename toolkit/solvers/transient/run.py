@@ -21,7 +21,8 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 OVER_ALL, OF_FORCES = 100.0, 1e-3
-"""What kept factors of modified Newton may move over a whole run, and in one equilibrium without inertia, in parts of the tolerance."""
+"""Moves, in parts of the tolerance, that kept factors of modified Newton may cause over a whole run, and in one equilibrium
+without inertia."""
 
 
 class Run(NamedTuple):

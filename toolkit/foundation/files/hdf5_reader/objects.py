@@ -19,7 +19,7 @@ from toolkit.foundation.files.hdf5_reader.types import read_shape, read_type
 SIGNATURE, OLDEST = b"\x89HDF\r\n\x1a\n", 3
 """First bytes of every HDF5 file, and behind them the number of its format, of which this is the first that has checksums."""
 FORMAT = ("v110", "v110")
-"""The same for the library, when it writes: from this version on a flipped bit is noticed and not followed."""
+"""Format for the library when it writes: from this version on a flipped bit is noticed and not followed."""
 SQUEEZED, MOST_BYTES = 1100, 2**34
 """Most that HDF5's compression makes of a byte, with a little to spare, and most that all arrays of a file can be: a file that claims
 more was never written."""

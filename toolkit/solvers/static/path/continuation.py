@@ -23,7 +23,8 @@ from toolkit.system.static_path import LimitPoint, StaticPath
 from toolkit.system.system import System
 
 NEAR = 1e-6
-"""How far, in parts of the scene's size (or rad), Newton may move a point of the path that is under the full load to round-off."""
+"""Distance, in parts of the model size (or rad), that Newton may move a point of the path that is under the full load to
+round-off."""
 
 LEVEL = 1e-6
 """Part of the path's way by which the load grows at least; its square is the part of the load by which a limit point is missed."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 SMALLEST, PART = 1e-7, 1e-2
-"""Least extent of a coordinate that counts, in parts of the scene's size (or rad), and in parts of that of the one that moves most."""
+"""Least extent of a coordinate that counts, in parts of the model size (or rad), and in parts of that of the one that moves most."""
 
 
 @dataclass(frozen=True)

@@ -19,12 +19,12 @@ NEAREST = 1e-6
 """Gradients of a state whose softest stiffness vanishes within this part of the load are refused. They grow as 1 / sqrt(distance), and
 they hold for changes that are small against the distance: nobody knows a load, or sets it, to so many digits."""
 REACH = 1e-4
-"""Part of the scene's size (or rad) over which the change of the stiffness is taken: a thousandth of it is told from
+"""Part of the model size (or rad) over which the change of the stiffness is taken: a thousandth of it is told from
 round-off."""
 SHIFT = 1e-10
 """Part of the largest stiffness that makes a singular matrix regular."""
 ITERATIONS = 8
-"""Of the inverse iteration: a stiffness that vanishes a million times sooner than others is found in two."""
+"""Iterations of the inverse iteration: a stiffness that vanishes a million times sooner than others is found in two."""
 
 
 def is_stable(system: System, options: RunOptions, state: Equilibrium, factor: float) -> bool:

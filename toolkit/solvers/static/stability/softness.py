@@ -12,7 +12,7 @@ from toolkit.solvers.static.stability.saddle import Saddle
 COUNT = 2
 """Motions that are watched: the softest one may be overtaken by another."""
 ITERATIONS, AGAIN = 6, 2
-"""Of the inverse iteration, from anywhere and from the motions of a point near by."""
+"""Iterations of the inverse iteration, from anywhere and from the motions of a point near by."""
 
 
 class Softness(NamedTuple):

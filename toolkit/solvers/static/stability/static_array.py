@@ -13,7 +13,7 @@ from toolkit.solvers.static.equilibrium import static_matrix
 from toolkit.system.system import System
 
 StaticArray: TypeAlias = "np.ndarray | scipy.sparse.csr_array"
-"""Of shape (n, n)."""
+"""Static matrix as a dense or sparse array of shape (n, n)."""
 
 
 def static_array(system: System, terms: Terms) -> StaticArray:

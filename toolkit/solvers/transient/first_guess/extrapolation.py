@@ -17,13 +17,13 @@ made; what the last refinement changed in parts of the correction, 0 if unknown,
 and the least change so far; see `newton`. For how many steps multiples of differences will still be fitted, or minus the number of steps
 that would have needed it; and whether the next guess is made of those."""
 NEGLIGIBLE = 1e-15
-"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist
+"""Part of the model size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist
 of."""
 WANTED, PATIENCE = 10, 20
 """Steps that need multiples before they are fitted, as a short run does not get back what that costs; and steps for which they are fitted
 after the last that needed it."""
 SMOOTH = 1e-4
-"""Part of the scene's size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
+"""Part of the model size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
 solutions, and the one next to the last state is meant. Nor is a fitted one this far from that of the best order."""
 BETTER = 0.5
 """Part of the miss of one order that the next has to undercut: round-off alone is no trend, its differences grow with the order."""

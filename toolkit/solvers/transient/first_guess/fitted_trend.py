@@ -19,7 +19,7 @@ HIGHEST = 6
 which one correction leaves nothing; a beam that vibrates by 0.7 rad in a step is missed by 5e-6 by every polynomial, and by 5e-6, 1e-7
 and 5e-8 where 3, 4 and 6 differences are fitted."""
 FADING = 0.5
-"""What a step's misses count for in parts of those of the step after it."""
+"""Weight of a step's misses, in parts of that of the step after it."""
 RIDGE = 1e-13
 """Part of its own square that holds a multiple at zero where differences depend on each other to round-off."""
 
