@@ -76,7 +76,7 @@ def pendulum_like(scene: Scene) -> Scene:
 
 
 def _small(space: Space, formulation: Formulation, forced: bool, coiled: bool) -> Scene:
-    """The hanging rod, on request with the force of its joint as a response, and with a spring whose turns are counted."""
+    """Smallest scene, a hanging rod; on request with its joint's force as a response, and with a spring whose turns count."""
     options = RunOptions(end_time=1e-3, step=1e-3, formulation=formulation, load_steps=1)
     force = {"force": JointForce(joint="hinge", component="x")} if forced else {}
     common: dict[str, Any] = {
@@ -100,7 +100,7 @@ def _planar(_coiled: bool) -> dict[str, Any]:
 
 
 def _spatial(coiled: bool) -> dict[str, Any]:
-    """With a rotational spring, whose turns are counted by compiled code, on request."""
+    """Fields of the smallest spatial scene; on request with a rotational spring, whose turns compiled code counts."""
     spring = SpatialRotationalSpringDamper(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0), stiffness=1.0)
     return {
         "dimension": 3,
