@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import toolkit as ffrf
+import ffrf
 from toolkit.analyses.transient import simulate
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.basis.basis_choice import BasisChoice
 from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_wing import WING, wing
@@ -17,11 +17,11 @@ from toolkit.command_line.commands.inspection import describe_scene
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.studies.tradeoff.axes import read_axes
+from toolkit.studies.tradeoff.case import Case
+from toolkit.studies.tradeoff.frame_axes import framed
 from toolkit.studies.tradeoff.recommendation import changes
-from toolkit.studies.tradeoff.runs.worker import Case
-from toolkit.studies.tradeoff.settings.axes import read_axes
-from toolkit.studies.tradeoff.settings.frame_axes import framed
-from toolkit.studies.tradeoff.settings.setting import Setting
+from toolkit.studies.tradeoff.setting import Setting
 from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
 from toolkit.validity.bodies.deformation import LIMIT, deformations
 

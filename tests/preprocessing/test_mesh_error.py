@@ -21,6 +21,7 @@ from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.solids.discrete_body import lame_factors
 from tests.models.solid_bodies import box, cantilever, rectangle, write_body
 from toolkit.command_line.cli import app as runtime
+from toolkit.door.model import compile_model
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.questions.mesh_questions import COARSE, TOO_STIFF, mesh_questions, told_mesh
@@ -156,6 +157,16 @@ def test_a_coarse_mesh_is_told_by_the_command_by_the_file_and_by_scenes_that_ask
     scene = ["inspect", str(tmp_path / "scene.toml"), "--no-measure"]
     assert json.loads(CliRunner().invoke(runtime, [*scene, "--json"]).stdout)["cost_summary"]["meshes"] == {"body.h5": judged}
     assert f"body.h5: estimated: {judged['told']}" in CliRunner().invoke(runtime, scene).stdout
+
+
+def test_modes_are_not_doubted_for_the_stress_of_a_response(tmp_path):
+    path = write_body(tmp_path, rectangle("triangle6", (6, 2), 1.0, 0.2), 'kind = "craig-bampton"\ncount = 2', tie="rigid")
+    CliRunner().invoke(app, [str(path)])
+    assert COARSE < max(load(tmp_path / "body.h5").stress_errors.values()) < TOO_STIFF
+    (tmp_path / "scene.toml").write_text(SCENE.replace("RESPONSE", "s = { type = 'max-stress', body = 'beam' }"))
+    model = compile_model(read_scene(tmp_path / "scene.toml"))
+    assert "coarse-mesh" in model.statics().verdict.codes
+    assert "coarse-mesh" not in model.modes(count=1).verdict.codes
 
 
 def test_elements_with_middle_nodes_are_not_advised_to_a_mesh_of_them_and_round_off_has_no_size(tmp_path):

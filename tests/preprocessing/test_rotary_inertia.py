@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.assembly.assembly import assemble
 from preprocessing.assembly.invariants import contract
 from preprocessing.basis.reduction import undeformed

@@ -8,16 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
-from tests.frames.test_cut_bodies import SECTION
+from tests.frames.test_cut_bodies import EI, SECTION
 from tests.models.solid_pieces import bar_scene, save_bar, write_bar
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.reduced_model.file import load, save
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.reduced.few_shapes import left_out, raised_at_most
+from toolkit.validity.bodies.reduced.gripped_vibrations import raised_by_grips
 
 NODES = np.column_stack([np.linspace(0, 1, 13), np.zeros(13)])
 SCENE = """units = "m-kg-s"
@@ -96,18 +97,47 @@ def test_a_list_of_modes_is_doubted_as_responses_are_and_names_each_that_is_wron
     assert listed.text == response.text.replace("f1 by", "mode 1 by").replace("f2 by", "mode 2 by")
 
 
-def test_eigenmodes_are_exact_alone_and_not_known_where_joints_pull(tmp_path):
+def test_eigenmodes_are_exact_alone_and_too_stiff_where_joints_pull_by_what_is_told(tmp_path):
     """Modes of the clamped body are its own; a joint at its tip bends it in all of them."""
     basis, full = BasisChoice("eigenmodes", count=4), BasisChoice("full")
     alone, exact = (ffrf.compile(scene(tmp_path, each, ', frame = "grounded"')).statics() for each in (basis, full))
     assert not said(alone.verdict)
     assert alone.values["f2"] == pytest.approx(exact.values["f2"], rel=1e-6)  # the round-off of so stiff a pencil
     pin = PIN.replace("POINT", "tip")
-    held, exact = (ffrf.compile(scene(tmp_path, each, ', frame = "grounded"', pin)).statics() for each in (basis, full))
-    assert held.values["f2"] > 1.005 * exact.values["f2"]
-    (caution,) = said(held.verdict)
-    assert caution.doubt
-    assert "not known: its basis leaves out shapes that move where joints or springs hold it, at tip" in caution.text
+    few, exact = (ffrf.compile(scene(tmp_path, each, ', frame = "grounded"', pin)) for each in (basis, full))
+    (caution,) = said(few.modes(count=3).verdict)
+    assert not caution.doubt
+    assert "joints or springs hold beam at tip, which moves in shapes that its basis leaves out" in caution.text
+    true = few.modes(count=3).frequencies / exact.modes(count=3).frequencies - 1
+    found = raised_by_grips(few.statics().solution, dict(zip("abc", few.modes(count=3).frequencies, strict=True)), slowest(few))
+    assert [*found.values()] == pytest.approx(true, rel=0.05)
+    assert f"mode 2 by about {found['b']:.1%}, mode 3 by about {found['c']:.1%}" in caution.text
+
+
+def slowest(model) -> dict[str, float]:
+    (known,) = left_out(model.scene)
+    return {known.body: known.slowest}
+
+
+@pytest.mark.parametrize(("count", "doubted"), [(2, True), (8, True), (20, False)])
+def test_free_modes_that_a_clamp_holds_are_doubted_by_their_size(tmp_path, count, doubted):
+    """They converge as slowly as the inverse of their number, though all that are left out are far faster."""
+    clamp, few = PIN.replace("POINT", "hub").replace("revolute", "rigid"), BasisChoice("eigenmodes", boundary="free", count=count)
+    model = ffrf.compile(scene(tmp_path, few, "", clamp))
+    run = model.statics()
+    true = run.values["f1"] / (3.5160153 / (2 * np.pi) * np.sqrt(EI / (SECTION.density * SECTION.width * SECTION.thickness))) - 1
+    found = raised_by_grips(run.solution, {"f1": run.values["f1"]}, slowest(model))
+    assert found["f1"] == pytest.approx(true, rel=0.1)
+    assert any(each.doubt for each in said(run.verdict)) == doubted
+
+
+def test_a_bar_that_swings_is_exact_in_few_modes_and_trusted(tmp_path):
+    few = BasisChoice("eigenmodes", boundary="free", count=6)
+    weight = 'loads.g = { type = "gravity", acceleration = [0.981, 0.0] }\n'
+    path = scene(tmp_path, few, "", PIN.replace("POINT", "hub") + weight)
+    run = ffrf.compile(path.model_copy(update={"responses": {"f1": path.responses["f1"]}})).statics()
+    assert run.values["f1"] == pytest.approx(np.sqrt(1.5 * 0.981) / (2 * np.pi), rel=1e-3)  # it bends a little
+    assert run.verdict.trusted
 
 
 def test_free_modes_of_a_free_body_are_exact_and_not_doubted(tmp_path):
@@ -118,7 +148,7 @@ def test_free_modes_of_a_free_body_are_exact_and_not_doubted(tmp_path):
         found.append(run.frequencies)
         assert not said(run.verdict)
     assert found[0][3:] == pytest.approx(found[1][3:], rel=1e-7)
-    held = solve_modes(undeformed(compile_scene(scene(tmp_path, few, "", PIN.replace("POINT", "tip")))), 9)
+    held = solve_modes(undeformed(compile_scene(scene(tmp_path, few, "", PIN.replace("POINT", "tip")))), 8)
     assert said(held.verdict)
 
 

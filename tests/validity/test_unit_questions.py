@@ -79,7 +79,7 @@ WRONG = {
     "MPa of aluminium": ("m-kg-s", 70e3, 2700.0, ("70000 Pa with a density", "softer than", "reads as MPa", "7e+10"), True),
     "GPa of aluminium": ("mm-t-s", 70.0, 2.7e-9, ("70 MPa with a density", "softer than", "reads as GPa", "of aluminium"), True),
     "no metal": ("mm-t-s", 30.0, 2.7e-9, ("30 MPa with a density", "softer than"), False),
-    "g/cm3 in m-kg-s": ("m-kg-s", 210e9, 7.85, ("with a density of 7.85 kg/m^3", "stiffer", "reads as g/cm^3", ": 7850"), False),
+    "g/cm3 in m-kg-s": ("m-kg-s", 210e9, 7.85, ("with a density of 7.85 kg/m^3", "stiffer", "reads as g/cm^3", ": 7850"), True),
     "no unit at all": ("m-kg-s", 1e30, 7850.0, ("youngs_modulus = 1e+30 Pa", "fix the exponent or the units"), True),
 }
 """Units, modulus, density; what is said, and whether it is beyond any material."""

@@ -11,7 +11,7 @@ import numpy as np
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.spinning import solve_spinning
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.foundation.errors import BifurcationError, ConvergenceError, InputError, SingularSystemError
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.dense_memory import check_dense
 from toolkit.solvers.half_turns import half_turn
@@ -25,11 +25,14 @@ from toolkit.solvers.static.static_start import start_of_path
 from toolkit.system.solution import Solution
 from toolkit.system.static_path import StaticPath
 from toolkit.system.system import System
+from toolkit.validity.equilibrium import bifurcation_of_frame
 from toolkit.validity.judge import judge
 
 Progress = Callable[[int, int], None]
 
 
+BEFORE = 0.9
+"""Part of the load of a bifurcation at which its reason is looked for."""
 CLOSE = 0.05
 """Part of the scene's size (or rad) that an equilibrium may be off that of another design from which Newton goes straight to it."""
 
@@ -87,6 +90,8 @@ def solve_statics(
         arrival = to_full_load(system, options, state, factor, options.continuation == "arc-length", progress)
     except (ConvergenceError, SingularSystemError) as error:
         told = at_limit_position(system, options, state.q, factor, error)
+        if isinstance(told, BifurcationError):
+            told = _explained(system, options, state, told)
         if told is error:
             raise
         raise told from error
@@ -94,6 +99,17 @@ def solve_statics(
     refuse_open_joints_left_out(system, options, arrival.state.q)
     report = {"newton_iterations": count + arrival.iterations, "load_steps": arrival.steps + (factor > 0), "path": arrival.path}
     return _with_sensitivities(system, options, arrival.state, begun, **report)
+
+
+def _explained(system: System, options: RunOptions, state: Equilibrium, error: BifurcationError) -> BifurcationError:
+    """The error of a path from a state without loads, with its reason where that is no buckling."""
+    try:
+        before, _ = find_equilibrium(system, options, BEFORE * error.load_factor, state.q, state.acc)
+    except (ConvergenceError, SingularSystemError):
+        return error
+    rest, none = np.zeros_like(before.q)[None], np.zeros((1, system.n, 0))
+    states = (before.q[None], rest, before.acc[None], none, none, none)
+    return bifurcation_of_frame(Solution.from_padded(system, np.array([options.end_time]), states, options=options), error)
 
 
 def equilibrium_beside(system: System, known: Solution) -> Solution:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,9 @@ from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.basis_errors import cautions_of_frozen, frequency_errors
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
-from toolkit.studies.places.place import Place
+from toolkit.studies.engine.executor import Executor
 from toolkit.system.model_files import refuse_changed
+from toolkit.system.solution import Solution
 
 FREE = Caution(
     "free-modes",
@@ -255,11 +257,16 @@ class Model:
         as_given = undeformed or floating
         system = (compiled.of_one_frame() if as_given else compiled.analysed_by("static")).primal
         options = system.scene.solver.model_copy(update={"equilibrium": "spinning"}) if spinning else None
-        state = at_rest(system) if as_given else solve(system, "static", progress, options)
+        state = _without_responses(at_rest(system) if as_given else solve(system, "static", progress, options))
         found = solve_modes(state, count)
         told = [FREE] if floating else []
-        growing = "unstable" in found.verdict.codes  # what grows about a spin is said once
-        of_state = [each for each in state.verdict.warnings if not (growing and each.code == UNSTABLE)]
+        codes = found.verdict.codes
+        once = {
+            "critical-load": True,
+            "tension": "tension" in codes,
+            UNSTABLE: "unstable" in codes,
+        }  # said of the modes themselves
+        of_state = [each for each in state.verdict.warnings if not once.get(each.code)]
         return found._replace(verdict=Verdict.of([*told, *found.verdict.warnings, *of_state]))
 
     def campbell(
@@ -356,11 +363,11 @@ class Model:
         designs = designs if isinstance(designs, Mapping | str) else list(designs)
         if isinstance(designs, Mapping | str) or not all(isinstance(each, Mapping) for each in designs):
             raise InputError('designs are a list of numbers by name, as in [{"t_w": 1.5}, {"t_w": 1.6}].')
-        place = Place(processes, threads)
+        executor = Executor(processes, threads)
         check_method(gradients)
         if not isinstance(judged, bool) and judged != "each":
             raise InputError(f'judged = {judged!r}: write True, False, or "each" to measure the verdict on every design.')
-        return outcomes(self._compiled, list(designs), kind, gradients, judged, place, progress)
+        return outcomes(self._compiled, list(designs), kind, gradients, judged, executor, progress)
 
     def run(
         self,
@@ -419,6 +426,12 @@ def kind_of(analysis: str) -> Kind:
     )
     check_kind(found)
     return "static" if found == "static" else "transient"
+
+
+def _without_responses(state: Solution) -> Solution:
+    """A state of a scene without its responses, whose doubts are none of the modes about it."""
+    scene = state.system.scene.model_copy(update={"responses": {}})
+    return replace(state, system=replace(state.system, scene=scene))
 
 
 def _named(frequencies: np.ndarray) -> dict[str, float]:

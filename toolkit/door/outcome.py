@@ -16,7 +16,7 @@ from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind
 from toolkit.studies.designs.carried_verdicts import Answers, CarriedVerdicts, Measured, answers, apart, measured
 from toolkit.studies.designs.indicators import written_numbers
-from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.engine.executor import Executor, completed
 
 
 @dataclass(frozen=True)
@@ -121,12 +121,12 @@ def outcomes(
     kind: Kind,
     gradients: bool | str,
     judged: bool | str,
-    place: Place,
+    executor: Executor,
     progress: Progress | None,
 ) -> list[Outcome]:
     """Outcomes of all designs in their order; arguments as of `Model.map`."""
     work, rounds = Designs(compiled, kind, gradients, judged), _Rounds(compiled.scene, designs, judged is True)
-    for k, solved in done_at(place, work, rounds.first(), more=rounds.more):
+    for k, solved in completed(executor, work, rounds.first(), more=rounds.more):
         rounds.take(k, solved)
         if progress:
             progress(len(rounds.found), len(designs))

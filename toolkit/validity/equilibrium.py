@@ -1,4 +1,4 @@
-"""Cautions about an equilibrium: which limit points lie before it, and whether a motion that stays in it would leave it."""
+"""Cautions about an equilibrium: which limit points lie before it, why it buckles, and whether a motion that stays in it would leave it."""
 
 from __future__ import annotations
 
@@ -6,10 +6,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.foundation.errors import BifurcationError
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.vibrations.flutter import REMEDY, UNSTABLE, growth_of, may_grow
 from toolkit.responses.vibrations.pencil import pencil_of, real_pencil
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.compressed.critical_load import compression
+from toolkit.validity.bodies.cut.more_frames import divided
+from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.turning_frame import turning_frames
+from toolkit.validity.description.frame_choice import advice_of_frame
 
 STILL, SHOWN = 0.1, 0.05
 """How far a motion may go, in parts of the scene's size or rad, so that its end tells its stability; and which part of that it goes along
@@ -18,6 +24,8 @@ STRAIGHT = 1e-9
 """Part of the scene's size or rad below which a motion is round-off."""
 SETS_OFF = 100.0
 """Growth over the motion from which on it is no answer to stay: whatever disturbs a real one is so many times as large at its end."""
+FEIGNED = 1.0
+"""Part by which deflections are feigned at nine tenths of a bifurcation, from which the frame is its reason: it would be nine."""
 LASTS = 0.05
 """Part of a load by which it may change while it lasts."""
 
@@ -42,6 +50,36 @@ def limits_passed(solution: Solution) -> Iterator[Caution]:
         f"this equilibrium lies BEYOND A SNAP-THROUGH. The path from the unloaded state turns back at limit points ({passed}); a real "
         f"structure jumps at the first, and may come to rest elsewhere.{others}",
     )
+
+
+def bifurcation_of_frame(solution: Solution, error: BifurcationError) -> BifurcationError:
+    """The error of a path that buckles, or one that says so if that is the false softness of a body under tension.
+
+    Parameters
+    ----------
+    solution
+        The equilibrium under most of the load before the bifurcation, where a frame that turns with one end of its body takes away most
+        of the stiffness across the tension.
+    """
+    body = _softened_by_its_frame(solution)
+    if not body:
+        return error
+    scene, factor = solution.system.scene, error.load_factor
+    return BifurcationError(
+        f"{body} is in tension and does not buckle, but its equations do, at {100 * factor:.6g} % of the load, in a motion of "
+        f"{error.coordinate}: its frame turns with one end, and forces along the body turn with this frame, which takes stiffness from it. "
+        f"Fix: {divided(scene, body, 1 / (factor * LIMIT))}.{advice_of_frame(scene, body)}",
+        factor,
+        error.coordinate,
+    )
+
+
+def _softened_by_its_frame(solution: Solution) -> str:
+    """The body whose frame is the reason why an equilibrium is soft; empty without any."""
+    found = compression(solution)
+    if found is not None and found.feigned > max(FEIGNED, found.missed):
+        return getattr(solution.system.scene.body(found.body), "whole", found.body)
+    return next((each.body for each in turning_frames(solution) if each.force > 0 and each.error > FEIGNED), "")
 
 
 def stays_in_unstable(solution: Solution) -> Iterator[Caution]:

@@ -9,7 +9,7 @@ from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.vibrations.flutter import unstable_vibrations
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.beam_assumptions import bent_between_nodes
+from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, energy_between_nodes
 from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.chains.lines_on_bodies import lines_on_bodies
@@ -44,6 +44,7 @@ from toolkit.validity.motion.spring_length import springs_through_zero
 from toolkit.validity.start.middle_axis import middle_spins
 from toolkit.validity.start.start_cautions import cautions_of_start
 from toolkit.validity.start.sudden_loads import halved_steps
+from toolkit.validity.start.undisturbed import undisturbed
 
 
 @one_thread()
@@ -90,9 +91,8 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from overshooting_tables(solution)
         yield from creeping_friction(solution)
         yield from turns_in_a_step(solution)
-        yield from middle_spins(solution)
         yield from left_out(solution)
-        yield from stays_in_unstable(solution)
+        yield from [*middle_spins(solution), *stays_in_unstable(solution)] or undisturbed(solution)
     else:
         yield from limits_passed(solution)
         if solution.spins:
@@ -119,6 +119,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from sheared(solution)
     yield from folded_skins(scene)
     yield from bent_between_nodes(solution)
+    yield from energy_between_nodes(solution)
     yield from missed_statics(solution)
     yield from fibres_alone(solution)
     yield from turning(solution)

@@ -4,7 +4,7 @@
     stress = E (eps + f kappa t / 2),   f = +1 outer fibre, -1 inner fibre
 
 with E times `modulus_factor`. M_3, the rotary inertia of the section, is there where it is asked for. It needs the offset of
-`elements.spatial_beam` as the one hidden coordinate, which has no stiffness and belongs to no displacement. Shear adds kappa G b t K_2
+`BeamElements` as the one hidden coordinate, which has no stiffness and belongs to no displacement. Shear adds kappa G b t K_2
 where it deforms the beams.
 
 The skin runs from F round the nose to G, anticlockwise, so its outside lies to the right of the direction of travel, at n = -t/2 in
@@ -22,12 +22,12 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.elements import beam
-from preprocessing.elements.block_element import LineElement, Tension
+from preprocessing.elements.block_element import LineElement, Tension, section_terms
 from preprocessing.elements.element import Contribution, squared
-from preprocessing.elements.section import Patch, Sheared
+from preprocessing.elements.section import Patch, SectionTerm, Sheared
 from preprocessing.elements.section_shape import ONE, Term, Terms, fixed, value_of
 from preprocessing.elements.space import PLANE
+from toolkit.kinematics.beam_elements import BeamElements, length
 from toolkit.reduced_model.model import StressPoints
 
 FIBRES = np.array([1, -1])
@@ -57,16 +57,21 @@ class PlanarBeam(LineElement):
         """Phi of every element, (n_e,); None without shear."""
         if not self.sheared:
             return None
-        lengths = beam.length(self.ends)
+        lengths = length(self.ends)
         found = np.zeros(len(lengths), complex)
         for patch, each in zip(self.patches, self.sheared, strict=True):
             moment, area = (value_of(terms, each.dimensions) for terms in (SECOND_MOMENT, AREA))
             found[patch.elements] = each.phi(self.modulus_factor * moment, area, lengths[patch.elements])
         return found if np.any(found.imag) else found.real
 
+    @cached_property
+    def beams(self) -> BeamElements:
+        """The elements that contribute."""
+        own = self.contributing
+        return BeamElements.in_plane(self.ends[own], None if self.phi is None else self.phi[own])
+
     def contributions(self) -> Iterator[Contribution]:
-        ends, phi = self.ends[self.contributing], None if self.phi is None else self.phi[self.contributing]
-        masses, stiff, stressed = self._masses(ends, phi), self._stiff(ends, phi), self._stressed(ends, phi)
+        masses, stiff, stressed = self._masses(), self._stiff(), self._stressed()
         for number, patch in enumerate(self.patches):
             elements, here = self.of_patch(patch)
             if not len(elements):
@@ -75,8 +80,8 @@ class PlanarBeam(LineElement):
                 yield Contribution("mass", patch, self._fixed(number, terms), self.component_masses(elements, blocks[here]))
             for terms, rows in stiff:
                 yield squared(patch, self._fixed(number, terms), self.placed_rows(elements, rows[here]))
-            if phi is not None:
-                rows = beam.shearing(ends, phi)[here] / np.sqrt(self.sheared[number].flexibility)
+            if self.phi is not None:
+                rows = self.beams.shearing[0][here] / np.sqrt(self.sheared[number].flexibility)
                 yield squared(patch, self._fixed(number, AREA), self.placed_rows(elements, rows))
             numbers, n_rows = 4 * elements[:, None] + np.arange(4), 4 * len(self.connectivity)
             for terms, rows in stressed:
@@ -87,27 +92,45 @@ class PlanarBeam(LineElement):
         """Polynomial of the section of a patch, a number where shear deforms it."""
         return fixed(terms, self.sheared[number].dimensions) if self.sheared else terms
 
-    def _masses(self, ends: np.ndarray, phi: np.ndarray | None) -> list[tuple[Terms, np.ndarray]]:
+    def _masses(self) -> list[tuple[Terms, np.ndarray]]:
         """Polynomials of the section and the component mass matrices that they multiply."""
-        along = (AREA, beam.component_mass(ends, phi))
-        return [along, (SECOND_MOMENT, beam.rotary_mass(ends, phi))] if self.rotary_inertia else [along]
+        along = (AREA, self.beams.component_mass)
+        return [along, (SECOND_MOMENT, self.beams.rotary_mass[0])] if self.rotary_inertia else [along]
 
-    def _stiff(self, ends: np.ndarray, phi: np.ndarray | None) -> list[tuple[Terms, np.ndarray]]:
+    def _stiff(self) -> list[tuple[Terms, np.ndarray]]:
         """The same of the rows of the stiffness in stretching and bending."""
         root = np.sqrt(self.modulus_factor)
-        return [(AREA, root * beam.stretching(ends)), (SECOND_MOMENT, root * beam.bending(ends, phi))]
+        return [(AREA, root * self.beams.stretching), (SECOND_MOMENT, root * self.beams.bending[0])]
 
-    def _stressed(self, ends: np.ndarray, phi: np.ndarray | None) -> list[tuple[Terms, np.ndarray]]:
-        """The same of the rows of the stress."""
-        factor = self.modulus_factor
-        return [(ONE, factor * strain_rows(ends)), (THICKNESS, factor * curvature_rows(ends, phi))]
+    def _stressed(self) -> list[tuple[Terms, np.ndarray]]:
+        """The same of the rows of the stress: of eps, and of f kappa / 2."""
+        rows = self.beams.curvature[0][:, :, None, :] * FIBRES[:, None] / 2
+        bent = rows.reshape(len(rows), 4, -1)
+        return [
+            (ONE, self.modulus_factor * np.repeat(self.beams.strain[:, None, :], 4, axis=1)),
+            (THICKNESS, self.modulus_factor * bent),
+        ]
+
+    def section_terms(self) -> Iterator[SectionTerm]:
+        for number, patch in enumerate(self.patches):
+            k, factor = patch.elements, self.modulus_factor
+            yield from section_terms("stress_per_strain", patch, k, ONE, factor, youngs_modulus=1)
+            yield from section_terms("axial_stiffness", patch, k, AREA, factor, youngs_modulus=1)
+            yield from section_terms("bending_stiffness", patch, k, SECOND_MOMENT, factor, youngs_modulus=1)
+            yield from section_terms("mass_per_length", patch, k, AREA, density=1)
+            if self.sheared:
+                yield from section_terms(
+                    "shear_stiffness", patch, k, AREA, 1 / self.sheared[number].flexibility, youngs_modulus=1
+                )
+            for place, fibre in enumerate(np.tile(FIBRES, 2)):
+                yield from section_terms("fibre_distance", patch, 4 * k + place, THICKNESS, -fibre / 2)
 
     def tensions(self) -> Iterator[Tension]:
         """The normal force on the slopes."""
-        strain, slopes = self.modulus_factor * beam.strain(self.ends), beam.turning(self.ends, self.phi)
+        strain, slopes = self.modulus_factor * self.beams.strain, self.beams.turning[0]
         for number, patch in enumerate(self.patches):
-            k = patch.elements
-            yield Tension(patch, k, self._fixed(number, AREA), strain[k], slopes[k])
+            elements, here = self.of_patch(patch)
+            yield Tension(patch, elements, self._fixed(number, AREA), strain[here], slopes[here])
 
     def changing(self) -> PlanarBeam:
         found = self.stepped
@@ -122,16 +145,5 @@ class PlanarBeam(LineElement):
         return StressPoints(element.ravel(), end.ravel(), fibre.ravel())
 
     def functions(self, element: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        ends, phi = self.ends[[element]], None if self.phi is None else self.phi[[element]]
-        return self.dofs[element, : 2 * self.per_node], beam.shape(ends, phi)[0], beam.rotation(ends, phi)[0]
-
-
-def strain_rows(ends: np.ndarray) -> np.ndarray:
-    """Rows of eps at the stress points, to be multiplied by E; (n_e, 4, 6)."""
-    return np.repeat(beam.strain(ends)[:, None, :], 4, axis=1)
-
-
-def curvature_rows(ends: np.ndarray, phi: np.ndarray | None = None) -> np.ndarray:
-    """Rows of f kappa / 2 at the stress points, to be multiplied by E t; (n_e, 4, 6)."""
-    rows = beam.curvature(ends, phi)[:, :, None, :] * FIBRES[:, None] / 2
-    return rows.reshape(len(ends), 4, 6)
+        own = BeamElements.in_plane(self.ends[[element]], None if self.phi is None else self.phi[[element]])
+        return self.dofs[element, : 2 * self.per_node], own.shape[0], own.rotation[0]

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.errors import InputError
-from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope, values
+from toolkit.kinematics.beam_elements import AXIAL, HERMITE, slope, values
 from toolkit.reduced_model.model import Mesh, ReducedModel
 from toolkit.render.plane.configuration import Configuration
 from toolkit.responses.stress.stress import stress_operator

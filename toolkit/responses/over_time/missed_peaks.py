@@ -13,6 +13,7 @@ import numpy as np
 
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.responses.over_time.over_time import over_all_steps
 from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.system.solution import Solution
 
@@ -69,8 +70,7 @@ def _vertices(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nda
 def _curves(response: object, solution: Solution) -> Iterator[np.ndarray]:
     """Values at all steps (n_t,) whose largest, or smooth largest, the response is, of an absolute one those of both signs."""
     if isinstance(response, TimeMax | TimeMin | TimeKS):
-        look = response.source.instants(solution)
-        values = np.array([float(np.real(look(step).value)) for step in range(len(solution.times))])
+        values = np.real(over_all_steps(response.source, solution))
         absolute = isinstance(response, TimeMax | TimeKS) and response.measure == "absolute"
         yield from (values, -values) if absolute else (-values if isinstance(response, TimeMin) else values,)
     elif isinstance(response, MaxStress | KSStress) and response.when == "all":

@@ -14,6 +14,7 @@ import numpy as np
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.instant import slope_at
 from toolkit.responses.over_time.extremes import TimeMax, TimeMin
+from toolkit.responses.over_time.over_time import over_all_steps
 from toolkit.system.solution import Solution
 
 TIED = 1e-6
@@ -32,8 +33,7 @@ def tied_extremes(solution: Solution) -> Iterator[Caution]:
 
 
 def _of(name: str, response: TimeMax | TimeMin, solution: Solution) -> Iterator[Caution]:
-    look = response.source.instants(solution)
-    values = np.array([float(np.real(look(step).value)) for step in range(len(solution.times))])
+    look, values = response.source.instants(solution), np.real(over_all_steps(response.source, solution))
     absolute = isinstance(response, TimeMax) and response.measure == "absolute"
     height = np.abs(values) if absolute else -values if isinstance(response, TimeMin) else values
     tied = tied_peaks(height)

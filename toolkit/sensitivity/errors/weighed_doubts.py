@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from toolkit.analyses.run_start import known_start
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
@@ -85,7 +86,9 @@ def _converges(solution: Solution, error: StepError, balance: Mapping[str, float
         return False
     options = solution.options or solution.system.scene.solver
     try:
-        halved = energy_defects(simulate(solution.system, shorter_steps(options, solution.whole_run, 2)))
+        halved = energy_defects(
+            simulate(solution.system, shorter_steps(options, solution.whole_run, 2), known=known_start(solution))
+        )
     except ToolkitError:
         return False
     allowed = SLOWER / 2 ** (1 if first_order(options) else 2)

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.compressed.merging_vibrations import merging_of
@@ -18,8 +17,10 @@ from toolkit.validity.bodies.shear.sheared_vibrations import sheared_vibrations
 from toolkit.validity.bodies.tension.tension_cautions import tension_of_vibrations
 
 
-def cautions_of_frequencies(scene: Scene, frequencies: Mapping[str, float], doubt: bool) -> Iterator[Caution]:
-    """By the models of the bodies alone.
+def cautions_of_frequencies(
+    solution: Solution, frequencies: Mapping[str, float], doubt: bool, differentiated: bool
+) -> Iterator[Caution]:
+    """By the models of the bodies, about the last state.
 
     Parameters
     ----------
@@ -27,9 +28,11 @@ def cautions_of_frequencies(scene: Scene, frequencies: Mapping[str, float], doub
         By what they are called, in cycles per time.
     doubt
         Whether what is said can be a reason for a doubt.
+    differentiated
+        Whether their derivatives are asked for.
     """
-    yield from too_fast_for_elements(scene, frequencies, doubt)
-    yield from cautions_of_few_shapes(scene, frequencies, doubt)
+    yield from too_fast_for_elements(solution.system.scene, frequencies, doubt)
+    yield from cautions_of_few_shapes(solution, frequencies, doubt, differentiated)
 
 
 def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | None) -> Iterator[Caution]:
@@ -44,5 +47,5 @@ def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | 
     yield from tension_of_vibrations(solution, numbers)
     yield from merging_of(solution, numbers)
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
-    yield from cautions_of_frequencies(solution.system.scene, named, doubt=count is not None)
+    yield from cautions_of_frequencies(solution, named, doubt=count is not None, differentiated=False)
     yield from sheared_vibrations(solution, named, differentiated=False)

@@ -18,9 +18,9 @@ import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.chord_condition import Chord
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
 from toolkit.system.flexible_bodies import design_point
-from toolkit.system.marker_states import marker_states
+from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.frame_choice import frame_choices
@@ -54,7 +54,7 @@ def turning_frames(solution: Solution) -> Iterator[TurningFrame]:
         if choice.chord is not None and choice.advice:
             compliance = lateral_compliance(solution, body, choice.chord)
             steps = np.arange(len(solution.times))[:: -(-len(solution.times) // INSTANTS)]
-            forces = np.array([_along(solution, body, choice.chord, int(step)) for step in steps])
+            forces = _along(solution, body, choice.chord, steps)
             errors = np.array([_error(force * compliance) for force in forces])
             worst = first_largest(errors)
             yield TurningFrame(
@@ -102,20 +102,22 @@ def _largest(compliance: np.ndarray) -> float:
     return float(np.linalg.eigvalsh(compliance)[-1])
 
 
-def _along(solution: Solution, body: str, chord: Chord, step: int) -> float:
-    """The larger of the forces that joints exert at both ends, along the line through them: loads and inertia take up the rest."""
+def _along(solution: Solution, body: str, chord: Chord, steps: np.ndarray) -> np.ndarray:
+    """The larger of the forces that joints exert at both ends, along the line through them, (n_t,): loads and inertia take up the rest."""
     system, d = solution.system, solution.system.scene.dimension
-    states, forces, places = marker_states(system, solution.q[step]), np.zeros((2, d)), np.zeros((2, d))
-    for name, joint in system.scene.joints.items():
-        for sign, (gripped, point) in zip((1, -1), joint.grips, strict=True):
+    forces, places = np.zeros((2, 2, len(steps), d))
+    poses, of_joints = poses_at(system, solution.q[steps]), wrenches_of_joints(solution)
+    wrenches = np.array([of_joints.at(int(step)) for step in steps])
+    for j, joint in enumerate(system.scene.joints.values()):
+        for side, (gripped, point) in enumerate(joint.grips):
             interface = getattr(system.scene.interface(point), "interface", None)
             if gripped == body and interface in chord:
                 end = chord.index(interface)
-                forces[end] += sign * np.real(JointForce(joint=name, component="x").force(solution, step)[0][:d])
+                forces[end] += (1, -1)[side] * wrenches[:, j, 0, :d]
                 grip = next(
                     n for n, marker in enumerate(system.numbering.markers) if marker[:2] == (body, point)
                 )  # with axes in space
-                places[end] = np.real(states.y[grip][:d])
-    side = places[1] - places[0]
-    pulls = np.array([-forces[0] @ side, forces[1] @ side]) / np.linalg.norm(side)
-    return float(pulls[first_largest(np.abs(pulls))])
+                places[end] = poses[:, grip, :d]
+    line = places[1] - places[0]
+    pulls = np.stack([-(forces[0] * line).sum(axis=1), (forces[1] * line).sum(axis=1)]) / np.linalg.norm(line, axis=1)
+    return np.array([pair[first_largest(np.abs(pair))] for pair in pulls.T])

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.evaluator import Evaluator
+from toolkit.studies.designs.evaluator import Evaluator
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.methods.catalogue import METHODS
 from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions
 from toolkit.studies.optimization.program import Program
@@ -16,8 +16,8 @@ from toolkit.studies.optimization.search.curvature import Known, Turned
 from toolkit.studies.optimization.search.cuts import Cuts
 from toolkit.studies.optimization.search.end_rule import EndRule
 from toolkit.studies.optimization.search.explored import Explored
-from toolkit.studies.optimization.search.found import Arrived, Found, Renewed, Spent
 from toolkit.studies.optimization.search.renewal import Renewal
+from toolkit.studies.optimization.search.search_result import Arrived, Renewed, SearchResult, Spent
 
 BACK = 0.5
 """Part of the way from a start that failed to a known design that the next one has."""
@@ -25,14 +25,14 @@ AGAIN = 3
 """How often a method that gave up begins anew where it stood, without planes."""
 FIRST_METHODS = 0.2
 """Part of the designs that each of several methods, but for the last, may solve."""
-Tell = Callable[[Evaluation], None]
+Tell = Callable[[DesignOutcome], None]
 
 
 class Search:
     """One search."""
 
     def __init__(self, program: Program, evaluator: Evaluator, lane: int, warm: bool, tell: Tell) -> None:
-        def solve(design: np.ndarray) -> Evaluation:
+        def solve(design: np.ndarray) -> DesignOutcome:
             found = evaluator(lane, design, warm)
             tell(found)
             return found
@@ -44,7 +44,7 @@ class Search:
         self.last: np.ndarray | None = None
         self.until: int | None = None
 
-    def run(self, start: np.ndarray, known: np.ndarray | None) -> Found:
+    def run(self, start: np.ndarray, known: np.ndarray | None) -> SearchResult:
         """Search from a start; where that fails, from designs on the way to a known one."""
         explored = self.explored
         try:
@@ -60,7 +60,7 @@ class Search:
         best, left = explored.best()
         if best is not None and left is not None and best.design.tobytes() not in explored.passed:
             arrived = arrived or left.met(self.options.optimality, self.options.feasibility)
-        return Found(self.lane, start, best, left, explored.program, ended, len(explored.done), explored.failed, arrived)
+        return SearchResult(self.lane, start, best, left, explored.program, ended, len(explored.done), explored.failed, arrived)
 
     def _first(self, start: np.ndarray, known: np.ndarray | None) -> np.ndarray | None:
         """The first design that can be solved, on the way from the start to the known one; it sets the unit of the objective."""

@@ -11,7 +11,7 @@ from toolkit.compilation.numbering import grips_of
 from toolkit.compilation.quantities import named_loads
 from toolkit.description.point import BodyPoint
 from toolkit.responses.balance.power_of_load import law_of_load
-from toolkit.responses.forces.joint_wrenches import JointWrenches
+from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
 from toolkit.responses.kinematics.marker_motion import MarkerMotion
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
@@ -85,7 +85,7 @@ def _of_joints(solution: Solution, body: str, instants: np.ndarray) -> Iterator[
         if gripped == body
     ]
     if holding:
-        joints = JointWrenches(solution)
-        found = np.array([joints.at(n) for n in instants])
+        joints = wrenches_of_joints(solution)
+        found = np.array([joints.at(int(n)) for n in instants])
         for j, side, point in holding:
             yield point, found[:, j, side]

@@ -25,12 +25,19 @@ from toolkit.loads.load import Load
 from toolkit.reduced_model.model import MEAN_AXES
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import flexible_body
+from toolkit.system.solution import Solution
 from toolkit.validity.bodies.deformation import whole_bodies
 from toolkit.validity.bodies.reduced.frozen_bases import frozen_bodies
+from toolkit.validity.bodies.reduced.gripped_vibrations import raised_by_grips
 from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD, listed_parts
 
 ENOUGH = float(np.sqrt((1 + TOLD) ** 2 - 1))
 """Frequency in parts of the slowest one that is left out, which may be too high by `TOLD`."""
+
+OF_GRADIENTS = 0.02
+"""Part of a frequency from which its derivative may be off by a tenth: by a thickness it was up to five times as much."""
+BETTER = 'Build it with kind = "craig-bampton", whose shapes know its interface points.'
+"""What helps where eigenmodes alone are held."""
 
 
 class FewShapes(NamedTuple):
@@ -39,14 +46,22 @@ class FewShapes(NamedTuple):
     body: str
     slowest: float
     why: str = ""
+    gripped: str = ""  # points that move in shapes which are left out, where these are known
 
 
-def cautions_of_few_shapes(scene: Scene, frequencies: Mapping[str, float], doubt: bool) -> Iterator[Caution]:
+def cautions_of_few_shapes(
+    solution: Solution, frequencies: Mapping[str, float], doubt: bool, differentiated: bool
+) -> Iterator[Caution]:
     """Frequencies, by what they are called, that a basis may make too large, and bodies of which it is not known by how much."""
+    scene = solution.system.scene
     vibrating = {name: abs(value) for name, value in frequencies.items() if value}
     if not vibrating:
         return
     label, found = unit(scene.units, "rate"), [*left_out(scene)]
+    gripped = [each for each in found if each.gripped]
+    if gripped:
+        found = [each for each in found if not each.gripped]
+        yield from _of_gripped(solution, vibrating, gripped, doubt, differentiated)
     for each in found:
         if np.isnan(each.slowest):
             yield Caution(
@@ -66,6 +81,31 @@ def cautions_of_few_shapes(scene: Scene, frequencies: Mapping[str, float], doubt
             "more modes, or in more pieces: what is left out from "
             f"{1 / ENOUGH:.0f} times a frequency on makes it {TOLD:.0%}.",
             doubt and max(high.values()) > DOUBTFUL,
+        )
+
+
+def _of_gripped(
+    solution: Solution, frequencies: Mapping[str, float], gripped: list[FewShapes], doubt: bool, differentiated: bool
+) -> Iterator[Caution]:
+    """Frequencies that bodies raise which joints or springs hold where shapes move that are left out."""
+    parts = raised_by_grips(solution, frequencies, {each.body: each.slowest for each in gripped})
+    where = ", ".join(f"{each.body} at {each.gripped}" for each in gripped)
+    if parts is None:
+        yield Caution(
+            "left-out-shapes",
+            f"how much too high frequencies are is not known: joints or springs hold {where}, which moves in shapes that its basis leaves "
+            f"out. {BETTER}",
+            doubt,
+        )
+        return
+    high = {name: part for name, part in parts.items() if part > TOLD}
+    if high:
+        slopes = " Derivatives are off by up to five times as much." if differentiated else ""
+        yield Caution(
+            "left-out-shapes",
+            f"frequencies are too high, {listed_parts(high, 'about')}: joints or springs hold {where}, which moves in shapes that its "
+            f"basis leaves out. Others are so by less than {TOLD:.0%}.{slopes} {BETTER}",
+            doubt and max(high.values()) > (OF_GRADIENTS if differentiated else DOUBTFUL),
         )
 
 
@@ -89,12 +129,11 @@ def left_out(scene: Scene) -> Iterator[FewShapes]:
                 name, np.nan, f"{model.label} does not say what its basis leaves out. Build it again with ffrf-preprocess."
             )
         elif pulled := _pulled(scene, name, "interface" in model.left_out):
-            better = (
-                "Hold it at interface points, whose motions its basis knows."
-                if "interface" in model.left_out
-                else 'Build it with kind = "craig-bampton", whose shapes know its interface points.'
-            )
             at = ", ".join(pulled)
+            if CENTRE not in pulled and flexible_body(scene, name).design_point(scene, "left_out_shapes").model.left_out_shapes:
+                yield FewShapes(name, min(model.left_out.values()) * _speeded(scene, name), gripped=at)
+                continue
+            better = "Hold it at interface points, whose motions its basis knows." if "interface" in model.left_out else BETTER
             yield FewShapes(
                 name, np.nan, f"its basis leaves out shapes that move where joints or springs hold it, at {at}. {better}"
             )

@@ -108,8 +108,8 @@ class _Reduced:
     def __init__(self, solution: Solution, body: str, left_out: LeftOutShapes, instants: np.ndarray) -> None:
         self.design, self.left_out = design_point(solution.system.scene, body), left_out
         self.elastic = np.real(solution.q[instants][:, elastic_coordinates(solution, body)])
-        self.loads = _loads(solution, body, instants)
-        self.softer, self.stressed = _scales(self.design)
+        self.loads = amplitudes_of_loads(solution, body, instants)
+        self.softer, self.stressed = softer_and_stressed(self.design)
         self.points, self.per_point = _points(solution, body), len(solution.system.scene.space.wrench)
         self.scene = solution.system.scene
 
@@ -145,7 +145,7 @@ class _Reduced:
         return self.softer * self.loads @ self.left_out.compliance[:, size * first : size * (first + 1)]
 
 
-def _scales(design: DesignPoint) -> tuple[float, float]:
+def softer_and_stressed(design: DesignPoint) -> tuple[float, float]:
     """How much more the body yields to a force than at its nominal design, and how much larger stress is; of what is kept, on the whole."""
     nominal = design.model.invariants
     stiffness, operator = (np.real(design.value(name)) for name in ("stiffness", "stress_operator"))
@@ -154,7 +154,7 @@ def _scales(design: DesignPoint) -> tuple[float, float]:
     return softer, softer * float(np.linalg.norm(operator) / size) if size else 0.0
 
 
-def _loads(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray:
+def amplitudes_of_loads(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray:
     """Loads c (n_t, n) in the order of `LeftOutShapes`."""
     wrenches = wrenches_at_points(solution, body, instants)
     none = np.zeros((len(instants), len(solution.system.scene.space.wrench)))

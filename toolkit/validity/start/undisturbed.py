@@ -1,0 +1,166 @@
+"""Motions that a small disturbance would end, and that hold because nothing disturbs them: tops too slow to stand, bodies that spin about
+their middle axis at a joint, pendulums whose pivot or load alternates.
+
+The motion q(t) of a scene stays in a subspace, often one of symmetry, whose complement P holds all directions in which nothing has moved.
+A disturbance there follows the equations, linearised about the states of the run,
+
+    M y'' + C y' + K y + J^T mu = 0,    J y = 0,    P y(0) = y(0)
+
+by the theta rule with theta = 0.51, which the fast vibrations do not survive that steps do not show. How large P y becomes tells how much
+of the motion is decided by round-off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.foundation.near_ties import first_largest
+from toolkit.foundation.spread import spread
+from toolkit.foundation.verdict import Caution
+from toolkit.responses.vibrations.flutter import UNSTABLE
+from toolkit.solvers.free_motions import free_motions
+from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
+from toolkit.system.flexible_bodies import deforming
+from toolkit.system.solution import Solution
+
+STILL = 1e-6
+"""Part of the scene's size or rad below which nothing that is meant has moved in a direction."""
+GROWTH = 100.0
+"""Growth of a disturbance from which it is told, as of other motions that hardly anything sets off."""
+PARTS = (1.0, 0.5, 0.25)
+"""Of the motion, up to which its directions are looked at: what round-off sets off has moved at the end."""
+MOST_COORDINATES, MOST_STATES, SEEN = 60, 1000, 200
+"""Larger scenes are not looked at; of longer motions every second state, or third; directions are those of so many states."""
+ENOUGH = 3
+"""States per coordinate, of which fewer leave directions open by their number alone."""
+THETA = 0.51
+CLOSED = 1e-6
+"""Part of the right-hand side that a solution leaves open where a matrix is regular."""
+
+
+class Course(NamedTuple):
+    """How disturbances of unit size grow, at most until some state."""
+
+    growth: float
+    until: float
+    coordinate: str
+
+
+def undisturbed(solution: Solution) -> Iterator[Caution]:
+    """A doubt about a motion in which nothing moves in a direction where a disturbance would grow."""
+    found = largest_growth(solution)
+    if found is not None and found.growth > GROWTH:
+        yield Caution(
+            UNSTABLE,
+            f"a small disturbance of this motion becomes {found.growth:.2g} times as large until t = {found.until:.4g}, most of all in "
+            f"{found.coordinate}, and nothing sets it off there: round-off or symmetry decides when the motion leaves this way. Fix: write "
+            "the disturbance that is meant into the start, a thousandth of the motion say.",
+        )
+
+
+def largest_growth(solution: Solution) -> Course | None:
+    """Of the first part of the motion in which something grows by more than `GROWTH`; None where none does, or nothing is known.
+
+    Scenes with bodies that deform are not looked at: their vibrations are.
+    """
+    system, options = solution.system, solution.options or solution.system.scene.solver
+    few = system.n_q == system.n_b <= MOST_COORDINATES and not deforming(system.scene)
+    if not solution.steps or options.quasi_static or solution.run_times is not None or not few or not system.compiled:
+        return None
+    last, known = len(solution.times) - 1, 0
+    for part in PARTS:
+        end = int(part * last)
+        if end < ENOUGH * system.n_q:
+            break
+        still = _still(solution, end)
+        begin = _disturbances(solution, still)
+        course = _course(solution, still, begin, end) if begin.shape[1] > known else None
+        if course is not None and course.growth > GROWTH:
+            return course
+        known = max(known, begin.shape[1])
+    return None
+
+
+def _still(solution: Solution, end: int) -> np.ndarray:
+    """Orthonormal directions (n_q, n) of weighted coordinates in which nothing moves until a state."""
+    moved = solution.q[spread(end, SEEN)] - solution.q[0]
+    _, sizes, rows = np.linalg.svd(np.real(moved) * solution.system.weights[: solution.system.n_q])
+    directions: np.ndarray = rows[np.count_nonzero(sizes > STILL) :].T
+    return directions
+
+
+def _disturbances(solution: Solution, still: np.ndarray) -> np.ndarray:
+    """Motions (n_q, n) of unit size in still directions that joints leave free at the start."""
+    system, n_q = solution.system, solution.system.n_q
+    weights, rows = system.weights[:n_q], _matrices(solution, 0)[3]
+    moving = np.eye(n_q) - still @ still.T
+    free = free_motions(np.concatenate([rows / weights, moving]), np.ones(n_q)) if still.shape[1] else np.zeros((n_q, 0))
+    found: np.ndarray = free / weights[:, None]
+    return found
+
+
+def _matrices(solution: Solution, n: int) -> tuple[np.ndarray, ...]:
+    """M, C, K (n_q, n_q) and J (n_c, n_q) about a state of a motion."""
+    system, n_q = solution.system, solution.system.n_q
+    q, v, acc = (np.zeros(system.n) for _ in range(3))
+    q[:n_q], v[:n_q], acc[:n_q], acc[n_q:] = solution.q[n], solution.v[n], solution.a[n], solution.multipliers[n]
+    terms = system.evaluate(system.inputs(float(solution.times[n]), LEVELS), q, v, acc)
+    mass, damping, whole = (system.dense(each) for each in (terms.I_acc, terms.A_v, static_matrix(system, terms)))
+    return mass[:n_q, :n_q], damping[:n_q, :n_q], whole[:n_q, :n_q], whole[n_q:, :n_q]
+
+
+def _course(solution: Solution, still: np.ndarray, begin: np.ndarray, end: int) -> Course:
+    system, n_q, times = solution.system, solution.system.n_q, solution.times
+    look = still.T * _lengths(solution, end)
+    none = np.zeros_like(begin)
+    y, v = np.hstack([begin, none]), np.hstack([none, begin / (times[end] - times[0])])
+    before, largest, where, moved = _matrices(solution, 0), 1.0, 0, y[:, 0]
+    states = spread(end, MOST_STATES)
+    for last, n in pairwise(states):
+        here = _matrices(solution, n)
+        y, v = _step(before, here, y, v, float(times[n] - times[last]))
+        shown = look @ y
+        before, size = here, float(np.linalg.norm(shown, 2))
+        if size > largest:
+            largest, where, moved = size, n, y[:, first_largest(np.linalg.norm(shown, axis=0))]
+    return Course(largest, float(times[where]), system.most_moved(np.append(moved, np.zeros(system.n - n_q))))
+
+
+def _lengths(solution: Solution, end: int) -> np.ndarray:
+    """Weights (n_q,) of coordinates; of a scene that travels by more than its size, in parts of the way."""
+    system, n_q = solution.system, solution.system.n_q
+    weights = system.weights[:n_q]
+    way = float((np.ptp(np.real(solution.q[: end + 1]), axis=0) * weights).max())
+    found: np.ndarray = weights / max(1.0, way)
+    return found
+
+
+def _step(
+    before: tuple[np.ndarray, ...], here: tuple[np.ndarray, ...], y: np.ndarray, v: np.ndarray, h: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """One step of disturbances (n_q, n) and their velocities; y meets the joints at its end."""
+    mass, damping, stiffness = ((one + other) / 2 for one, other in zip(before[:3], here[:3], strict=True))
+    rows, n_q, n = here[3], len(y), len(y) + len(here[3])
+    left: np.ndarray = np.zeros((n, n))
+    left[:n_q, :n_q] = mass / h + THETA * damping + THETA**2 * h * stiffness
+    left[n_q:, :n_q], left[:n_q, n_q:] = rows, rows.T
+    known: np.ndarray = np.zeros((n, y.shape[1]))
+    known[:n_q] = mass @ v / h - (1 - THETA) * damping @ v - stiffness @ (y + THETA * (1 - THETA) * h * v)
+    known[n_q:] = -rows @ (y / h + (1 - THETA) * v) / THETA
+    found = _solved(left, known)[:n_q]
+    return y + h * ((1 - THETA) * v + THETA * found), found
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Where joints repeat each other, the smallest of the solutions."""
+    try:
+        found: np.ndarray = np.linalg.solve(matrix, right)
+        if np.abs(matrix @ found - right).max(initial=0.0) <= CLOSED * np.abs(right).max(initial=0.0):
+            return found
+    except np.linalg.LinAlgError:
+        pass
+    return np.linalg.lstsq(matrix, right)[0]
