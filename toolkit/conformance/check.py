@@ -74,7 +74,7 @@ def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:
     ConformanceError
         A derivative differs from a complex step by more than 1e-10 of the largest; names the derivative, the entry and both values.
     ValueError
-        The joint names a body or a point that the scene does not have; or a row of it cannot be meant.
+        The joint names a body or a point that the scene does not have; or a row of it is invalid.
     """
     alone = _alone(scene, joints={"joint": joint})
     check_rows(joint, alone)

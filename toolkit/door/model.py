@@ -109,13 +109,13 @@ class Model:
         Returns
         -------
         model
-            Another model, which shares what the numbers do not touch. Where a number was zero, and what it brings to life is in no place
-            that is known yet, the scene is compiled anew.
+            Another model, which shares what the numbers do not touch. If a value changes from
+            zero, the sparsity pattern may grow and the scene is compiled anew.
 
         Raises
         ------
         InputError
-            There is no such number, or its value cannot be meant.
+            There is no such number, or its value is invalid.
         """
         if isinstance(numbers, Mapping) and not numbers:
             return self

@@ -244,18 +244,6 @@ def at_place(coefficients: np.ndarray, ratio: Any) -> np.ndarray:
     return np.tensordot(ratio**POWERS, coefficients, axes=1)
 
 
-def values(coefficients: np.ndarray, r: np.ndarray) -> np.ndarray:
-    """Functions given by their coefficients (4, n) at places r (m,), (n, m)."""
-    return (r[:, None] ** POWERS @ coefficients).T
-
-
-def slope(coefficients: np.ndarray) -> np.ndarray:
-    """Coefficients of the derivative by r, (4, ...), from those of a function, (4, ...)."""
-    found = np.zeros_like(coefficients)
-    found[:-1] = (coefficients[1:].T * POWERS[1:]).T
-    return found
-
-
 def _of_ends(directions: np.ndarray, functions: np.ndarray, first: int) -> np.ndarray:
     """Coefficients (n_e, 4, 12) of functions (4, 2) of a component of the ends' displacements (`first` 0) or rotations (3)."""
     coefficients = np.zeros((len(directions), 4, 12), dtype=directions.dtype)

@@ -45,15 +45,7 @@ def _size_of_kind(response: Response, solution: Solution) -> float:
     system, (m, k, t) = solution.system, response.physical_dimension
     if not (m or k or t):
         return float(response.unit_quantity == "angle")
-    lengths, n_q = system.placed.size, system.n_q
-    speeds, changes, forces = (
-        float(np.abs(np.real(each) * by).max(initial=0.0))
-        for each, by in (
-            (solution.v, system.weights[:n_q]),
-            (solution.a, system.weights[:n_q]),
-            (solution.multipliers, 1 / system.weights[n_q:]),
-        )
-    )
+    lengths, (speeds, changes, forces) = system.placed.size, _largest(solution)
     forces = max(forces, _elastic(solution)) if m else forces
     rate = max(speeds, np.sqrt(changes), 1 / solution.whole_run[-1])
     return float((forces / lengths) ** m * lengths ** (k - m) * rate ** (-t - 2 * m))
@@ -70,6 +62,16 @@ def _elastic(solution: Solution) -> float:
         solution.known[_elastic] = float(np.abs(forces).max(initial=0.0))
     largest: float = solution.known[_elastic]
     return largest
+
+
+def _largest(solution: Solution) -> tuple[float, float, float]:
+    """Largest rate, acceleration and force of a joint in a motion, in parts of the scene's size."""
+    if _largest not in solution.known:
+        n_q, weights = solution.system.n_q, solution.system.weights
+        pairs = (solution.v, weights[:n_q]), (solution.a, weights[:n_q]), (solution.multipliers, 1 / weights[n_q:])
+        solution.known[_largest] = tuple(float((np.abs(np.real(each)).max(axis=0) * by).max(initial=0.0)) for each, by in pairs)
+    found: tuple[float, float, float] = solution.known[_largest]
+    return found
 
 
 @singledispatch

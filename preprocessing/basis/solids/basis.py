@@ -34,7 +34,7 @@ def count_by_static_error(modes: NormalModes, rows: Mapping[str, Any], system: A
     Raises
     ------
     InputError
-        The wish cannot be meant, or no interface point can move.
+        The request is invalid, or no interface point can move.
     """
     check_static_error(largest)
     if not rows:

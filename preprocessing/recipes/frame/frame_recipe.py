@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from preprocessing.discretisation.discretisation import DesignSpace
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam
+from preprocessing.elements.kinds.beams import PlanarBeam, SpatialBeam
 from preprocessing.recipes.beam_surface import beam_surface
 from preprocessing.recipes.frame.frame_design import frame_beams, frame_space, node_number, places
 from preprocessing.recipes.frame.frame_file import FrameFile

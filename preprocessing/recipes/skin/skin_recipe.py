@@ -9,7 +9,7 @@ from typing import Any
 
 from preprocessing.airfoil.table import LARGEST_FILE
 from preprocessing.discretisation.discretisation import DesignSpace
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam
+from preprocessing.elements.kinds.beams import SpatialBeam
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.gmsh_session import load_gmsh
 from preprocessing.recipes.beam_surface import beam_surface

@@ -43,7 +43,7 @@ def stability(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Folder for picture, JSON file and all runs: what was interrupted goes on.",
+            help="Folder for picture, JSON file and all runs; interrupted studies resume.",
         ),
     ] = None,
     changes: Changes = None,

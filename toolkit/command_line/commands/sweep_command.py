@@ -41,7 +41,7 @@ def sweep(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Solve many designs of a study, and write values and gradients into tables. What was interrupted goes on."""
+    """Solve many designs of a study, and write values and gradients into tables. Interrupted studies resume."""
     from toolkit.studies.engine.executor import Executor
     from toolkit.studies.study.study_reader import naming_study_lines, read_study
     from toolkit.studies.sweep.sweep import sweep_problem, swept

@@ -36,7 +36,7 @@ def uncertainty(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find mean, spread, shares of variables, quantiles and probabilities of uncertain responses. What was interrupted goes on."""
+    """Find mean, spread, shares of variables, quantiles and probabilities of uncertain responses. Interrupted studies resume."""
     from toolkit.studies.distributions.uncertain_numbers import Uncertainty
     from toolkit.studies.engine.executor import Executor
     from toolkit.studies.study.study_reader import naming_study_lines, read_study

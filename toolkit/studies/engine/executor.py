@@ -72,31 +72,32 @@ def completed(
 
     Work and jobs are sent to where they run: the work once to every process or worker, where it may keep what all jobs have in common.
     If the caller stops iterating, jobs that are running end, and no others begin. When all jobs are completed, `more` is asked for others,
-    which follow from their results, until it has none.
+    which follow from what was found, until it has none.
 
     Raises
     ------
     StudyError
         A process was killed, or the cluster is gone; `remedy` tells what to do then.
     """
-    if executor.processes > 1 and len(jobs) > 1:
+    if executor.processes > 1 and len(jobs) > 1 and not executor.dask:
         return in_processes(work, jobs, executor.processes, remedy, more)
-    return _in_rounds(executor, work, jobs, remedy, more)
+    return _in_rounds(
+        lambda each: (
+            on_cluster(work, each, executor.dask, remedy) if executor.dask else _in_this_process(work, each, executor.threads)
+        ),
+        jobs,
+        more,
+    )
 
 
 def _in_rounds(
-    executor: Executor,
-    work: Callable[[Job], Result],
+    done: Callable[[Mapping[Key, Job]], Iterator[tuple[Key, Result]]],
     jobs: Mapping[Key, Job],
-    remedy: str,
     more: Callable[[], Mapping[Key, Job]],
 ) -> Iterator[tuple[Key, Result]]:
-    """Results of some jobs on a cluster or in this process, then of those that follow from them."""
+    """Results of some jobs, then of those that follow from them."""
     while jobs:
-        if executor.dask:
-            yield from on_cluster(work, jobs, executor.dask, remedy)
-        else:
-            yield from _in_this_process(work, jobs, executor.threads)
+        yield from done(jobs)
         jobs = more()
 
 

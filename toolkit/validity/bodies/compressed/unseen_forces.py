@@ -51,7 +51,7 @@ def unseen_forces(
     by_mass
         From numbers of instants (n_t,) to axial forces (n_t, n_e) by weight and inertia that it does not show.
     """
-    law = stiffening(solution.system.scene, body)
+    law = stiffening(solution.system.placed, body)
     found = [] if law is None else [_at(solution, body, law, *each) for each in _states(solution, body, law, missing, by_mass)]
     known = [each for each in found if each is not None]
     if known:
@@ -115,8 +115,8 @@ def _told(solution: Solution, body: str, found: Unseen) -> str:
         what = _stiffer(found)
     return (
         f"forces {how} {body}{when} with {np.abs(found.load):.2g} times the critical load, which its basis does not show: "
-        f"{what}. Linear FFRF has no geometric stiffness of a body in its frame. What helps: "
-        f"{divided(solution.system.scene, body, 1.0)}."
+        f"{what}. Linear FFRF has no geometric stiffness of a body in its frame. Fix: "
+        f"{divided(solution.system.placed, body, 1.0)}."
     )
 
 
