@@ -225,6 +225,15 @@ class System:
         self._handed.take(found.plan)
         return found
 
+    @cached_property
+    def driven(self) -> Plan:
+        """The plan with drivers for its joints, where these do work alone; in space all joints, if there are any drivers."""
+        joints, drives = self.plan.joints, self.plan.joints.curve >= 0
+        kept = drives if joints.felt_start is None or not drives.any() else np.ones(len(drives), bool)
+        found: Plan = self.plan._replace(joints=joints._replace(of=joints.of[kept]))
+        self._handed.take(found)
+        return found
+
     def refuse_changed_files(self) -> None:
         """Refuse to go on where the file of a reduced model is not what it was when the scene was compiled."""
         refuse_changed(self.files)
