@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.description.point import Point
@@ -27,6 +29,7 @@ from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE, Space
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
+from toolkit.sensitivity.errors.lost_parts import lost_parts
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.preparation import Kind, prepare, solve
 from toolkit.system.formulas import formulas_of
@@ -43,7 +46,8 @@ def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
     evaluate_responses(solution)
     judge(solution)
     if len(solution.times) > 1:
-        energy_balance(solution)  # a verdict asks for it where there are more steps than one
+        energy_balance(solution)  # a verdict asks for these where there are more steps than one
+        lost_parts(solution, None, 0.0, np.ones(1), np.zeros(1))
     if backwards and has_adjoint(small, kind):
         adjoint_gradients(system, solution)
 
