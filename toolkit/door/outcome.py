@@ -179,7 +179,7 @@ class _Rounds:
         return {k: Task(k, self.designs[k], True) for k in self.verdicts.wanted()}
 
     def outcomes(self) -> list[Outcome]:
-        """Those of all designs in their order."""
+        """Outcomes of all designs in their order."""
         known = {} if self.verdicts is None else {k: self.verdicts.verdict(k) for k in self.verdicts.found}
         found = {k: each.outcome for k, each in sorted(self.found.items())}
         return [replace(each, verdict=known[k]) if k in known else each for k, each in found.items()]

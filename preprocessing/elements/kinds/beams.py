@@ -47,7 +47,7 @@ class BeamPatch:
 
     @property
     def polynomials(self) -> SectionShape:
-        """Of its section; numbers where shear deforms it."""
+        """Polynomials of the section of an element; numbers where shear deforms it."""
         return self.shape.fixed(self.sheared.dimensions) if self.sheared else self.shape
 
     @property
@@ -74,7 +74,7 @@ class Beam(LineElement):
 
     @property
     def planes(self) -> int:
-        """In which the beams bend: one, or two in space."""
+        """Planes in which the beams bend: one, or two in space."""
         return self.space.dimension - 1
 
     @cached_property
