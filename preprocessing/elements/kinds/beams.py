@@ -47,7 +47,7 @@ class BeamPatch:
 
     @property
     def polynomials(self) -> SectionShape:
-        """Polynomials of the section; numbers where shear deforms it."""
+        """Polynomials of the section of an element; numbers where shear deforms it."""
         return self.shape.fixed(self.sheared.dimensions) if self.sheared else self.shape
 
     @property
