@@ -10,7 +10,7 @@ import numpy as np
 
 from preprocessing.elements.block_element import BlockElement, LineElement
 from preprocessing.elements.element import Contribution, squared
-from preprocessing.elements.kinds.planar_beam import AREA, SECOND_MOMENT
+from preprocessing.elements.kinds.beams import AREA, SECOND_MOMENT
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import ONE, Term
 from preprocessing.elements.space import PLANE

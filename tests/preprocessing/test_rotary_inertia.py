@@ -12,7 +12,7 @@ import ffrf
 from preprocessing.assembly.assembly import assemble
 from preprocessing.assembly.invariants import contract
 from preprocessing.basis.reduction import undeformed
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.recipes.build_model import build

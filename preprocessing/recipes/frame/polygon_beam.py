@@ -10,7 +10,7 @@ import numpy as np
 
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import CurveMesh
@@ -35,7 +35,9 @@ def polygon_beam(
     basis: BasisChoice = FULL,
     rotary_inertia: bool = True,
 ) -> ReducedModel:
-    """A beam along a polygon, one Euler-Bernoulli element per side, its frame tied to the first node or, by the basis, to a chord.
+    """Beam along a polygon, one Euler-Bernoulli element per side.
+
+    Its frame is tied to the first node or, by the basis, to a chord.
 
     Parameters
     ----------

@@ -190,7 +190,7 @@ def doubtful_gradients(
         said.append(f"{'other ' if signs else ''}gradients are off by up to {off[worst]:.0%} ({' by '.join(worst)}{in_motion})")
     yield Caution(
         "geometric-gradients",
-        f"{'; '.join(said)}: so says the same run with {_others(found.frames)}, the price of this check. Gradients of bodies that "
+        f"{'; '.join(said)}: found by repeating the run with {_others(found.frames)}. Gradients of bodies that "
         f"deform far need more frames than their values: write {_written(found.advised(max(parts.values())))} in the scene.",
     )
 

@@ -74,7 +74,7 @@ def _bending(behind: Chain) -> np.ndarray:
 
 def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
     """Bodies of whose stress, where it is asked for, weight and inertia between their nodes are a part that counts."""
-    scene, moving = solution.system.scene, has_inertia(solution)
+    scene, moving = solution.system.placed, has_inertia(solution)
     pressed, heavy = is_pressed(scene), moving or bool(np.real(scene.gravity).any())
     for body in whole_bodies(scene) if pressed or heavy else ():
         parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
@@ -191,7 +191,7 @@ def _looks_anywhere(scene: Scene, body: str) -> bool:
 
 def _strains(solution: Solution, name: str) -> Strains | None:
     """Those of a part at its largest deformations; None where these are not known."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     behind, body = chain(scene, name), scene.body(name)
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
         return None
