@@ -7,6 +7,7 @@ DOCUMENTED := $(VENV)/.documented
 BIN := $(VENV)/bin
 MODEL := models/morphing_wing
 SCENE := $(MODEL)_large/scene.toml
+ROOMS = $(notdir $(patsubst %/__init__.py,%,$(wildcard tests/*/__init__.py)))
 # Two workers on two cores: threads of the linear algebra would only wait for each other.
 # A worker that crashes ends the run and names its test; with another one in its place some runs never end.
 ALONE := OPENBLAS_NUM_THREADS=1
@@ -28,8 +29,14 @@ demo: $(INSTALLED) libraries
 	$(BIN)/ffrf render $(SCENE) --output output
 
 # A worker that crashes ends the run and names its test: with another one in its place a run may never end.
+ifdef ROOM
+test: $(INSTALLED)
+	@test -d tests/$(ROOM) || { echo "There is no room $(ROOM). There are:" $(ROOMS); exit 1; }
+	$(ALONE) $(BIN)/python -m pytest -q -m 'not robustness' tests/$(ROOM)
+else
 test: $(INSTALLED)
 	$(ALONE) $(BIN)/python -m pytest -n 2 --max-worker-restart 0 --dist loadfile --no-loadscope-reorder --ignore=tests/repository -m 'not robustness'
+endif
 
 robustness: $(INSTALLED)
 	$(ALONE) $(BIN)/python -m pytest -n 2 --max-worker-restart 0 --ignore=tests/repository -m robustness

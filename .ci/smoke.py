@@ -13,9 +13,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-import toolkit
+import ffrf
 
-OF_THE_PROJECT = Path(toolkit.__file__).parents[1] / "models"
+OF_THE_PROJECT = Path(ffrf.__file__).parents[1] / "models"
 MODELS = OF_THE_PROJECT if OF_THE_PROJECT.is_dir() else Path(sys.prefix) / "share" / "ffrf-toolkit" / "models"
 """Those beside the code, or those that a wheel has installed."""
 FORMULAS = """

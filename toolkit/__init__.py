@@ -1,12 +1,6 @@
-"""Flexible multibody dynamics with exact design sensitivities: the runtime.
+"""The runtime: loads reduced models, integrates scenes, and carries design sensitivities along.
 
-    import toolkit as ffrf
-
-    model = ffrf.compile(ffrf.read_scene("wing.toml"), variables=["t_w", "M_t"])
-    run = model.simulate(gradients=True)
-    run.values["max_stress"], run.gradients["max_stress"]["t_w"], run.verdict
-
-Every name is loaded when it is first used, so that `import toolkit` costs nothing.
+Its public names are those of `ffrf`. Each is loaded when it is first used, so that importing it costs nothing.
 """
 
 from __future__ import annotations
@@ -100,7 +94,7 @@ def __getattr__(name: str) -> Any:
 
         return version("ffrf-toolkit")
     if name not in _PLACES:
-        raise AttributeError(f"toolkit has no {name!r}; it has: {', '.join(_PLACES)}")
+        raise AttributeError(f"ffrf has no {name!r}; it has: {', '.join(_PLACES)}")
     module, _, attribute = _PLACES[name].partition(":")
     found = import_module(module)
     return getattr(found, attribute) if attribute else found

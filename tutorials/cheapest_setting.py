@@ -14,7 +14,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-import toolkit as ffrf
+import ffrf
 from toolkit.report.work_precision import work_precision
 from toolkit.studies.tradeoff.recommendation import skin_fragments, solver_fragment
 from toolkit.studies.tradeoff.tradeoff import plan, tradeoff

@@ -13,8 +13,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-import toolkit as ffrf
-from preprocessing import build, save
+import ffrf
 from toolkit.render.sheet import SIGNED, symmetric
 from toolkit.report.drawing import Drawing
 
@@ -29,7 +28,7 @@ text = skin.read_text() + "[groups.nose]\nelements = [12, 17]\nyoungs_modulus = 
 def rebuild(separate='["thickness"]', basis='kind = "full"', values=None):
     """Preprocess, and keep the file where the scene looks for it."""
     skin.write_text(f"basis = {{ {basis} }}\n" + text.replace("[skin]\n", f"[skin]\nseparate = {separate}\n"))
-    save(model := build(skin, values=values), folder / "skin.h5")
+    ffrf.preprocessing.save(model := ffrf.preprocessing.build(skin, values=values), folder / "skin.h5")
     return model
 
 

@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-import toolkit as ffrf
-from preprocessing import build, save
+import ffrf
 from toolkit.render.sheet import COLORS
 from toolkit.report.drawing import Drawing
 
@@ -32,7 +31,7 @@ def run(basis, kind="transient", change=0.0):
     """Values (3,) and gradients (3, 4) by changes of one SIZE, preprocessed with a basis at a changed design."""
     (folder / "skin.toml").write_text(f"basis = {{ {basis} }}\n{SKIN}")
     values = dict(zip(DESIGN, np.array(list(DESIGN.values())) + change * SIZE, strict=True))
-    save(build(folder / "skin.toml", values=values), folder / "skin.h5")
+    ffrf.preprocessing.save(ffrf.preprocessing.build(folder / "skin.toml", values=values), folder / "skin.h5")
     scene = ffrf.read_scene(folder / "scene.toml", {**FAST, "solver.tolerance": 1e-12})
     found = ffrf.compile(scene, variables=[f"bodies.skin.{name}" for name in DESIGN]).run(kind, gradients="direct")
     slopes = [list(found.gradients[name].values()) for name in RESPONSES]
@@ -107,7 +106,7 @@ check = off["differentiated"]
 # %%
 for basis in ('kind = "craig-bampton", frequency = 2500.0', 'kind = "eigenmodes", static_error = 0.01'):
     (folder / "skin.toml").write_text(f"basis = {{ {basis} }}\n{SKIN}")
-    model = build(folder / "skin.toml")
+    model = ffrf.preprocessing.build(folder / "skin.toml")
     print(model.n_f, "coordinates;", model.basis)
 assert model.n_f == 8
 assert 0.09 < rest['kind = "eigenmodes", count = 8'][0, 2] < 0.11

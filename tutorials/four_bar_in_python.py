@@ -12,8 +12,8 @@ import tempfile
 
 import numpy as np
 
-import toolkit as ffrf
-from toolkit import plane
+import ffrf
+from ffrf import plane
 
 TURN = 2 * np.pi / 3  # the crank turns by 120 degrees, softly, within a second
 rod = {"area": 4e-4, "density": 2700.0}  # aluminium, 20 mm x 20 mm

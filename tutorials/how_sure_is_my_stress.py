@@ -12,7 +12,7 @@ need OpenTURNS: pip install 'ffrf-toolkit[studies]'.
 # %%
 from pathlib import Path
 
-import toolkit as ffrf
+import ffrf
 
 MODELS = Path(__file__).parents[1] / "models"
 study = {

@@ -11,7 +11,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import toolkit as ffrf
+import ffrf
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.validity.bodies.cut.places import node_places

@@ -12,7 +12,7 @@ Run it as a script, or cell by cell in an editor that knows `# %%`. The first ru
 import tempfile
 from pathlib import Path
 
-import toolkit as ffrf
+import ffrf
 
 MODELS = Path(__file__).parents[1] / "models"
 scene = ffrf.read_scene(MODELS / "morphing_wing" / "scene.toml")

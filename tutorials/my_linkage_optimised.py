@@ -11,8 +11,8 @@ What is done here in Python is also one command, with the study in a file: `ffrf
 # %%
 import numpy as np
 
-import toolkit as ffrf
-from toolkit.door import plane
+import ffrf
+from ffrf import plane
 
 scene = ffrf.Scene(
     units="m-kg-s",

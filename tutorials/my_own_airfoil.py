@@ -14,8 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-import preprocessing
-import toolkit as ffrf
+import ffrf
 
 folder = Path(tempfile.mkdtemp())
 camber, place, thick = 0.02, 0.4, 0.15
@@ -33,7 +32,7 @@ np.savetxt(folder / "naca2415.dat", points, fmt="%.6f", header="NACA 2415", comm
 
 # %%
 wing = folder / "my_wing"
-for file in preprocessing.new_wing(wing, folder / "naca2415.dat"):
+for file in ffrf.preprocessing.new_wing(wing, folder / "naca2415.dat"):
     print("written:", file.name)
 
 # %% [markdown]
@@ -41,8 +40,8 @@ for file in preprocessing.new_wing(wing, folder / "naca2415.dat"):
 # MY_WING/skin.toml`.
 
 # %%
-skin = preprocessing.build(wing / "skin.toml")
-preprocessing.save(skin, wing / "skin.h5")
+skin = ffrf.preprocessing.build(wing / "skin.toml")
+ffrf.preprocessing.save(skin, wing / "skin.h5")
 print(skin.n_f, "elastic coordinates; joints may grip at", ", ".join(skin.interfaces or {}))
 
 # %% [markdown]

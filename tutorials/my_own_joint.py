@@ -14,8 +14,8 @@ from typing import Annotated
 
 import numpy as np
 
-import toolkit as ffrf
-from toolkit import extend, plane
+import ffrf
+from ffrf import extend, plane
 
 
 class Gears(extend.PlanarJoint):

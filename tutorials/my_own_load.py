@@ -17,8 +17,8 @@ from typing import Annotated
 
 import numpy as np
 
-import toolkit as ffrf
-from toolkit import extend, plane
+import ffrf
+from ffrf import extend, plane
 from toolkit.door.extend import act_along, add_parameter, add_state, plane_angle, rate_along, scale_force
 
 

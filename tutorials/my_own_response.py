@@ -12,8 +12,8 @@ from typing import Annotated
 
 import numpy as np
 
-import toolkit as ffrf
-from toolkit import extend, plane
+import ffrf
+from ffrf import extend, plane
 
 
 class Clearance(extend.MarkerFormula):

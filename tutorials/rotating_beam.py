@@ -18,14 +18,13 @@ from pathlib import Path
 
 import numpy as np
 
-import toolkit as ffrf
-from preprocessing import Section, polygon_beam, save
-from toolkit import plane
+import ffrf
+from ffrf import plane
 
 folder = Path(tempfile.mkdtemp())
-steel = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05, damping_stiffness=1e-3)
+steel = ffrf.preprocessing.Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05, damping_stiffness=1e-3)
 nodes = np.column_stack([np.linspace(0, 1, 21), np.zeros(21)])
-save(polygon_beam(nodes, steel, {"hub": 0.0, "tip": 1.0}), folder / "beam.h5")
+ffrf.preprocessing.save(ffrf.preprocessing.polygon_beam(nodes, steel, {"hub": 0.0, "tip": 1.0}), folder / "beam.h5")
 
 
 # %% [markdown]

@@ -13,15 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-import toolkit as ffrf
-from preprocessing import build, save
+import ffrf
 
 MODEL = Path(__file__).parents[1] / "models" / "spatial_bracket"
 folder = Path(shutil.copytree(MODEL, tempfile.mkdtemp(), dirs_exist_ok=True))
 body, scene = folder / "body.toml", folder / "scene.toml"
 print(text := body.read_text())
-model = build(body)
-save(model, folder / "body.h5")
+model = ffrf.preprocessing.build(body)
+ffrf.preprocessing.save(model, folder / "body.h5")
 print(f"{model.n_f} coordinates, {model.basis}; stress at {len(model.surface.position)} points of the surface")
 
 # %% [markdown]
@@ -71,7 +70,7 @@ for name in ours:
 def run(count: int) -> ffrf.Run:
     """The motion with so many modes."""
     body.write_text(text.replace("count = 2", f"count = {count}"))
-    save(build(body), folder / "body.h5")
+    ffrf.preprocessing.save(ffrf.preprocessing.build(body), folder / "body.h5")
     return ffrf.compile(ffrf.read_scene(scene), variables=["m"]).simulate(gradients=True)
 
 

@@ -11,7 +11,7 @@ The mechanism is the slider-crank of `models/`, whose gradients were published w
 # %%
 from pathlib import Path
 
-import toolkit as ffrf
+import ffrf
 from toolkit.sensitivity.certificate.differences import step_study, taylor_rates
 
 MODELS = Path(__file__).parents[1] / "models"

@@ -1,4 +1,4 @@
-"""The names of the door, `import toolkit`: what each is, in the order of the use that most people make of them."""
+"""The names of the door, `import ffrf`: what each is, in the order of the use that most people make of them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import ast
 
 from docs.generators.house import files, tree
 from toolkit import _PLACES
+
+NAMES = {**_PLACES, "preprocessing": "preprocessing:"}
+"""Public name -> module and what it is called there; without a name the module itself."""
 
 FIRST = (
     "read_scene",
@@ -25,25 +28,26 @@ FIRST = (
 
 
 def table() -> str:
-    """A row for every name that `import toolkit` brings, linked to its place in the reference."""
-    names = [*FIRST, *(name for name in _PLACES if name not in FIRST)]
+    """A row for every name that `import ffrf` brings, linked to its place in the reference."""
+    names = [*FIRST, *(name for name in NAMES if name not in FIRST)]
     rows = [f"| [`{name}`]{_link(name)} | {_about(name)} |" for name in names]
-    return "\n".join(["| `import toolkit as ffrf` | what it is |", "|---|---|", *rows])
+    return "\n".join(["| `import ffrf` | what it is |", "|---|---|", *rows])
 
 
 def _link(name: str) -> str:
     """Its place in the reference: a page where it is a room."""
-    module, _, attribute = _PLACES[name].partition(":")
-    if files("toolkit")[module].name == "__init__.py":
-        return f"(reference/{module.replace('.', '-')}.md)"
+    module, _, attribute = NAMES[name].partition(":")
+    if files(module.split(".")[0])[module].name == "__init__.py":
+        room = module if "." in module else f"{module}.recipes"  # a half has no page of its own
+        return f"(reference/{room.replace('.', '-')}.md)"
     return f"[{module}.{attribute}]" if attribute else f"[{module}]"
 
 
 def _about(name: str) -> str:
     """First paragraph of its docstring."""
-    module, _, attribute = _PLACES[name].partition(":")
-    node: ast.AST = tree(files("toolkit")[module])
+    module, _, attribute = NAMES[name].partition(":")
+    node: ast.AST = tree(files(module.split(".")[0])[module])
     if attribute:
-        node = next(each for each in tree(files("toolkit")[module]).body if getattr(each, "name", None) == attribute)
+        node = next(each for each in tree(files(module.split(".")[0])[module]).body if getattr(each, "name", None) == attribute)
     assert isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
     return " ".join((ast.get_docstring(node) or "").partition("\n\n")[0].split()).replace("|", "\\|")

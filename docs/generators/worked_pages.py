@@ -15,7 +15,7 @@ TUTORIALS, MODELS = ROOT / "tutorials", ROOT / "models"
 GALLERY = "gallery.md"
 _WORKERS = 2
 """Tutorials or models that run at once."""
-_GALLERY = """import toolkit as ffrf
+_GALLERY = """import ffrf
 
 scene = ffrf.read_scene("models/{name}/scene.toml")
 run = ffrf.compile(scene).simulate()

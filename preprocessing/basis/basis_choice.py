@@ -78,4 +78,4 @@ class BasisChoice:
             raise InputError(f"{self.kind} needs exactly one of {', '.join(ways)}; got {', '.join(given) or 'none'}.")
         least = 1 if self.kind == "eigenmodes" else 0
         if self.count is not None and self.count < least:
-            raise InputError(f"count {self.count} cannot be meant; {self.kind} needs at least {least}.")
+            raise InputError(f"count {self.count} is invalid; {self.kind} needs at least {least}.")

@@ -28,7 +28,7 @@ app = typer.Typer(pretty_exceptions_enable=False)
 
 
 class Command(TyperCommand):
-    """The command: what cannot be meant is told as JSON too, if that was asked for."""
+    """The command: invalid input is told as JSON too, if that was asked for."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the command line."""

@@ -11,9 +11,70 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
 
-from preprocessing.curve.contour_rows import checked_rows, refuse_detours
-from preprocessing.curve.interpolant import Interpolant
+from toolkit.foundation.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Interpolant:
+    """The curve r(u) and its derivatives, addressed like a spline of scipy."""
+
+    derivatives: tuple[BSpline, ...]  # of r_0, from order 0 to the degree
+    stretch: np.ndarray | None = None  # (2,) the diagonal of D, real or complex; none for 1
+
+    @classmethod
+    def through(cls, u: np.ndarray, points: np.ndarray, degree: int) -> Interpolant:
+        """The spline with r(u_i) = point i, with not-a-knot ends."""
+        spline = make_interp_spline(u, points, k=degree)
+        return cls((spline, *(spline.derivative(order) for order in range(1, degree + 1))))
+
+    def __call__(self, u: np.ndarray, order: int = 0) -> np.ndarray:
+        """Derivative of an order up to 3, not above the degree, at parameters u (...), real or complex; shape (..., 2)."""
+        value = self.derivatives[order](np.real(u))
+        if np.iscomplexobj(u):
+            step = 1j * np.imag(u)
+            factor = np.ones_like(step)
+            for k, derivative in enumerate(self.derivatives[order + 1 :], start=1):
+                factor = factor * step / k
+                value = value + factor[..., None] * derivative(np.real(u))
+        return value if self.stretch is None else value * self.stretch
+
+    def stretched(self, x: complex, y: complex) -> Interpolant:
+        """This curve with both coordinates multiplied, by which its parametrisation does not change."""
+        before = np.ones(2) if self.stretch is None else self.stretch
+        return Interpolant(self.derivatives, before * np.array([x, y]))
+
+
+_DETOUR = 2.0  # length of the curve between two points over their distance: a semicircle has 1.6, noses of few rows have 1.05
+
+
+def checked_rows(points: np.ndarray, degree: int) -> np.ndarray:
+    """The rows (n, 2) as numbers; refused if no spline of the degree can pass them."""
+    points = np.asarray(points, dtype=float)
+    if degree not in (3, 5):
+        raise InputError(f"spline degree {degree!r}: available are 3 (cubic, the default) and 5 (quintic).")
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) <= degree:
+        raise InputError(f"a contour needs at least {degree + 1} points as an array (n, 2), got shape {points.shape}.")
+    if not np.isfinite(points).all():
+        row = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
+        raise InputError(f"contour row {row} (counted from 0) is not finite: {points[row]}. Fix the coordinate.")
+    repeated = np.flatnonzero((np.diff(points, axis=0) == 0).all(axis=1))
+    if repeated.size:
+        raise InputError(f"contour rows {repeated[0]} and {repeated[0] + 1} (counted from 0) are equal: drop one of them.")
+    return points
+
+
+def refuse_detours(lengths: np.ndarray, points: np.ndarray) -> None:
+    """Refuse a curve whose pieces between rows, of these lengths (n - 1,), stray far from the rows (n, 2)."""
+    detour = lengths / np.linalg.norm(np.diff(points, axis=0), axis=1)
+    i = int(np.argmax(detour))
+    if not detour[i] <= _DETOUR:
+        raise InputError(
+            f"between contour rows {i} and {i + 1} (counted from 0) the smooth curve is {detour[i]:.3g} times as long as their "
+            "distance: rows there are out of order or fold back. Fix or remove them."
+        )
+
 
 Number = Any
 """A float, or a complex number where a complex step is taken."""

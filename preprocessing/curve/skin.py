@@ -66,7 +66,7 @@ class Skin:
         Raises
         ------
         InputError
-            Number, spacing or grading cannot be meant; or the contour carries a complex step, and the nodes depend on its
+            Number, spacing or grading is invalid; or the contour carries a complex step, and the nodes depend on its
             curvature, which is not differentiated.
         """
         if n_elements != int(n_elements) or n_elements < 1:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from preprocessing.assembly.invariants import polynomial_of
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam
+from preprocessing.elements.kinds.beams import SpatialBeam
 from preprocessing.elements.section import Monomial
 from preprocessing.elements.section_shape import SectionShape, value_of
 from toolkit.reduced_model.dependence import Polynomial

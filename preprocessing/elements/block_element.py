@@ -12,7 +12,7 @@ import numpy as np
 
 from preprocessing.elements.blocks import Blocks, Places, weighted_sum
 from preprocessing.elements.element import Coordinates, Element
-from preprocessing.elements.section import Patch, monomial
+from preprocessing.elements.section import Patch, SectionTerm, monomial
 from preprocessing.elements.section_shape import Terms
 from preprocessing.elements.space import Pair, Space
 from toolkit.reduced_model.model import StressPoints
@@ -63,6 +63,14 @@ class BlockElement(Element):
         return Blocks(Places(elements, numbers, self.dofs[elements, : blocks.shape[2]], (n_rows, self.coordinates.n)), blocks)
 
 
+def section_terms(
+    name: str, patch: Patch, rows: np.ndarray, terms: Terms, factor: Any = 1.0, column: int = 0, **material: int
+) -> Iterator[SectionTerm]:
+    """Those of a polynomial of a section, times a factor and powers of quantities of the material."""
+    for number, powers in terms:
+        yield SectionTerm(name, rows, column, patch.monomial(**material, **powers), factor * number)
+
+
 class Tension(NamedTuple):
     """How the tension of some elements stiffens them: with E p(section) times their strain times the squares of their slopes."""
 
@@ -103,6 +111,15 @@ class LineElement(BlockElement):
     def tensions(self) -> Iterator[Tension]:
         """How tension stiffens the elements; a kind that does not say has no geometric stiffness."""
         yield from ()
+
+    def section_terms(self) -> Iterator[SectionTerm]:
+        """What the sections of all elements are; none of a kind that consists of no beams."""
+        yield from ()
+
+    @property
+    def section_axes(self) -> np.ndarray:
+        """The e_3 of each section before it is made normal to its element, (n_e, 3); z in the plane."""
+        return np.tile([0.0, 0.0, 1.0], (len(self.connectivity), 1))
 
     def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
         n, found = self.coordinates.n, list[tuple[Any, Blocks]]()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import prod
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -68,6 +68,16 @@ class Patch:
     def monomial(self, **powers: int) -> Monomial:
         """Product of powers of this patch's parameters, named by their quantities."""
         return tuple((self.parameters[quantity], power) for quantity, power in powers.items())
+
+
+class SectionTerm(NamedTuple):
+    """One summand of an array of `BeamSections`: a number times powers of a patch's parameters, in some of its rows."""
+
+    name: str  # of the array
+    rows: np.ndarray
+    column: int  # of an array with two axes, else 0
+    factors: Monomial
+    number: Any  # complex where a parameter makes a complex step that the factors do not know
 
 
 def monomial(values: Mapping[str, Any], factors: Monomial) -> Any:

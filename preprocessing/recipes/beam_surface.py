@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from preprocessing.discretisation.fibre_lines import fibre_lines, fibre_polynomial
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam
+from preprocessing.elements.kinds.beams import SpatialBeam
 from preprocessing.reduction.reduced import Reduced
 from toolkit.reduced_model.spatial_model import SURFACE_POSITION
 

@@ -22,7 +22,7 @@ def validated(schema: type[File], content: Mapping[str, Any], whose: str, source
     Raises
     ------
     InputError
-        Names every key that is unknown, missing or has a value that cannot be meant.
+        Names every key that is unknown, missing or has an invalid value.
     """
     try:
         return schema.model_validate(content)

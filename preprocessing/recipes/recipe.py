@@ -105,7 +105,7 @@ class Recipe(ABC, Generic[File]):
         Raises
         ------
         InputError
-            The file is missing, no TOML, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
+            The file is missing, no TOML, or a key is unknown, missing or has an invalid value; every such key is named.
         """
         return cls.of(read_toml(Path(path), f"a {cls.name}"), Path(path))
 
@@ -150,7 +150,7 @@ class Recipe(ABC, Generic[File]):
         Raises
         ------
         InputError
-            A parameter does not exist or has no place in the file, or a value cannot be meant.
+            A parameter does not exist or has no place in the file, or a value is invalid.
         """
         values, keys = values or {}, keys or {}
         file = self._changed(values, keys) if values or keys else self.file
@@ -173,7 +173,7 @@ class Recipe(ABC, Generic[File]):
         Raises
         ------
         InputError
-            A file is missing or cannot be meant; the message names the file and the key.
+            A file is missing or is invalid; the message names the file and the key.
         """
         designs = self._designs(remark)
         with at_key(self.path, "basis"):

@@ -2,35 +2,131 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 from scipy.sparse import csr_array
 
+from preprocessing.assembly.assembly import Matrices
 from preprocessing.basis.basis import Basis
 from preprocessing.basis.basis_choice import BasisChoice
-from preprocessing.basis.reduction import reduced_basis
-from preprocessing.discretisation.discretisation import STEP, Change, DesignSpace, derivative_of
+from preprocessing.basis.boundary import coordinates_of
+from preprocessing.basis.reduction import motions_of_the_frame, per_node, reduced_basis
+from preprocessing.discretisation.discretisation import STEP, Change, DesignSpace, Discretisation, derivative_of
 from preprocessing.discretisation.following_places import with_places
+from preprocessing.reduction.beam_sections import KeptSections, beam_sections
 from preprocessing.reduction.composition import line_composition
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.element_sums import element_sums
 from preprocessing.reduction.held_points import with_held_points
-from preprocessing.reduction.left_out_shapes import left_out_shapes
-from preprocessing.reduction.line_spin import line_spin
-from preprocessing.reduction.richer_basis import richer_choices
-from preprocessing.reduction.stored_entries import with_more
+from preprocessing.reduction.spin_stiffening import SpinStiffening, Spun, without_round_off_of_rate
+from preprocessing.reduction.stored_entries import joined_rates, with_more
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
 from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
-from toolkit.reduced_model.parts.spin import Spin
+from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants
+
+LARGEST_FULL = 900
+"""Nodal coordinates up to which all are kept: with so many the check takes some 4 s, most of it to compile."""
+MORE, MORE_ALONE = 60, 120
+"""Modes more than twice those of the frozen basis, beside constraint modes and alone. Errors of too few modes fall with their number at
+least, so that twice as many show half of an error in the worst case."""
+
+
+def richer_choices(choice: BasisChoice, modes: int, n: int) -> list[BasisChoice]:
+    """Bases to be tried one after the other beside one with so many modes, of a body with n nodal coordinates.
+
+    None where nothing is frozen, or reduced.
+    """
+    if choice.derivative != "frozen" or choice.kind == "full":
+        return []
+    plain: dict[str, Any] = {"frequency": None, "static_error": None, "beside_frozen": True}
+    alone = replace(choice, **plain, kind="eigenmodes", count=2 * modes + MORE_ALONE)
+    if choice.boundary == "free":
+        return [alone]
+    if n <= LARGEST_FULL:
+        return [replace(choice, **plain, kind="full", count=None)]
+    return [replace(choice, **plain, kind="craig-bampton", count=2 * modes + MORE), alone]
+
+
+@dataclass(frozen=True, eq=False)
+class LineSpin:
+    """Of a body at its nominal design."""
+
+    space: DesignSpace
+    nominal: Discretisation
+    z: Any
+    free: Any  # sparse (n, n^): which nodal coordinates the frame leaves free
+    floats: bool
+    found: SpinStiffening
+
+    def rates(self, parameter: str, d_z: Any = None) -> dict[str, np.ndarray]:
+        """Derivative by one parameter, which changes Z by d_z."""
+        space, z = self.space, self.z
+        if d_z is not None:
+            z = z + 1j * STEP * (sparse.csr_array(d_z) if sparse.issparse(z) else d_z)
+        if parameter in space.in_monomials:
+            values: Mapping[str, Any] = {**space.values, parameter: space.values[parameter] + 1j * STEP}
+            body = self.nominal
+        else:
+            values, body = space.values, space.stepped(parameter)
+        rate = self.found.rate(_spun(body, values, body.parts.at(values), z, self.free, self.floats))
+        return {SPIN_STIFFENING: without_round_off_of_rate(rate, self.found.value, float(space.values[parameter]))}
+
+    def by_monomials(self, parameters: Collection[str]) -> dict[str, Derivatives]:
+        """Derivatives by parameters that leave Z as it is."""
+        names = list(self.space.values)
+        return joined_rates({name: self.rates(name) for name in names if name in parameters}, names)
+
+
+def line_spin(space: DesignSpace, nominal: Discretisation, z: Any, held: Sequence[int], matrices: Matrices) -> LineSpin:
+    """Of elements whose frame is tied to the nodes `held`, or floats about mean axes if there are none."""
+    n_nodes, each = len(nominal.nodes), per_node(nominal.nodes)
+    kept = np.delete(np.arange(each * n_nodes), coordinates_of(held, n_nodes, each))
+    free = sparse.eye_array(each * n_nodes, format="csr")[:, kept]
+    found = SpinStiffening(_spun(nominal, space.values, matrices, z, free, not held))
+    return LineSpin(space, nominal, z, free, not held, found)
+
+
+def _spun(body: Discretisation, values: Mapping[str, Any], matrices: Matrices, z: Any, free: Any, floats: bool) -> Spun:
+    return Spun(body.element, values, matrices, free, z, motions_of_the_frame(body.nodes) if floats else None)
+
+
+def left_out_shapes(nominal: Discretisation, matrices: Matrices, mass: Any, basis: Basis) -> LeftOutShapes | None:
+    """Of a body at its nominal design, with the mass (n, n) of its nodal coordinates; None where nothing is left out."""
+    if basis.beyond is None or not basis.beyond.count:
+        return None
+    rows = nominal.interface_rows()
+    loads = np.column_stack(
+        [*(rows[name].T for name in sorted(rows)), mass @ np.column_stack([pulls(nominal.nodes), basis.z[:, 1:]])]
+    )
+    shapes = basis.beyond.columns / np.sqrt(basis.beyond.eigenvalues)
+    seen = shapes.T @ loads
+    return LeftOutShapes(seen.T @ seen, matrices.stress @ matrices.coordinates.displacement(shapes @ seen))
+
+
+def pulls(nodes: np.ndarray) -> np.ndarray:
+    """Accelerations (n, d + d d) of nodes (n_nodes, d): along each axis a, and along a as the place along b, turning with their field."""
+    count, d = nodes.shape
+    found = np.zeros((count, per_node(nodes), d + d * d))
+    for a in range(d):
+        found[:, a, a] = 1.0
+        for b in range(d):
+            found[:, a, d + d * a + b] = nodes[:, b]
+            if a != b and d == 2:
+                found[:, 2, d + d * a + b] = (a - b) / 2
+            elif a != b:
+                found[:, 3 + 3 - a - b, d + d * a + b] = (1 if (a - b) % 3 == 1 else -1) / 2
+    return found.reshape(-1, d + d * d)
+
 
 RICHER = ("invariants", "derivatives", "affine", "interfaces", "spin")
 """What a model holds of its richer basis; of a skin the shape too."""
@@ -50,6 +146,7 @@ class Reduced:
     elements: Elements | SpatialElements | None = None
     element_derivatives: dict[str, Derivatives] | None = None
     element_affine: dict[str, Polynomial] | None = None
+    sections: KeptSections = field(default_factory=KeptSections)
     spin: Spin | None = None
     left_out_shapes: LeftOutShapes | None = None
     composition: dict[str, str | int | float] = field(default_factory=dict)
@@ -70,6 +167,7 @@ class Reduced:
                 name: getattr(self, name)
                 for name in ("elements", "element_derivatives", "element_affine", "spin", "left_out_shapes", "composition")
             },
+            **self.sections._asdict(),
             **({} if self.richer is None else {f"richer_{name}": getattr(self.richer, name) for name in RICHER}),
         }
 
@@ -126,10 +224,15 @@ def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequen
     if element_parts(choice.kind) and not choice.beside_frozen:
         sums = element_sums(space, nominal, held)
         elements = (sums.elements, sums.derivatives, sums.affine)
+    sections = KeptSections() if choice.beside_frozen else beam_sections(space, nominal, changes)
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     composition = line_composition(space, nominal, still, interfaces)
     rest = left_out_shapes(nominal, matrices, mass, basis)
-    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, stored, rest, composition)
+    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, sections, stored, rest, composition)
+
+
+SECTIONS = ("sections", "section_derivatives", "section_affine")
+"""Parts of a reduced model of beams that hold their sections."""
 
 
 def element_parts(basis: str) -> tuple[str, ...]:

@@ -20,7 +20,7 @@ PORTABLE = {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
 ROUNDS = 4
 MOTION = """
 import hashlib, time
-import toolkit as ffrf
+import ffrf
 from toolkit.analyses.transient import simulate
 
 model = ffrf.compile(ffrf.read_scene("models/morphing_wing/scene.toml"), variables=["t_w", "M_t", "points.D.x"])

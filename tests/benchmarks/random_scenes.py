@@ -35,7 +35,6 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -43,17 +42,26 @@ from typing import Any
 import numpy as np
 
 from tests.random_scenes.finer import finer_scene
-from tests.random_scenes.reference import AGREED, Answers, Reference, answers, errors, model_reference, reference
+from tests.random_scenes.reference import (
+    AGREED,
+    Answers,
+    Reference,
+    answers,
+    confirmed_reference,
+    errors,
+    model_reference,
+    reference,
+)
 from tests.random_scenes.scene import named_scene
 from tests.random_scenes.strained import strained_scene
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import again
+from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.step_cautions import GRADIENTS as GRADIENT
 from toolkit.sensitivity.errors.step_cautions import VALUES
-from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.sensitivity.result import Result, result
+from toolkit.sensitivity.methods import by_method
+from toolkit.sensitivity.result import Result
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.energy_balance import energy_balance
 
@@ -74,6 +82,7 @@ MODEL = frozenset(
         "tension",
         "weight-between-nodes",
         "left-out-shapes",
+        "frozen-basis",
     }
 )
 """Codes of doubts about a model, which only finer models can judge."""
@@ -82,8 +91,8 @@ GRADIENTS = frozenset({"gradient-steps", "geometric-gradients"})
 """Codes of doubts about gradients alone."""
 NOTHING = 1e-9
 """Error below which nothing is wrong at all."""
-UNJUDGED = frozenset({"curve-overshoot", "stale-model"})
-"""Codes of doubts about what was meant, which no finer run can judge."""
+UNJUDGED = frozenset({"curve-overshoot", "stale-model", "tied-extreme"})
+"""Codes of doubts about what was meant, or about derivatives that do not exist, which no finer run can judge."""
 STEPS = frozenset({"steps", "gradient-steps", "lost-vibrations", "energy"})
 """Codes of doubts about steps."""
 MOVED = ("way", "turn", "middle", "end", "most", "cross")
@@ -172,10 +181,9 @@ def judge(seed: int, folder: Path, known: dict[str, Any], strained: bool = False
     found = Judged(seed, kind, solver=_solver(scene))
     begun = time.perf_counter()
     try:
-        system = prepare(scene, list(scene.design))
-        solution = solve(system, "transient")
-        mine = answers(solution, sizes=False)
-        verdict = verdict_of(result(scene, solution, mine.values, mine.gradients, "direct", 0.0, 0.0, partial(again, system)))
+        run = by_method("direct", Compiled(scene, tuple(scene.design)), "transient")
+        solution = run.solution
+        mine, verdict = answers(solution, sizes=False), verdict_of(run)
     except ToolkitError as error:
         found.outcome, found.texts = "refused", [f"{type(error).__name__}: {error}"]
         return found
@@ -189,7 +197,11 @@ def judge(seed: int, folder: Path, known: dict[str, Any], strained: bool = False
     found.measures = {**_measures(solution), **dict(verdict.measures)}
     true = _reference(fine or scene, seed, solution.steps, folder, known)
     finer = _finer_model(scene, seed, true.finer * solution.steps, folder, known) if true.answers and fine is None else None
-    return _compared(found, scene, mine, true, finer)
+    found = _compared(found, scene, mine, true, finer)
+    if finer is not None and found.outcome == "wrong" and not found.doubted:
+        finer = _finer_model(scene, seed, true.finer * solution.steps, folder, known, "confirmed")
+        found = _compared(found, scene, mine, true, finer)
+    return found
 
 
 def _compared(found: Judged, scene: Scene, mine: Answers, true: Reference, finer: Reference | None) -> Judged:
@@ -197,10 +209,12 @@ def _compared(found: Judged, scene: Scene, mine: Answers, true: Reference, finer
     if true.answers is None:
         found.outcome, found.unknown = "dropped", [true.why]
         return found
-    found.unknown, found.model_known = true.unknown, finer is None or finer.answers is not None
+    found.unknown = [*true.unknown, *(finer.unknown if finer else [])]
+    found.model_known = finer is None or finer.answers is not None
     values, gradients = errors(scene, mine, finer.answers if finer and finer.answers else true.answers)
     found.values = {name: off for name, off in values.items() if name not in found.unknown}
-    slopes = {name: off for name, off in gradients.items() if true.gradients.get(name, 1.0) <= AGREED and np.isfinite(off)}
+    apart = {name: max(off, finer.gradients.get(name, 0.0) if finer else 0.0) for name, off in true.gradients.items()}
+    slopes = {name: off for name, off in gradients.items() if apart.get(name, 1.0) <= AGREED and np.isfinite(off)}
     found.gradients = slopes
     found.worst, found.error = max(found.values.items(), key=lambda item: item[1], default=("", 0.0))
     found.worst_gradient, found.gradient_error = max(slopes.items(), key=lambda item: item[1], default=("", 0.0))
@@ -224,13 +238,15 @@ def _reference(scene: Scene, seed: int, steps: int, folder: Path, known: dict[st
     return _known(known, key) or _added(reference(scene, steps), key, seed, folder, known)
 
 
-def _finer_model(scene: Scene, seed: int, steps: int, folder: Path, known: dict[str, Any]) -> Reference | None:
-    """The same of the scene with finer models; None where it has none."""
+def _finer_model(
+    scene: Scene, seed: int, steps: int, folder: Path, known: dict[str, Any], confirmed: str = ""
+) -> Reference | None:
+    """The same of the scene with finer models, by two runs if it is to be confirmed; None where it has none."""
     finer = finer_scene(scene)
     if finer is None:
         return None
-    key = _key(finer, steps)
-    return _known(known, key) or _added(model_reference(finer, steps), key, seed, folder, known)
+    key, found = _key(finer, steps) + confirmed, confirmed_reference if confirmed else model_reference
+    return _known(known, key) or _added(found(finer, steps), key, seed, folder, known)
 
 
 def _key(scene: Scene, steps: int) -> str:

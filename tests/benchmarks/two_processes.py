@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-import toolkit as ffrf
+import ffrf
 
 ROOT = Path(__file__).parents[2]
 STUDY = ROOT / "models" / "morphing_wing" / "study.toml"

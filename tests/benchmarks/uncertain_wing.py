@@ -19,8 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
-from toolkit.studies.designs.design_work import Asked, DesignWork
-from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.designs.design_work import DesignJob, DesignWork
+from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.study.study_reader import read_study
 from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
 from toolkit.studies.uncertainty.uncertain_study import uncertain_study
@@ -62,11 +62,11 @@ def main(rows: int) -> None:
     study = read_study(STUDY)
     wing = uncertain_study(study.model_copy(update={"constraints": {}}))
     found, n = found_uncertainty(wing), len(wing.joint.marginals)
-    work = DesignWork(wing.problem, solved(wing.problem, 0, wing.designs[0], None))
+    work = DesignWork(wing.problem, solve_design(wing.problem, 0, wing.designs[0], None))
     one, other = np.random.default_rng(20261123).random((2, rows, n))
     points = np.stack([one, other, *(np.where(np.arange(n) == k, other, one) for k in range(n))], axis=1)
     germs = wing.joint.germs_of(points.reshape(-1, n))
-    runs = [work(Asked(1, design, False)) for design in wing.joint.numbers(germs)]
+    runs = [work(DesignJob(1, design, False)) for design in wing.joint.numbers(germs)]
     print(f"{len(runs)} runs, {sum(each.failed for each in runs)} failed; {found.said}")
     for k, (name, spread) in enumerate(found.responses.items()):
         values = np.array([each.values[0, k] for each in runs]).reshape(rows, -1)

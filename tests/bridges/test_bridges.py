@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.optimize import NonlinearConstraint, minimize
 
-import toolkit as ffrf
+import ffrf
 from tests.models.truss import force, force_slope, height, limit_load, write_truss
 from toolkit.bridges.openmdao_component import openmdao_units
 from toolkit.bridges.packages import BridgeError

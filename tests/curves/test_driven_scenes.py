@@ -9,9 +9,9 @@ from typing import Annotated, Any
 import numpy as np
 import pytest
 
+from ffrf import extend
 from tests.models.curves import CURVES, ROUGH
 from tests.scene_file.test_schemas import complaints
-from toolkit import extend
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.rigid import SpatialRigid
 from toolkit.curves.curve import Curve
@@ -34,7 +34,7 @@ from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
-from toolkit.results.scene_table import table_of
+from toolkit.results.collect import table_of
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import converted
 from toolkit.scene_file.gradient_units import variable_unit

@@ -16,8 +16,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import ffrf
 import preprocessing
-import toolkit as ffrf
+import toolkit
 from toolkit.curves.catalogue import Curve
 from toolkit.responses.response import Response
 from toolkit.scene.kinds import kinds_of
@@ -37,17 +38,18 @@ def wing() -> ffrf.Model:
 
 
 def test_all_names_are_there_and_type_checkers_see_the_same_ones():
-    block = next(node for node in ast.parse(inspect.getsource(ffrf)).body if isinstance(node, ast.If))
+    block = next(node for node in ast.parse(inspect.getsource(toolkit)).body if isinstance(node, ast.If))
     typed = {alias.asname or alias.name for node in ast.walk(block) if isinstance(node, ast.ImportFrom) for alias in node.names}
-    assert typed == set(ffrf.__all__) == set(ffrf._PLACES)
+    assert typed == set(toolkit.__all__) == set(toolkit._PLACES) == {*ffrf.__all__} - {"preprocessing"}
     for name in ffrf.__all__:
         assert getattr(ffrf, name).__doc__
+        assert name == "preprocessing" or getattr(ffrf, name) is getattr(toolkit, name)
     assert re.match(r"\d+\.\d+", ffrf.__version__)
 
 
 def test_no_name_hides_a_room_nor_is_hidden_by_one():
     """A room becomes an attribute of the package as soon as anybody imports it."""
-    for package in (ffrf, preprocessing):
+    for package in (toolkit, preprocessing):
         rooms = {path.name for path in Path(package.__file__).parent.iterdir()}
         hidden = {
             name
@@ -58,14 +60,14 @@ def test_no_name_hides_a_room_nor_is_hidden_by_one():
 
 
 def test_importing_it_loads_nothing():
-    code = "import sys, toolkit; print('numpy' in sys.modules, 'toolkit.foundation' in sys.modules)"
+    code = "import sys, ffrf; print('numpy' in sys.modules, 'toolkit.foundation' in sys.modules)"
     assert (
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split() == ["False"] * 2
     )
 
 
 def test_a_name_that_is_not_there_lists_those_that_are():
-    with pytest.raises(AttributeError, match=r"toolkit has no 'simulate'; it has: .*compile.*read_scene"):
+    with pytest.raises(AttributeError, match=r"ffrf has no 'simulate'; it has: .*compile.*read_scene"):
         _ = ffrf.simulate
 
 

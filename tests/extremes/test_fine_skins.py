@@ -7,7 +7,7 @@ from shutil import copy
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from tests.models.scenes import MODELS, WING
 from toolkit.bodies.chain_strains import no_strains

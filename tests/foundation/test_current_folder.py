@@ -25,7 +25,7 @@ from toolkit.render.packages import RenderError
 from toolkit.render.space import probe
 from toolkit.render.space.probe import drawing_environment
 from toolkit.sensitivity.certificate.rebuilt_bodies import build_all
-from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.engine.executor import Executor, completed
 
 ROOT = Path(__file__).parents[2]
 WING = ROOT / "models" / "morphing_wing"
@@ -97,7 +97,7 @@ def test_a_model_of_another_program_that_the_library_rewrites(trap, tmp_path):
 
 def test_a_pool_of_processes_as_tradeoff_and_stability_start_it(trap):
     found = dict(
-        done_at(Place(processes=2), plain, {1: "a", 2: "b"})
+        completed(Executor(processes=2), plain, {1: "a", 2: "b"})
     )  # the work is in a module that loads numba and what that loads
     assert found == {1: "a", 2: "b"}
     assert not trap.exists()
@@ -146,7 +146,7 @@ def test_no_other_code_starts_processes_than_what_is_tested_here():
             "toolkit/foundation/processes/preprocessing_process.py",
             "toolkit/render/motion/animation.py",
             "toolkit/render/space/probe.py",
-            "toolkit/studies/places/processes.py",
+            "toolkit/studies/engine/processes.py",
         ),
         "preprocessing/foreign_files/apart.py",
     }
@@ -166,7 +166,7 @@ def test_a_package_with_the_name_of_one_of_ours_is_named(namesake):
     with pytest.raises(InputError, match=message):
         preprocessing_process.run("preprocessing.projects.command", [])
     with pytest.raises(InputError, match=message):
-        list(done_at(Place(processes=2), os.path.basename, {1: "a", 2: "b"}))
+        list(completed(Executor(processes=2), os.path.basename, {1: "a", 2: "b"}))
 
 
 def test_the_preprocessing_does_not_work_with_a_namesake_of_the_runtime(tmp_path):
@@ -180,6 +180,21 @@ def test_the_preprocessing_does_not_work_with_a_namesake_of_the_runtime(tmp_path
         check=False,
     )
     assert f"'toolkit' is not the other half of this program, '{HOME / 'toolkit'}', but {tmp_path}" in done.stderr.decode()
+
+
+@pytest.mark.parametrize("half", ["toolkit", "preprocessing"])
+def test_a_foreign_half_is_named_when_the_public_names_are_imported(half, tmp_path):
+    (tmp_path / half).mkdir()
+    (tmp_path / half / "__init__.py").touch()
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", "import ffrf; ffrf.preprocessing"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (tmp_path, HOME)))},
+        capture_output=True,
+        check=False,
+    )
+    assert (
+        f"ImportError: '{half}' is not the half of ffrf-toolkit, '{HOME / half}', but {tmp_path / half}" in done.stderr.decode()
+    )
 
 
 def test_the_path_of_processes_lacks_the_current_folder_unless_the_program_is_there(tmp_path, monkeypatch):

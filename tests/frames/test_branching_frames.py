@@ -7,12 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
-from preprocessing.corotational.elements import Corotational
-from preprocessing.corotational.solve import solve_corotational
-from preprocessing.mesh.curve_mesh import CurveMesh
 from tests.frames.test_cut_bodies import agree
+from tests.models.rectangular_beams import corotational, points_of
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load
 from toolkit.render.plane.configuration import Configuration
@@ -20,8 +18,9 @@ from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
-from toolkit.studies.tradeoff.settings.axes import read_axes
+from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.corotational.equilibrium import solve_corotational
 from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
 
 FORK = {"A": (0.0, 0.0), "B": (0.5, 0.0), "C": (0.9, 0.3), "D": (0.9, -0.3)}
@@ -82,15 +81,15 @@ def test_one_frame_per_element_is_the_corotational_frame(tmp_path, nodes, beams)
     save_frame(tmp_path, nodes, beams, 3)
     count = 3 * len(beams)
     found = ffrf.compile(scene_of(tmp_path, count)).statics()
-    mesh, each = load(tmp_path / "frame.h5").mesh, np.ones(count)
+    mesh = load(tmp_path / "frame.h5").mesh
     assert mesh is not None
-    judge = Corotational(CurveMesh(mesh.nodes, mesh.connectivity), 1e9 * each, 0.01 * each, 0.02 * each)
+    judge = corotational(mesh.nodes, mesh.connectivity, 1e9, 0.01, 0.02)
     loads = np.zeros(3 * len(mesh.nodes))
     loads[6:8], loads[9:11] = (0.5, 2.0), (0.5, 1.0)  # nodes C and D
     u = solve_corotational(judge, loads, np.eye(3, len(loads)))
     assert np.abs(u).max() > 0.05
     assert [found.values[name] for name in ("x", "y", "low")] == pytest.approx(u[[6, 7, 10]], abs=1e-9)  # statics end at 1e-10
-    assert found.values["stress"] == pytest.approx(np.abs(judge.stress(u)).max(), rel=1e-6)  # E times that
+    assert found.values["stress"] == pytest.approx(np.abs(judge.stress(u, points_of(count))).max(), rel=1e-6)  # E times that
 
 
 def test_reduced_members_bend_as_all_their_coordinates_do(tmp_path):

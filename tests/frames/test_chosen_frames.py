@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.basis.basis_choice import BasisChoice
 from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_wing import WING, wing
@@ -17,11 +17,11 @@ from toolkit.command_line.commands.inspection import describe_scene
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.studies.tradeoff.axes import read_axes
+from toolkit.studies.tradeoff.case import Case
+from toolkit.studies.tradeoff.frame_axes import framed
 from toolkit.studies.tradeoff.recommendation import changes
-from toolkit.studies.tradeoff.runs.worker import Case
-from toolkit.studies.tradeoff.settings.axes import read_axes
-from toolkit.studies.tradeoff.settings.frame_axes import framed
-from toolkit.studies.tradeoff.settings.setting import Setting
+from toolkit.studies.tradeoff.setting import Setting
 from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
 from toolkit.validity.bodies.deformation import LIMIT, deformations
 
@@ -193,7 +193,7 @@ def test_the_study_of_settings_varies_frames():
     assert (reduced.frames, reduced.modes_per_frame) == (4, 2)  # type: ignore[attr-defined]
     assert changes(case, both) == {"bodies.skin.frames": "4", "bodies.skin.modes_per_frame": "2"}
     assert len({case.key(Setting({"modes_per_frame": each})) for each in of_modes}) == 6
-    with pytest.raises(InputError, match="modes_per_frame='-1' cannot be meant; give whole numbers from 0 on, or all"):
+    with pytest.raises(InputError, match="modes_per_frame='-1' is invalid; give whole numbers from 0 on, or all"):
         read_axes(scene, "modes_per_frame=-1")
     with pytest.raises(InputError, match="no body has any"):
         read_axes(wing(1), "modes_per_frame")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
 from toolkit.command_line.cli import app
@@ -16,7 +16,7 @@ from toolkit.command_line.printed.deformation import record_of_deformations
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
-from toolkit.studies.tradeoff.settings.axes import read_axes
+from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
 

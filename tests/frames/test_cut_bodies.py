@@ -8,14 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.basis.basis_choice import BasisChoice
-from preprocessing.corotational.elements import Corotational
-from preprocessing.corotational.solve import solve_corotational
 from preprocessing.elements.section import Section
-from preprocessing.mesh.curve_mesh import CurveMesh
 from tests.models.beam_models import save_beam
-from tests.preprocessing.test_corotational import elastica
+from tests.models.rectangular_beams import corotational, points_of
+from tests.validity.test_corotational import elastica
 from toolkit.analyses.statics import solve_statics
 from toolkit.description.run_options import RunOptions
 from toolkit.door.model import Model
@@ -27,6 +25,7 @@ from toolkit.scene.cut_scene import with_parts, written
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.differences import taylor_rates
 from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.corotational.equilibrium import solve_corotational
 from toolkit.validity.motion.energy_balance import energy_balance
 
 SECTION = Section(youngs_modulus=1e9, density=1000.0, thickness=0.01, width=0.02, damping_stiffness=1e-3)
@@ -100,16 +99,15 @@ def test_one_frame_per_element_is_the_corotational_beam(tmp_path, nodes):
     force, moment = (-0.5 * EI / length**2, EI / length**2), 0.3 * EI / length
     scene = cantilever(tmp_path, nodes, n, in_space(force), moment)
     solution = solve_statics(compile_scene(scene))
-    each = np.ones(n)
-    mesh = CurveMesh(nodes, np.column_stack([np.arange(n), np.arange(1, n + 1)]))
-    judge = Corotational(mesh, SECTION.youngs_modulus * each, SECTION.thickness * each, SECTION.width * each)
+    connectivity = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+    judge = corotational(nodes, connectivity, SECTION.youngs_modulus, SECTION.thickness, SECTION.width)
     loads = np.append(np.zeros(3 * n), [*force, moment])
     u = solve_corotational(judge, loads, np.eye(3, 3 * n + 3))
     places, _ = cut_positions(solution.system.scene, "beam", solution.q[-1, solution.coordinates("beam")])
     assert np.abs(u[2::3]).max() > 0.4  # rad: it bends far
     np.testing.assert_allclose(places, nodes + u.reshape(-1, 3)[:, :2], atol=1e-9)  # both solvers stop at 1e-10 of the size
     stress = stress_field(solution, "beam")[0][-1]
-    np.testing.assert_allclose(stress, judge.stress(u).ravel(), atol=1e-7 * np.abs(stress).max())  # E times that
+    np.testing.assert_allclose(stress, judge.stress(u, points_of(n)), atol=1e-7 * np.abs(stress).max())  # E times that
 
 
 @pytest.mark.parametrize("frames", [1, 3, 10, 30, "[5, 9]"])

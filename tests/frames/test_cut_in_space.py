@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
-import toolkit as ffrf
+import ffrf
 from tests.frames.test_cut_bodies import agree
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
 from tests.spatial.momenta import kinetic_energy, momentum, strain_energy, turning

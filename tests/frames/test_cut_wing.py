@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.conversion import converted_model

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.models.spatial_chains import save_chain
 from toolkit.command_line.cli import app
 from toolkit.results.restore import restore_solution

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.frames.test_every_joint import AGREEMENT, disagreement
 from tests.models.response_cases import CASES, TIP, write_models
 from toolkit.foundation.errors import InputError

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics

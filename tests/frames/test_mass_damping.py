@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.spatial.scenes import save_frame
 
 ALPHA = 0.5

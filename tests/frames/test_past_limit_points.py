@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.frames.test_cut_bodies import agree
 

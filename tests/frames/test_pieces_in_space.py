@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.frames.test_cut_bodies import agree
 from tests.frames.test_cut_in_space import FLAP, SPUN, changes_in_flight

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.foundation.errors import InputError

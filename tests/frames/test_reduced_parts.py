@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.frames.test_cut_bodies import ARC, SECTION, agree, cantilever, in_space
 from tests.frames.test_cut_in_space import CROOKED, SPUN, SWING
 from tests.models.beam_models import save_beam

@@ -7,11 +7,11 @@ import pytest
 from numpy.polynomial import Polynomial
 from scipy.linalg import eigh
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.models.spatial_chains import chain_scene, save_chain
 from toolkit.scene.cut_scene import with_parts
-from toolkit.validity.bodies.corotational_check import compare_with_corotational
+from toolkit.validity.bodies.corotational.comparison import compare_with_corotational
 from toolkit.validity.bodies.cut.places import node_places
 from toolkit.validity.bodies.physics import speed_limits
 from toolkit.validity.bodies.spinning.critical_speed import spinning_bodies

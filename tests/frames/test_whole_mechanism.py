@@ -7,7 +7,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.frames.test_cut_bodies import EI, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_wing import WING, wing
 from toolkit.command_line.cli import app

@@ -33,7 +33,8 @@ from toolkit.sensitivity.preparation import prepare, solve
 MODEL_OBJECTS = ["invariants", "invariants/stiffness", "invariants/inertia", "invariants/mass", "derivatives",
                  "derivatives/shape.target/entry", "affine/stiffness/power", "affine/stiffness/factor", "affine/stiffness/entry",
                  "affine/stiffness/value", "interfaces", "interfaces/tip/position",
-                 "shape/target", "mesh/connectivity", "nominal"]  # fmt: skip
+                 "shape/target", "mesh/connectivity", "nominal", "sections/axis", "sections/bending_stiffness",
+                 "section_affine/sections.axial_stiffness/factor"]  # fmt: skip
 MODEL_ATTRIBUTES = ["/@schema", "/@schema_version", "/@dimension", "/@units", "/@basis", "nominal@thickness", "nominal_units@thickness",
                     "writers@numpy"]  # fmt: skip
 RESULTS_OBJECTS = ["times", "q", "dq", "about", "scene_text", "names/coordinates", "names", "bodies", "bodies/beam/stress",

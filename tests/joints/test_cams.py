@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
+from ffrf import plane, space
 from tests.joints.test_gears import AXIS, TURN, at, gradients
 from tests.models.cases import LIFT, PROFILE
-from toolkit import plane, space
 from toolkit.analyses.transient import simulate
 from toolkit.curves.curve import Curve
 from toolkit.description.run_options import RunOptions

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
+from ffrf import plane, space
 from tests.models.directions import along, derivative_along, felt_direction
-from toolkit import plane, space
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError

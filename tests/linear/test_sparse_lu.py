@@ -12,9 +12,8 @@ from toolkit.foundation.kernel import plain
 from toolkit.foundation.vectors.rows import filled_up
 from toolkit.linear import dense_lu, sparse_lu
 from toolkit.linear.elimination_order import minimum_degree
-from toolkit.linear.linear_solver import linear_solver, solve_once, updates_of
+from toolkit.linear.linear_solver import linear_solver, solve_block, solve_once, updates_of
 from toolkit.linear.sparse_analysis import analyse
-from toolkit.linear.sparse_block import solve_block
 
 COMPILED = partial(partial, call)
 """A kernel as the program calls it, which compiles it once for both."""

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import toolkit as ffrf
+import ffrf
+from ffrf import plane, space
 from tests.models.directions import along, derivative_along, felt_direction
-from toolkit import plane, space
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.sensitivity.methods import gradients_by

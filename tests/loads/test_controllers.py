@@ -9,8 +9,8 @@ import pytest
 from pydantic import ValidationError
 from scipy.linalg import expm
 
-import toolkit as ffrf
-from toolkit import plane, space
+import ffrf
+from ffrf import plane, space
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError

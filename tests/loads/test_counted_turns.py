@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-import toolkit as ffrf
-from toolkit import plane, space
+import ffrf
+from ffrf import plane, space
 from toolkit.analyses.transient import simulate
 from toolkit.conformance.check import check_load
 from toolkit.foundation.errors import ConvergenceError

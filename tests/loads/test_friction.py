@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-import toolkit as ffrf
-from toolkit import plane, space
+import ffrf
+from ffrf import plane, space
 
 MASS, MU, G, SPEED = 2.0, 0.3, 9.81, 3.0
 LEVEL = MU * MASS * G

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.program import Values
-from toolkit.studies.optimization.search.found import Found
 from toolkit.studies.optimization.search.search import Search
+from toolkit.studies.optimization.search.search_result import SearchResult
 from toolkit.studies.study.search_options import Search as SearchOptions
 
 Residuals = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -38,7 +38,7 @@ class Squares:
     def design(self, z: np.ndarray) -> np.ndarray:
         return np.clip(z, 0.0, self.top)
 
-    def values(self, found: Evaluation) -> Values:
+    def values(self, found: DesignOutcome) -> Values:
         r, r_z = found.values[0], found.gradients[0]
         f, df, curvature = r @ r / self.unit, 2 * r @ r_z / self.unit, 2 * r_z.T @ r_z / self.unit
         return Values(f, df, np.empty(0), np.empty((0, len(self.top))), curvature)
@@ -49,7 +49,9 @@ def nowhere(_: np.ndarray) -> bool:
     return False
 
 
-def searched(residuals: Residuals, start: np.ndarray, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any) -> Found:
+def searched(
+    residuals: Residuals, start: np.ndarray, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any
+) -> SearchResult:
     """A search from a start, of variables between 0 and 1, in which designs fail where it is said."""
     return search_of(residuals, len(start), fails, **options).run(start, None)
 
@@ -57,9 +59,11 @@ def searched(residuals: Residuals, start: np.ndarray, fails: Callable[[np.ndarra
 def search_of(residuals: Residuals, count: int = 2, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any) -> Search:
     """That search of so many variables, before it begins."""
 
-    def solve(lane: int, design: np.ndarray, _: bool) -> Evaluation:
+    def solve(lane: int, design: np.ndarray, _: bool) -> DesignOutcome:
         r, r_z = residuals(design)
-        return Evaluation(lane, design, "a wall" if fails(design) else "", r[None], r_z[None], (), 0.0)
+        return DesignOutcome(
+            lane=lane, design=design, reason="a wall" if fails(design) else "", values=r[None], gradients=r_z[None]
+        )
 
     program: Any = Squares(np.ones(count), SearchOptions(**options))
     evaluator: Any = solve

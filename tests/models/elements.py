@@ -16,9 +16,8 @@ import numpy as np
 
 from preprocessing.assembly.assembly import Matrices, Parts, assemble
 from preprocessing.elements.element import Element
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import BeamPatch, PlanarBeam, SpatialBeam
 from preprocessing.elements.kinds.solid import element_solid
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam, SpatialPatch
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import rectangle as rectangle_section
 from preprocessing.elements.solids.elasticity import SolidMatrices, solid_matrices
@@ -327,7 +326,7 @@ DEEP = tuple((y, 0.0) for y in GAUSS.tolist())
 
 
 def _spatial(nodes: np.ndarray, chain: np.ndarray, patch: Patch, values: Values) -> Element:
-    own = SpatialPatch(patch, rectangle_section(), 1 / (2 * (1 + values["poisson_ratio"])))
+    own = BeamPatch(patch, rectangle_section(), 1 / (2 * (1 + values["poisson_ratio"])))
     return SpatialBeam(nodes, chain, np.tile(ORIENTATION, (3, 1)), [own])
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from preprocessing.assembly.assembly import Matrices, assemble
 from preprocessing.assembly.interface import interface_point
 from preprocessing.basis.constrained_pencil import ConstrainedPencil
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import CurveMesh

@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.elements import beam, spatial_beam
 from preprocessing.elements.block_element import BlockElement, LineElement
 from preprocessing.elements.element import Contribution, squared
-from preprocessing.elements.kinds.planar_beam import AREA, SECOND_MOMENT
+from preprocessing.elements.kinds.beams import AREA, SECOND_MOMENT
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import ONE, Term
 from preprocessing.elements.space import PLANE
-from toolkit.kinematics.beam_functions import AXIAL
+from toolkit.kinematics.beam_elements import AXIAL, BeamElements
 from toolkit.reduced_model.model import StressPoints
 
 
@@ -31,7 +30,8 @@ class Bar(BlockElement):
         area, consistent, axes = (Term(1.0, {"area": 1}),), np.array([[2, 1], [1, 2]]) / 6, np.eye(2)
         for patch in self.patches:
             elements, ends = patch.elements, self.ends[patch.elements]
-            length, (along, _) = beam.length(ends), beam.directions(ends)
+            own = BeamElements.in_plane(ends)
+            length, along = own.lengths, own.axes[:, 0, :2]
             mass = np.einsum("e,pq,ai,bj->eabpiqj", length, consistent, axes, axes).reshape(-1, 2, 2, 4, 4)
             strain = (np.column_stack([-along, along]) / length[:, None])[:, None]
             yield Contribution("mass", patch, area, self.component_masses(elements, mass))
@@ -49,7 +49,7 @@ LINEAR = np.einsum("kp,ai->kapi", AXIAL, np.eye(3)).reshape(4, 3, 6)
 class ShearBeam(LineElement):
     """Planar Timoshenko beams: displacements and rotation linear, the shear strain that of the middle, and rotary inertia.
 
-    The hidden coordinate is that of `spatial_beam`: the point at y across the beam is at ([S, 0] + [R, n] y) [u_e; 1].
+    The hidden coordinate is that of `BeamElements`: the point at y across the beam is at ([S, 0] + [R, n] y) [u_e; 1].
     T. J. R. Hughes, R. L. Taylor and W. Kanoknukulchai, A simple and efficient finite element for plate bending (1977).
     """
 
@@ -61,7 +61,8 @@ class ShearBeam(LineElement):
     def contributions(self) -> Iterator[Contribution]:
         for patch in self.patches:
             elements, ends = patch.elements, self.ends[patch.elements]
-            length, (along, across) = beam.length(ends)[:, None, None], beam.directions(ends)
+            own = BeamElements.in_plane(ends)
+            length, along, across = own.lengths[:, None, None], own.axes[:, 0, :2], own.axes[:, 1, :2]
             none = 0 * length[:, 0]
             stretched = np.column_stack([-along, none, along, none])[:, None] / length
             bent = np.column_stack([none, none, none - 1, none, none, none + 1])[:, None] / length
@@ -69,7 +70,7 @@ class ShearBeam(LineElement):
             offset = np.concatenate([-along[:, None, :, None] * LINEAR[:, None, 2], np.zeros((len(ends), 4, 2, 1))], axis=3)
             offset[:, 0, :, 6] = across
             for terms, shapes in ((AREA, np.tile(LINEAR[:, :2], (len(ends), 1, 1, 1))), (SECOND_MOMENT, offset)):
-                yield Contribution("mass", patch, terms, self.component_masses(elements, spatial_beam.products(ends, shapes)))
+                yield Contribution("mass", patch, terms, self.component_masses(elements, own.products(shapes)))
             stiff = ((AREA, 1, stretched), (SECOND_MOMENT, 1, bent), (AREA, self.shear_factor, sheared))
             for terms, factor, rows in stiff:
                 yield squared(patch, terms, self.placed_rows(elements, np.sqrt(factor * length) * rows))

@@ -7,7 +7,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.models.kept_files import write_once
 from tests.models.solid_bodies import box

@@ -10,8 +10,7 @@ import numpy as np
 from preprocessing.assembly.invariants import contract_at
 from preprocessing.basis.reduction import spatial_motions, undeformed
 from preprocessing.discretisation.discretisation import Discretisation
-from preprocessing.elements import spatial_beam
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam, SpatialPatch
+from preprocessing.elements.kinds.beams import BeamPatch, SpatialBeam
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import SectionShape, rectangle
 from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments
@@ -35,7 +34,7 @@ class Beams:
     @property
     def discrete(self) -> Discretisation:
         patch = Patch(np.arange(len(self.connectivity)), {name: name for name in self.values})
-        patches = [SpatialPatch(patch, self.shape, 1 / (2 * (1 + NU)))]
+        patches = [BeamPatch(patch, self.shape, 1 / (2 * (1 + NU)))]
         beams = SpatialBeam(self.nodes, self.connectivity, self.orientation, patches)
         return Discretisation(beams, {})
 
@@ -86,7 +85,7 @@ def kinetic_energy(beams: Beams, points: list[tuple[float, float]], q, v, transl
     """
     ratios, weights = np.polynomial.legendre.leggauss(8)
     mesh, energy = beams.discrete.element, 0.0
-    shape, turn = spatial_beam.shape(mesh.ends, mesh.axes), spatial_beam.rotation(mesh.ends, mesh.axes)
+    shape, turn = mesh.beams.shape, mesh.beams.rotation
     area = beams.shape.values(beams.values)["area"]
     for k, (one, two) in enumerate(mesh.connectivity):
         dofs, along = mesh.dofs[k, :12], mesh.nodes[two] - mesh.nodes[one]

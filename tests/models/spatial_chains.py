@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.models.kept_files import write_once
 from toolkit.scene.scene import Scene

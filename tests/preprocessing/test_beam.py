@@ -8,11 +8,11 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from preprocessing.assembly.assembly import Matrices, Parts, assemble
-from preprocessing.elements import beam
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import mesh_curve
+from toolkit.kinematics.beam_elements import BeamElements
 
 SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=40.0)
 ENDS = np.array([[[3.0, -1.0], [7.0, 2.0]]])  # length 5, direction (0.8, 0.6)
@@ -109,7 +109,7 @@ def test_element_derivative_equals_the_complex_step_of_the_textbook(kind, parame
 def test_mixed_component_mass_equals_its_closed_form():
     """For an element along x: int N_i H_j dx with the linear N and the Hermite H."""
     length = 4.0
-    mixed = beam.component_mass(np.array([[[0.0, 0.0], [length, 0.0]]]))[0, 0, 1]
+    mixed = BeamElements.in_plane(np.array([[[0.0, 0.0], [length, 0.0]]])).component_mass[0, 0, 1]
     expected = np.zeros((6, 6))
     expected[np.ix_([0, 3], [1, 2, 4, 5])] = length * np.array([
         [7 / 20, length / 20, 3 / 20, -length / 30],
@@ -122,8 +122,8 @@ def test_mixed_component_mass_equals_its_closed_form():
 def test_shape_functions_reproduce_positions_and_rigid_rotation(ratio):
     """S xi = x and S rho = (-x_2, x_1) at every place, with xi and rho of the two nodes."""
     (one, two), powers = ENDS[0], ratio ** np.arange(4)
-    shape = np.tensordot(powers, beam.shape(ENDS)[0], axes=1)
-    turn = np.tensordot(powers, beam.rotation(ENDS)[0], axes=1)
+    shape = np.tensordot(powers, BeamElements.in_plane(ENDS).shape[0], axes=1)
+    turn = np.tensordot(powers, BeamElements.in_plane(ENDS).rotation[0], axes=1)
     x = one + ratio * (two - one)
     xi, rigid = np.array([*one, 0, *two, 0]), np.array([-one[1], one[0], 1, -two[1], two[0], 1])
     np.testing.assert_allclose(shape @ xi, x, atol=1e-14)  # round-off of numbers of order 1
@@ -134,8 +134,8 @@ def test_shape_functions_reproduce_positions_and_rigid_rotation(ratio):
 def test_rotation_is_the_slope_of_the_transverse_displacement():
     ratio, powers = 0.37 + 1e-30j, np.arange(4)
     normal = np.array([-0.6, 0.8])
-    slope = (normal @ np.tensordot(ratio**powers, beam.shape(ENDS)[0], axes=1)).imag / 1e-30 / 5.0
-    rotation = np.tensordot(ratio.real**powers, beam.rotation(ENDS)[0], axes=1)
+    slope = (normal @ np.tensordot(ratio**powers, BeamElements.in_plane(ENDS).shape[0], axes=1)).imag / 1e-30 / 5.0
+    rotation = np.tensordot(ratio.real**powers, BeamElements.in_plane(ENDS).rotation[0], axes=1)
     np.testing.assert_allclose(rotation, slope, atol=1e-14)  # complex step: round-off only
 
 

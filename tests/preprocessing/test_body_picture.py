@@ -13,8 +13,7 @@ from typer.testing import CliRunner
 
 from preprocessing.commands.cli import app
 from preprocessing.elements.section import Section
-from preprocessing.picture.body_picture import picture_of, save_picture
-from preprocessing.picture.body_shape import body_shape
+from preprocessing.picture.body_picture import body_shape, picture_of, save_picture
 from preprocessing.picture.marks import MOST_OF_A_KIND, labels_at, marks_of
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from toolkit.reduced_model.description.body_summary import body_summary

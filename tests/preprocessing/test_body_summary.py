@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from preprocessing.commands.cli import app as preprocess
 from preprocessing.foreign_files.contents import LeftOut

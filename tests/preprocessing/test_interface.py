@@ -6,7 +6,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from preprocessing.assembly.interface import interface_point
 from preprocessing.basis.reduction import tangent_frame
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from toolkit.foundation.errors import InputError
 
 ANGLE = np.linspace(0.4, 3.6, 6)

@@ -10,7 +10,7 @@ from preprocessing import build
 from preprocessing.assembly.assembly import assemble
 from preprocessing.assembly.invariants import contract, contract_derivative, polynomials
 from preprocessing.basis.reduction import tangent_frame, undeformed
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import mesh_curve

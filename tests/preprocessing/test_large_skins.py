@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from preprocessing.recipes.build_model import read_recipe
 from toolkit.foundation.errors import InputError, ModelFileError

@@ -15,7 +15,7 @@ import pytest
 from preprocessing import build
 from preprocessing.commands.cli import main
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.recipes import build_model

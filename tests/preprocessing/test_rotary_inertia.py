@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import scipy
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.assembly.assembly import assemble
 from preprocessing.assembly.invariants import contract
 from preprocessing.basis.reduction import undeformed
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.recipes.build_model import build

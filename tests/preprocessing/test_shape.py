@@ -15,7 +15,7 @@ from preprocessing.assembly.interface import interface_point
 from preprocessing.basis.reduction import undeformed
 from preprocessing.curve.bump import Bump, bumped
 from preprocessing.curve.contour import Contour
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.recipes.skin.geometry import Geometry, read_geometry, shape_parameters
 from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe

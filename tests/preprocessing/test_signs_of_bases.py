@@ -23,7 +23,7 @@ from preprocessing.basis.solids.held_system import HeldSystem
 from preprocessing.basis.solids.ties import Freedom, Tie
 from preprocessing.basis.subspace_rates import subspace_rates
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.reduction.reduced import reduce

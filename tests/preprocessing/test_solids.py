@@ -18,7 +18,7 @@ from preprocessing.mesh.outline import outline_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.discrete_body import discrete_body, lame_factors
-from preprocessing.recipes.solids.inside import nodal_stress
+from preprocessing.recipes.solids.reduced_body import nodal_stress
 from tests.models.solid_bodies import (
     DENSITY,
     KINDS,

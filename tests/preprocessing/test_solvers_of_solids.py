@@ -11,8 +11,7 @@ import pytest
 from scipy import sparse
 
 from preprocessing.basis.solids import factors
-from preprocessing.basis.solids.pardiso_factors import PardisoFactors, pardiso_factors
-from preprocessing.basis.solids.superlu_factors import SuperLUFactors, superlu_factors
+from preprocessing.basis.solids.factors import PardisoFactors, SuperLUFactors, pardiso_factors, superlu_factors
 from tests.models.processors import entries
 from tests.models.solid_bodies import box, cantilever
 
@@ -59,7 +58,7 @@ def stand_in(monkeypatch):
     package.PyPardisoSolver, inner.PyPardisoError = StandIn, Refused
     monkeypatch.setitem(sys.modules, "pypardiso", package)
     monkeypatch.setitem(sys.modules, "pypardiso.pardiso_wrapper", inner)
-    monkeypatch.setattr("preprocessing.basis.solids.pardiso_factors.version", lambda name: {"pypardiso": "7", "mkl": "8"}[name])
+    monkeypatch.setattr("preprocessing.basis.solids.factors.version", lambda name: {"pypardiso": "7", "mkl": "8"}[name])
 
 
 @pytest.fixture

@@ -10,10 +10,9 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from preprocessing.elements import spatial_beam
 from preprocessing.elements.section_shape import circle, general, rectangle, strip, tube
-from preprocessing.elements.spatial_beam import SECOND, THIRD
 from tests.models.spatial_beams import NU, VALUES, Beams, crooked, energy_of_invariants, kinetic_energy, straight
+from toolkit.kinematics.beam_elements import SECOND, THIRD, BeamElements, at_place
 from toolkit.reduced_model.spatial_model import PAIRS
 
 T, B, E, RHO = (VALUES[name] for name in ("thickness", "width", "youngs_modulus", "density"))
@@ -103,12 +102,12 @@ def test_spinning_about_its_own_axis_a_beam_has_the_polar_inertia():
 
 def test_rotation_is_the_slope_of_the_centre_line_and_the_twist(rng):
     ends, r = rng.normal(size=(1, 2, 3)), 0.37 + 1e-30j
-    triad, u = spatial_beam.axes(ends, rng.normal(size=(1, 3))), rng.normal(size=12)
-    line, turn = (np.tensordot(r ** np.arange(4), f(ends, triad)[0], 1) @ u for f in (spatial_beam.shape, spatial_beam.rotation))
-    slope = line.imag / 1e-30 / spatial_beam.length(ends)[0]
-    e_1, e_2, e_3 = triad[0]
+    own, u = BeamElements.in_space(ends, rng.normal(size=(1, 3))), rng.normal(size=12)
+    line, turn = (at_place(each[0], r) @ u for each in (own.shape, own.rotation))
+    slope = line.imag / 1e-30 / own.lengths[0]
+    e_1, e_2, e_3 = own.axes[0]
     twist = 0.63 * e_1 @ u[3:6] + 0.37 * e_1 @ u[9:]
-    np.testing.assert_allclose(triad[0] @ turn.real, [twist, -e_3 @ slope, e_2 @ slope], rtol=1e-13)  # complex step: round-off
+    np.testing.assert_allclose(own.axes[0] @ turn.real, [twist, -e_3 @ slope, e_2 @ slope], rtol=1e-13)  # complex step: round-off
 
 
 def bent(beams: Beams, load: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from preprocessing import build
 from preprocessing.basis.solids import sparse_modes
-from preprocessing.basis.solids.nested_dissection import dissected
+from preprocessing.basis.solids.factors import dissected
 from preprocessing.basis.solids.ties import freedom, tie
 from preprocessing.elements.solids.elasticity import solid_matrices
 from preprocessing.elements.solids.elements import element_blocks, wedge_points

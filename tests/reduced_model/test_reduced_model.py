@@ -97,6 +97,7 @@ def test_parts_that_were_not_asked_for_are_none_and_not_read(monkeypatch):
     load(SKIN)
     assert {name.split("/")[0] for name, _ in read} >= set(PARTS) - {
         "derivatives",
+        "section_derivatives",
         "outline",
         "interior",
         "spin",
@@ -179,7 +180,7 @@ def test_a_foreign_hdf5_file_is_recognised(tmp_path):
 def test_another_schema_version_names_both(path):
     with h5py.File(path, "a", libver="v110") as file:
         file.attrs["schema_version"] = 99
-    with pytest.raises(ModelFileError, match=r"schema version 99, this program reads version 2"):
+    with pytest.raises(ModelFileError, match=r"schema version 99, this program reads version 3"):
         load(path)
 
 

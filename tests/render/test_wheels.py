@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ffrf import plane
 from tests.joints.test_gears import disc, geared_wheels, planetary, run, spatial_wheels
-from toolkit import plane
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.space.configuration import SpatialConfiguration
 

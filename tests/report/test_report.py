@@ -29,11 +29,10 @@ from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.render.pictures import file_names
-from toolkit.report.figures.load_curves import _scale
-from toolkit.report.figures.monitor_curves import monitor_curves
+from toolkit.report.figures.catalogue import _scale, monitor_curves
 from toolkit.report.figures.stress_sensitivity import color_range, stress_sensitivity
 from toolkit.report.material import JUDGES, PATIENCE, Material, judge
-from toolkit.report.motion.viewer import viewer_data
+from toolkit.report.motion.sections import viewer_data
 from toolkit.report.own_folder import begin, refuse_foreign_files
 from toolkit.report.page import typeset
 from toolkit.report.tables import cost_table, gradient_table

@@ -49,21 +49,22 @@ def files(folder: Path, *below: str) -> set[str]:
 
 def test_the_source_archive_holds_all_of_the_project(shipped):
     source, _ = shipped
-    parts = ("toolkit", "preprocessing", "models", "schemas", "tests", "tutorials", "docs", ".ci")
+    parts = ("ffrf", "toolkit", "preprocessing", "models", "schemas", "tests", "tutorials", "docs", ".ci")
     assert files(source, *parts) == files(ROOT, *parts)
     assert {"README.md", "Makefile", "mkdocs.yml", "pyproject.toml"} <= {path.name for path in source.iterdir()}
 
 
 def test_the_wheel_holds_both_halves_with_what_they_read_models_and_schemas(shipped):
     _, installed = shipped
-    assert files(installed, "toolkit", "preprocessing") == files(ROOT, "toolkit", "preprocessing")
+    assert files(installed, "ffrf", "toolkit", "preprocessing") == files(ROOT, "ffrf", "toolkit", "preprocessing")
     assert {
+        "ffrf/py.typed",
         "toolkit/py.typed",
         "preprocessing/py.typed",
         "toolkit/foundation/codes.toml",
         "toolkit/report/page.html",
         "toolkit/report/viewer.html",
-    } <= files(installed, "toolkit", "preprocessing")
+    } <= files(installed, "ffrf", "toolkit", "preprocessing")
     (data,) = installed.glob("*.data")
     share = data / "data" / "share" / "ffrf-toolkit"
     assert files(share, "models") == files(ROOT, "models")
@@ -71,7 +72,7 @@ def test_the_wheel_holds_both_halves_with_what_they_read_models_and_schemas(ship
     for scene in share.glob("models/*/scene.toml"):  # the schema that editors find by the first line
         assert (scene.parent / scene.read_text().splitlines()[0].removeprefix("#:schema ")).is_file()
     tops = {path.name.split("-")[0] for path in installed.iterdir()}
-    assert tops == {"toolkit", "preprocessing", "ffrf_toolkit"}
+    assert tops == {"ffrf", "toolkit", "preprocessing", "ffrf_toolkit"}
 
 
 def test_the_wheel_works_without_the_folder_of_the_project(shipped, tmp_path):

@@ -16,8 +16,6 @@ DRAWING = ("toolkit.render", "toolkit.report")
 PICTURES = ("pyvista", "vtk", "vtkmodules", "matplotlib")
 SHARED = ("toolkit.foundation", "toolkit.kinematics", "toolkit.reduced_model")
 """Rooms of the runtime that preprocessing uses too."""
-PILE = 13
-"""Most files that lie beside each other in one room: more are not found by looking."""
 
 TOOLKIT, PREPROCESSING = files("toolkit"), files("preprocessing")
 
@@ -89,10 +87,3 @@ def test_every_module_stands_in_a_room_that_says_what_it_is_for():
         assert [name for name in modules(half) if name.count(".") < 2] == []
         for room in rooms(half):
             assert about(room).endswith("."), room
-
-
-def test_no_room_is_a_pile():
-    for half in HALVES:
-        for room in rooms(half):
-            beside = [name for name in modules(half) if name.rpartition(".")[0] == room]
-            assert len(beside) <= PILE, room

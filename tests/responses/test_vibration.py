@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-import toolkit as ffrf
+import ffrf
 from tests.models.directions import along, derivative_along
 from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes

@@ -16,10 +16,10 @@ from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.kept_run.layout import BODY, STATES, ResultsFileError
 from toolkit.responses.shape_error import shape_error, shape_error_history
 from toolkit.responses.stress.stress import stress_field
+from toolkit.results.collect import table_of
 from toolkit.results.csv_tables import export_csv, safe_name
 from toolkit.results.restore import restore_scene, restore_solution
 from toolkit.results.results_file import load_results, save_results
-from toolkit.results.scene_table import table_of
 from toolkit.scene_file.reader import read_scene, scene_from_table
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import evaluate_responses

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.cases import write_models
 from tests.models.every_number import SCENES
 from tests.models.scenes import MODELS, WING
@@ -269,7 +269,7 @@ def test_studies_take_it():
     words = [[cell.gradient.name for cell in study.maps[0].cells.values()] for study in studies]
     assert words[0] == words[1]
     assert set(words[0]) == {"stable"}
-    of_length, of_x = (study.own.measured.slopes for study in studies)
+    of_length, of_x = (study.own.outcome.gradients for study in studies)
     for response, slopes in of_x.items():
         assert of_length[response]["length"] == pytest.approx(-slopes["points.P.x"], rel=1e-9), response
 

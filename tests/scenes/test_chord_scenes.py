@@ -36,7 +36,7 @@ from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import prepare
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.corotational_check import compare_with_corotational
+from toolkit.validity.bodies.corotational.comparison import compare_with_corotational
 from toolkit.validity.bodies.deformation import deformation
 from toolkit.validity.bodies.turning_frame import lateral_compliance, turning_frames
 from toolkit.validity.description.frame_choice import frame_choices

@@ -29,8 +29,8 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.preparation import prepare
 from toolkit.sensitivity.result import Result
-from toolkit.studies.evaluation.evaluator import Evaluator
-from toolkit.studies.evaluation.store import Store
+from toolkit.studies.designs.evaluator import Evaluator
+from toolkit.studies.engine.store import DesignStore
 from toolkit.studies.optimization.program import Program
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.study_reader import read_study
@@ -119,7 +119,7 @@ def test_the_optimum_of_the_wing_is_one_and_its_file_says_what_the_scene_gives()
     problem = problem_of(read_study(folder / "study.toml"))
     record = json.loads((folder / "optimum.json").read_text())
     design = np.array(list(record["optimum"]["variables"].values()))
-    evaluator, program = Evaluator(problem, Store()), Program(problem)
+    evaluator, program = Evaluator(problem, DesignStore()), Program(problem)
     found = evaluator(0, design, False)
     values, z = program.values(found), program.scaled(design)
     assert record["objective"]["value"] == pytest.approx(values.f, rel=1e-6)  # Newton's tolerance, and digits of the processor

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from tests.models.directions import along, derivative_along, direction
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin

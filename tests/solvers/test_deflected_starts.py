@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.cases import write_models

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

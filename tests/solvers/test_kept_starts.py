@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.models.cases import write_models
 from tests.models.spatial_cases import write_models as write_spatial_models
 from toolkit.analyses.transient import simulate

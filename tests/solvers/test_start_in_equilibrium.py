@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.cases import write_models
 from tests.models.directions import along, derivative_along, direction
 from tests.models.every_number import SCENES

@@ -1,6 +1,6 @@
 """Energy and momenta of a body of spatial beams in motion, by Gauss points along its elements and equal masses in its section.
 
-No matrix of the preprocessing or of the runtime takes part: only the shape functions of `preprocessing.elements.spatial_beam`.
+No matrix of the preprocessing or of the runtime takes part: only the shape functions of `toolkit.kinematics.beam_elements`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import numpy as np
 
 from preprocessing.basis.reduction import reduced_basis
 from preprocessing.discretisation.discretisation import Discretisation
-from preprocessing.elements import spatial_beam
 from preprocessing.recipes.frame.frame_design import frame_elements, frame_space
 from preprocessing.recipes.frame.frame_file import FrameFile
 
@@ -67,7 +66,7 @@ def total(frame: Frame, motion: Motion) -> Total:
     place = r + A (x + u + e + th x e),   velocity = r' + A (omega x (x + u + e + th x e) + u' + th' x e)
     """
     mesh, displaced, rates = frame.elements.element, frame.z[:, 1:] @ motion.q, frame.z[:, 1:] @ motion.v
-    shape, turn = spatial_beam.shape(mesh.ends, mesh.axes), spatial_beam.rotation(mesh.ends, mesh.axes)
+    shape, turn = mesh.beams.shape, mesh.beams.rotation
     ratios, weights = np.polynomial.legendre.leggauss(8)
     energy, linear, angular = 0.0, np.zeros(3), np.zeros(3)
     for k, (one, two) in enumerate(mesh.connectivity):

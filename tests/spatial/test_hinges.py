@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
-from toolkit import space
+import ffrf
+from ffrf import space
 from toolkit.kinematics.spatial import quaternion_of
 from toolkit.system.redundant_joints import joint_terms
 from toolkit.system.system import compile_scene

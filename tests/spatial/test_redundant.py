@@ -23,7 +23,7 @@ from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.forces.joint_wrenches import JointWrenches
-from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
+from toolkit.responses.forces.spatial_joint_force import SpatialJointForce
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import SPACE
@@ -117,7 +117,7 @@ def wrenches(solution: Solution, multipliers: np.ndarray | None = None) -> np.nd
     """Forces, times the distance of the hinges, and torques of both hinges at the end."""
     system, lam = solution.system, solution.multipliers[-1] if multipliers is None else multipliers
     scale = np.repeat([HEIGHT, 1.0], 3)
-    return np.concatenate([scale * spatial_joint_force(system, j, solution.q[-1], lam)[0] for j in range(2)])
+    return np.concatenate([scale * SpatialJointForce(system, j)(solution.q[-1], lam)[0] for j in range(2)])
 
 
 def test_no_other_forces_that_balance_the_door_have_a_smaller_sum_of_squares(opened):

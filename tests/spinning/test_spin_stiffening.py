@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.models.solid_bodies import DENSITY, MODULUS, box, cantilever, rectangle
 from tests.spatial.momenta import kinetic_energy, momenta, momentum, strain_energy

@@ -7,13 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.truss import force_slope, height, write_truss
 from tests.responses.test_vibration import MASS, STIFFNESS, blocks
 from toolkit.foundation.errors import InputError
 from toolkit.loads.planar.spring_damper import SpringDamper
 from toolkit.scene.scene import Scene
-from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.problem import Problem
@@ -45,7 +45,7 @@ def coupled(scene: Scene, stiffness: float) -> Scene:
 
 def at(problem: Problem, stiffness: float) -> dict[str, tuple[float, float]]:
     """Frequencies of a design with their derivatives."""
-    found = solved(problem, 0, np.array([stiffness]), None)
+    found = solve_design(problem, 0, np.array([stiffness]), None)
     assert not found.failed, found.reason
     return {name: (found.values[0, k], found.gradients[0, k, 0]) for k, name in enumerate(problem.responses)}
 
@@ -77,7 +77,7 @@ def test_an_optimum_of_the_first_block_lies_beyond_the_crossing():
 def test_modes_that_mix_are_refused_in_words():
     """Three blocks with springs between them, alike at the design: no mode is one block's any more."""
     scene = coupled(blocks(STIFFNESS, 2 * STIFFNESS, 2 * STIFFNESS), 30.0)
-    found = solved(problem_of(study(), scene), 0, np.array([2 * STIFFNESS]), None)
+    found = solve_design(problem_of(study(), scene), 0, np.array([2 * STIFFNESS]), None)
     assert "frequency_1: no mode is like the one that has this number where the scene stands" in found.reason
     assert "assurance of 0.4" in found.reason
     assert at(problem_of(study(), scene), 2000.0)["frequency_1"][0] == pytest.approx(5.03, abs=0.05)  # the block alone: 5.03 Hz

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.truss import HALF, REST, STIFFNESS, height, write_truss
 from toolkit.foundation.errors import InputError
-from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.study_reader import read_study
 from toolkit.studies.sweep.sweep import sweep_problem, swept
@@ -45,12 +45,12 @@ def norm(load: complex, k: complex) -> complex:
 def test_the_norm_is_exact_and_its_derivative_that_of_a_complex_step_to_the_stated_error(tmp_path):
     problem = problem_of(read_study(write_truss(tmp_path, SLOPE)))
     assert problem.responses == ("rise", "gradient of rise")
-    found = solved(problem, 0, np.array([-25.0, 50.0]), None)
+    found = solve_design(problem, 0, np.array([-25.0, 50.0]), None)
     step, k = 1e-30, STIFFNESS + 50.0
     assert found.values[0, 1] == pytest.approx(norm(25.0, k).real, rel=1e-10)  # round-off
     by_load, by_k = -norm(25.0 + 1j * step, k).imag / step, norm(25.0, k + 1j * step).imag / step
     assert found.gradients[0, 1] == pytest.approx([by_load, by_k], rel=1e-7)  # of differences
-    alone = solved(problem, 0, np.array([-25.0, 50.0]), None, gradients=False)
+    alone = solve_design(problem, 0, np.array([-25.0, 50.0]), None, gradients=False)
     assert alone.values[0, 1] == found.values[0, 1]
 
 

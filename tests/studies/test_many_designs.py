@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.studies import SWEEP, UNCERTAIN, sweep_file
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.hdf5 import reading
-from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.engine.executor import Executor, completed
 from toolkit.studies.sweep.swept import Swept
 
 ROOT = Path(__file__).parents[2]
@@ -47,28 +47,28 @@ def test_threads_and_processes_give_the_bits_of_one_design_after_the_other(tmp_p
 def test_places_that_cannot_be_meant_are_refused(tmp_path):
     for given in ({"processes": 2, "threads": 2}, {"threads": 2, "dask": "tcp://127.0.0.1:1"}):
         with pytest.raises(InputError, match="Leave out all but one of processes, threads and dask"):
-            Place(**given)
+            Executor(**given)
     with pytest.raises(InputError, match="at least 1"):
-        Place(processes=0)
+        Executor(processes=0)
     with pytest.raises(InputError, match="give the address of a scheduler as a text"):
-        Place(dask=8786)
+        Executor(dask=8786)
 
 
 def test_nobody_at_the_address_of_a_scheduler_is_an_error_in_words(monkeypatch):
-    monkeypatch.setattr("toolkit.studies.places.dask_cluster.PATIENCE", 1)
+    monkeypatch.setattr("toolkit.studies.engine.dask_cluster.PATIENCE", 1)
     with pytest.raises(InputError, match=r"no Dask scheduler answers at 'tcp://127.0.0.1:9'.*dask scheduler"):
-        list(done_at(Place(dask="tcp://127.0.0.1:9"), str, {1: 2}))
+        list(completed(Executor(dask="tcp://127.0.0.1:9"), str, {1: 2}))
 
 
 KILLED = """
 import os, signal
-from toolkit.studies.places.place import Place, done_at
-from toolkit.studies.places.study_error import StudyError
+from toolkit.studies.engine.executor import Executor, completed
+from toolkit.studies.engine.processes import StudyError
 def end_this_process(task):
     os.kill(os.getpid(), signal.SIGKILL)
 if __name__ == "__main__":
     try:
-        list(done_at(Place(processes=2), end_this_process, {1: 1, 2: 2}))
+        list(completed(Executor(processes=2), end_this_process, {1: 1, 2: 2}))
     except StudyError as error:
         print(error)
 """
@@ -94,21 +94,21 @@ def test_a_killed_process_is_an_error_that_says_what_to_do(tmp_path):
 
 
 UNGUARDED = """
-from toolkit.studies.places.place import Place, done_at
-from toolkit.studies.places.study_error import StudyError
+from toolkit.studies.engine.executor import Executor, completed
+from toolkit.studies.engine.processes import StudyError
 try:
-    list(done_at(Place(processes=2), abs, {1: 1, 2: 2}))
+    list(completed(Executor(processes=2), abs, {1: 1, 2: 2}))
 except StudyError as error:
     print(error)
 """
 ENDED = """
 import sys
-from toolkit.studies.places.place import Place, done_at
-from toolkit.studies.places.study_error import StudyError
+from toolkit.studies.engine.executor import Executor, completed
+from toolkit.studies.engine.processes import StudyError
 if __name__ != "__main__":
     sys.exit("it says why")
 try:
-    list(done_at(Place(processes=2), abs, {1: 1, 2: 2}))
+    list(completed(Executor(processes=2), abs, {1: 1, 2: 2}))
 except StudyError as error:
     print(error)
 """
@@ -136,9 +136,9 @@ def test_processes_that_cannot_begin_say_why(tmp_path, text, told, said):
 
 SLEEPING = """
 import time
-from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.engine.executor import Executor, completed
 if __name__ == "__main__":
-    list(done_at(Place(processes=2), time.sleep, {1: 60, 2: 60}))
+    list(completed(Executor(processes=2), time.sleep, {1: 60, 2: 60}))
 """
 
 

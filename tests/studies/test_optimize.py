@@ -17,17 +17,16 @@ import pytest
 from scipy.optimize import rosen, rosen_der
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.truss import STIFFNESS, force, force_slope, height, limit_load, snapped_height, write_truss
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
 from toolkit.sensitivity.certificate.certificate import NothingVerifiedError, certify
-from toolkit.studies.evaluation.evaluation import Evaluation, State
-from toolkit.studies.evaluation.evaluator import Evaluator
-from toolkit.studies.evaluation.fingerprint import fingerprint
-from toolkit.studies.evaluation.store import Store, StudyFileError
+from toolkit.studies.designs.evaluator import Evaluator
+from toolkit.studies.engine.outcome import DesignOutcome, State
+from toolkit.studies.engine.store import DesignStore, StudyFileError
 from toolkit.studies.optimization.methods.catalogue import METHODS
 from toolkit.studies.optimization.methods.functions import Functions
 from toolkit.studies.optimization.optimality import optimality_of
@@ -264,7 +263,7 @@ def test_the_load_margin_of_a_column_in_one_frame_is_not_trusted(tmp_path, margi
 )
 def test_slopes_of_sums_and_of_the_worst_case_are_those_of_a_complex_step_and_of_differences(tmp_path, objective):
     problem = only_load(tmp_path, CASES, objective)
-    program, evaluator = Program(problem), Evaluator(problem, Store())
+    program, evaluator = Program(problem), Evaluator(problem, DesignStore())
     design = np.array([-34.0])  # the soft case snaps through at 38.6
     found = evaluator(0, design, False)
     value, slopes = program.objective(found.values)
@@ -492,15 +491,15 @@ def test_a_study_may_stop_at_the_first_failed_design(tmp_path):
     assert "says to stop" in found.search.ended
 
 
-def snapped(problem: Problem, load: float) -> Evaluation:
+def snapped(problem: Problem, load: float) -> DesignOutcome:
     """The start design as one would have it who has passed a snap-through: a stable equilibrium, but no path leads there."""
     y = snapped_height(load)
-    clean = Evaluator(problem, Store())(0, problem.start, False)
+    clean = Evaluator(problem, DesignStore())(0, problem.start, False)
     q = clean.states[0].q.copy()
     q[np.argmax(np.abs(q - _undeformed(problem)))] += y - height(load)
     warm = replace(clean, states=(State(q, clean.states[0].multipliers),))
-    store = Store()
-    store.keep(warm)
+    store = DesignStore()
+    store.keep(warm.key, warm)
     found = Evaluator(problem, store)(0, problem.start + 1e-3, True)
     assert found.values[0, 0] == pytest.approx(snapped_height(load - 1e-3) - 0.5, rel=1e-9)
     return replace(found, design=problem.start.copy())
@@ -508,7 +507,7 @@ def snapped(problem: Problem, load: float) -> Evaluation:
 
 def _undeformed(problem: Problem) -> np.ndarray:
     scene = problem.scene.with_number("loads.push.force.y", -1e-6)
-    return Evaluator(replace(problem, scene=scene), Store())(0, np.array([-1e-6]), False).states[0].q
+    return Evaluator(replace(problem, scene=scene), DesignStore())(0, np.array([-1e-6]), False).states[0].q
 
 
 def test_an_equilibrium_beyond_a_snap_through_is_found_out_and_the_search_repeated_from_the_unloaded_state(tmp_path):
@@ -518,8 +517,8 @@ def test_an_equilibrium_beyond_a_snap_through_is_found_out_and_the_search_repeat
     assert "beyond a snap-through" in again.refusal
     folder = tmp_path / "kept"
     folder.mkdir()
-    store = Store(folder / STORE, fingerprint(problem))
-    store.keep(beyond)  # as if a warm start had led the search there
+    store = DesignStore(folder / STORE, problem.fingerprint)
+    store.keep(beyond.key, beyond)  # as if a warm start had led the search there
     store.write()
     found = optimized(problem, folder)
     assert found.searches[0].lane == 1  # repeated without warm starts
@@ -541,7 +540,7 @@ def same(one: Optimum, other: Optimum) -> None:
 
 KILLED = """
 import os, signal, sys
-import toolkit as ffrf
+import ffrf
 ffrf.optimize(sys.argv[1], output=sys.argv[2], progress=lambda done, total: os.kill(os.getpid(), signal.SIGKILL) if done > 5 else None)
 """
 
@@ -553,12 +552,12 @@ def test_a_killed_study_goes_on_to_the_same_bits_and_solves_nothing_twice(tmp_pa
     run = subprocess.run([sys.executable, "-c", KILLED, path, folder], env=os.environ, cwd=Path(__file__).parents[2], check=False)
     assert run.returncode == -signal.SIGKILL
     problem = problem_of(read_study(path))
-    kept = Store(folder / STORE, fingerprint(problem))
+    kept = DesignStore(folder / STORE, problem.fingerprint)
     assert 0 < kept.found < 7  # what was solved within the last moment may be lost
     found, whole = optimized(problem, folder), optimized(problem)
     same(found, whole)
     assert found.failed == whole.failed
-    again = Store(folder / STORE, fingerprint(problem))
+    again = DesignStore(folder / STORE, problem.fingerprint)
     assert again.found == len(whole.solved) > kept.found
     solved = {(each.lane, each.design.tobytes()) for each in again}
     assert len(solved) == again.found
@@ -588,7 +587,8 @@ def test_optima_and_uncertain_numbers_too_are_kept_for_the_order_of_their_tables
                 numbers = "".join(f'"{name}" = {second}\n' for name in names)
                 text = f'scene = "scene.toml"\n[{first}]\n{numbers}[objective]\nminimize = "rise"\n{"".join(cases)}'
                 described = read_study(write_truss(tmp_path, text))
-                keys.add(fingerprint(problem_of(described) if first == "variables" else uncertain_study(described).problem))
+                problem = problem_of(described) if first == "variables" else uncertain_study(described).problem
+                keys.add(problem.fingerprint)
         assert len(keys) == 4
 
 

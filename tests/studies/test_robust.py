@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.models.truss import HALF, HEIGHT, REST, force, force_slope, height, write_truss
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
-from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.problem import Problem
@@ -58,7 +58,7 @@ def drop(load: complex, stiffness: float) -> complex:
 def test_the_gradient_of_mean_and_sigma_is_that_of_a_complex_step_through_the_closed_form(tmp_path):
     """Over the points of the problem; deviation of the load and of the springs, far from one another in size."""
     problem = study(tmp_path)
-    found = solved(problem, 0, np.array([-20.0]), None)
+    found = solve_design(problem, 0, np.array([-20.0]), None)
     step = 1e-30
     points, fit = problem.points, problem.points.fit
     values = np.array(
@@ -124,7 +124,7 @@ def test_weighted_responses_of_cases_are_robust_together(tmp_path):
     again = '[responses]\nagain = { type = "displacement", body = "tip", point = "P", component = "y" }\n'
     cases = '[cases.soft]\n"points.L.y" = -0.01\n[cases.firm]\n'
     problem = study(tmp_path, both + again + cases)
-    found = solved(problem, 0, np.array([-20.0]), None)
+    found = solve_design(problem, 0, np.array([-20.0]), None)
     place = {name: k for k, name in enumerate(problem.responses)}
     assert found.values[:, place["sigma of the objective"]] == pytest.approx(found.values[:, place["sigma of rise"]], rel=1e-12)
     assert found.values[0, place["sigma of rise"]] != found.values[1, place["sigma of rise"]]

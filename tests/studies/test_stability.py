@@ -34,15 +34,16 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare
 from toolkit.studies.stability.catalogue import MAPS, maps_of
-from toolkit.studies.stability.found import Cell, Mapped
-from toolkit.studies.stability.limits_found import breakdowns, stable_where
+from toolkit.studies.stability.cell_outcome import CellOutcome, Ending
+from toolkit.studies.stability.cell_run import created_energy, run_cell
+from toolkit.studies.stability.classifier import CLASSES, CellClass, Limits, gradient_class, run_class
 from toolkit.studies.stability.map import Axis, Map, with_options
-from toolkit.studies.stability.measure import Measured, Run, created_energy, measure
+from toolkit.studies.stability.map_limits import breakdowns, stable_where
+from toolkit.studies.stability.map_result import Cell, MapResult
 from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map, thickness_map
 from toolkit.studies.stability.record import record_of
 from toolkit.studies.stability.solver_maps import baumgarte_map, refined
 from toolkit.studies.stability.study import stability
-from toolkit.studies.stability.verdict import CLASSES, Limits, Verdict, of_gradient, of_run
 
 PENDULUM = WING.parents[1] / "pendulum" / "scene.toml"
 BEAM = WING.parents[1] / "rotating_beam" / "scene.toml"
@@ -50,7 +51,14 @@ CHAIN = WING.parents[1] / "four_bar_chain" / "scene.toml"
 QUICK = {"solver.end_time": "0.5", "solver.step": "0.01"}
 SET = [word for change in QUICK.items() for word in ("--set", "=".join(change))]
 LIMITS = Limits()
-GOOD = Measured(Run(), Run(), 1e-9, 1e-4, {"f": 2.0}, {"f": {"x": 1.0, "y": -3.0}}, 1e-12)
+GOOD = CellOutcome(
+    differentiation=Ending(),
+    drift=1e-9,
+    created=1e-4,
+    values={"f": 2.0},
+    gradients={"f": {"x": 1.0, "y": -3.0}},
+    disagreement=1e-12,
+)
 
 
 def run(*arguments: str):
@@ -61,7 +69,7 @@ def run(*arguments: str):
 
 
 @pytest.mark.parametrize(
-    ("change", "run_class", "gradient_class"),
+    ("change", "of_run", "of_gradient"),
     [
         ({}, "stable", "stable"),
         ({"drift": 2e-3}, "drifting", "drifting"),
@@ -70,42 +78,42 @@ def run(*arguments: str):
         ({"created": -0.9}, "stable", "stable"),  # what the scheme takes out makes nothing grow
         ({"values": {"f": 2.5}}, "stable", "stable"),  # 0.5 of the change of 3 that y can make, beyond 10 % of the value
         ({"values": {"f": np.nan}}, "inaccurate", "stable"),
-        ({"slopes": {"f": {"x": 1.0, "y": -2.6}}}, "stable", "inaccurate"),
-        ({"slopes": {"f": {"x": 1.2, "y": -3.0}}}, "stable", "stable"),  # beside the largest slope of the response
+        ({"gradients": {"f": {"x": 1.0, "y": -2.6}}}, "stable", "inaccurate"),
+        ({"gradients": {"f": {"x": 1.2, "y": -3.0}}}, "stable", "stable"),  # beside the largest slope of the response
         ({"disagreement": 1e-5}, "stable", "inaccurate"),
-        ({"gradient": Run("failed", "singular")}, "stable", "failed"),
-        ({"run": Run("failed", "Newton"), "gradient": None}, "failed", "failed"),
-        ({"run": Run("refused", "fixed"), "gradient": None}, "refused", "refused"),
+        ({"differentiation": Ending("failed", "singular")}, "stable", "failed"),
+        ({"status": "failed", "reason": "Newton", "differentiation": None}, "failed", "failed"),
+        ({"status": "refused", "reason": "fixed", "differentiation": None}, "refused", "refused"),
     ],
 )
-def test_a_cell_has_the_class_that_its_criteria_state(change, run_class, gradient_class):
+def test_a_cell_has_the_class_that_its_criteria_state(change, of_run, of_gradient):
     cell = replace(GOOD, **change)
     reference = replace(GOOD, values={"f": 2.4}) if change.get("values") == {"f": 2.5} else GOOD
-    assert of_run(cell, reference, LIMITS).name == run_class
-    gradient = of_gradient(cell, reference, LIMITS)
+    assert run_class(cell, reference, LIMITS).name == of_run
+    gradient = gradient_class(cell, reference, LIMITS)
     assert gradient is not None
-    assert gradient.name == gradient_class
+    assert gradient.name == of_gradient
 
 
 def test_a_cell_whose_refined_run_fails_is_inaccurate():
-    refined = Measured(Run("failed", "Newton stopped"))
-    verdict = of_run(GOOD, refined, LIMITS)
+    refined = CellOutcome(status="failed", reason="Newton stopped")
+    verdict = run_class(GOOD, refined, LIMITS)
     assert (verdict.name, verdict.reason) == ("inaccurate", "with half the step: Newton stopped")
 
 
 def test_without_variables_there_is_no_gradient_to_judge():
-    assert of_gradient(replace(GOOD, gradient=None), None, LIMITS) is None
+    assert gradient_class(replace(GOOD, differentiation=None), None, LIMITS) is None
 
 
 # Words --------------------------------------------------------------------------------------------------------------------
 
 
-def mapped(names: str, values=(0.1, 1.0, 10.0, 100.0), own: int = 1) -> Mapped:
+def mapped(names: str, values=(0.1, 1.0, 10.0, 100.0), own: int = 1) -> MapResult:
     """A map over one axis, with the classes of its cells by their first letters."""
     classes = {name[0]: name for name in CLASSES}
     axis = Axis("load", values, own, "N", factor=True, nominal=50.0)
-    cells = {(k,): Cell(Verdict(classes[letter], f"at {k}"), None) for k, letter in enumerate(names)}
-    return Mapped(Map("load", "all loads", (axis,), {}, "half step"), cells)
+    cells = {(k,): Cell(CellClass(classes[letter], f"at {k}"), None) for k, letter in enumerate(names)}
+    return MapResult(Map("load", "all loads", (axis,), {}, "half step"), cells)
 
 
 @pytest.mark.parametrize(
@@ -153,7 +161,7 @@ def driven() -> Scene:
 def test_a_motion_twice_as_fast_has_four_times_the_energy_and_ends_at_the_same_angle():
     found = speed_map(driven())
     axis = found.axes[0]
-    slow, fast = (measure(found.scenes[axis.values.index(by),], []) for by in (1.0, 10.0))
+    slow, fast = (run_cell(found.scenes[axis.values.index(by),], []) for by in (1.0, 10.0))
     # the same steps of the same curve: only round-off and Newton's 1e-10 differ
     assert fast.values["energy"] == pytest.approx(100 * slow.values["energy"], rel=1e-8)
     assert fast.values["angle"] == pytest.approx(slow.values["angle"], rel=1e-8)
@@ -210,17 +218,17 @@ def test_thickness_and_modulus_are_mapped_as_far_as_asked():
 def test_a_mass_that_cancels_changes_nothing():
     """The pendulum's motion does not know its mass: all cells end where the first does."""
     found = mass_map(read_scene(PENDULUM, QUICK))
-    ends = [measure(scene, []).values["move_y"] for scene in found.scenes.values()]
+    ends = [run_cell(scene, []).values["move_y"] for scene in found.scenes.values()]
     assert ends == pytest.approx([ends[0]] * len(ends), rel=1e-7)  # Newton's tolerance, over some 100 iterations
 
 
 def test_slopes_that_are_zero_but_for_round_off_do_not_make_a_gradient_inaccurate():
     """The pendulum's motion does not know its mass: what both methods give, 1e-14, is round-off; the rod's force goes with it."""
-    found = measure(read_scene(PENDULUM, QUICK), ["m"])
-    assert max(abs(found.slopes[name]["m"]) for name in ("move_x", "move_y")) < 1e-12
-    assert found.slopes["rod_force"]["m"] == pytest.approx(found.values["rod_force"], rel=1e-9)
+    found = run_cell(read_scene(PENDULUM, QUICK), ["m"])
+    assert max(abs(found.gradients[name]["m"]) for name in ("move_x", "move_y")) < 1e-12
+    assert found.gradients["rod_force"]["m"] == pytest.approx(found.values["rod_force"], rel=1e-9)
     assert found.disagreement < 1e-9
-    assert of_gradient(found, found, LIMITS).name == "stable"
+    assert gradient_class(found, found, LIMITS).name == "stable"
 
 
 def test_runs_that_a_folder_holds_do_not_run_again(tmp_path):
@@ -235,12 +243,12 @@ def test_runs_that_a_folder_holds_do_not_run_again(tmp_path):
 
     first, told = ran(scene)
     files = sorted(folder.iterdir())
-    assert told == list(range(1, len(files) + 1))
+    assert told == list(range(len(files) + 1))  # what is known first, then one after the other
     assert len(files) > 3
-    assert ran(scene) == (first, [])
+    assert ran(scene) == (first, told[-1:])
     files[0].unlink()
     files[1].write_bytes(files[1].read_bytes()[:20])
-    assert ran(scene)[1] == told[-2:]
+    assert ran(scene)[1] == told[-3:]
     assert ran(scene.with_number("loads.gravity.acceleration.y", -5.0))[1] == told
 
 
@@ -266,7 +274,7 @@ def drift(factor: float, rho_inf: float, end: float) -> float:
     scene = with_options(read_scene(PENDULUM, {"solver.step": "0.01"}), end_time=end, rho_inf=rho_inf)
     found = baumgarte_map(scene)
     a, b = found.axes
-    return measure(found.scenes[a.values.index(factor), b.values.index(factor)], []).drift
+    return run_cell(found.scenes[a.values.index(factor), b.values.index(factor)], []).drift
 
 
 def test_without_stabilisation_drift_grows_with_time_squared_and_with_it_it_does_not():
@@ -283,14 +291,14 @@ def test_without_stabilisation_and_damping_drift_comes_back_with_every_swing():
 
 def test_a_scene_at_rest_creates_no_energy():
     wing = read_scene(WING, {"loads.drive.torque": "0.0", "solver.end_time": "0.5"})
-    assert measure(wing, []).created < 1e-3  # round-off, beside the energy that Newton leaves open
+    assert run_cell(wing, []).created < 1e-3  # round-off, beside the energy that Newton leaves open
 
 
 def test_damping_that_no_step_resolves_is_no_energy_created():
     """The rotating beam's damping settles it within milliseconds; the sum of its power over steps of 0.5 s is wrong by 16 %."""
     beam = speed_map(read_scene(BEAM, {"solver.end_time": "0.02"}))
-    slow = measure(beam.scenes[beam.axes[0].values.index(1e-3),], [])
-    assert slow.run == Run()
+    slow = run_cell(beam.scenes[beam.axes[0].values.index(1e-3),], [])
+    assert slow.ending == Ending()
     assert slow.created < 1e-3
     # what turns keeps its energy J omega^2 / 2, J = rho A L^3 / 3, beside which the strain of the pull is nothing
     assert slow.values["kinetic"] == pytest.approx(7800 * 1e-3 / 3 * 0.05**2 / 2, rel=1e-3)
@@ -314,8 +322,8 @@ def test_a_gradient_that_only_one_method_can_give_is_judged_by_the_other_run_alo
     """The magnitude of a displacement that is zero at the start needs the states' derivatives: the adjoint refuses."""
     scene = read_scene(PENDULUM, QUICK)
     still = scene.model_copy(update={"responses": {"way": Displacement(body="bob", point="P", component="magnitude", time=0.0)}})
-    found = measure(still, ["g_y"])
-    assert found.gradient == Run()
+    found = run_cell(still, ["g_y"])
+    assert found.differentiation == Ending()
 
 
 def test_a_model_that_cannot_follow_is_refused_cell_by_cell(tmp_path):
@@ -381,8 +389,8 @@ def test_processes_find_what_one_process_finds():
     scene = read_scene(PENDULUM, QUICK)
     alone, aside = (stability(scene, ["g_y"], ["load"], jobs=jobs) for jobs in (1, 2))
     for one, other in zip(alone.maps, aside.maps, strict=True):
-        same = {at: replace(cell.measured, seconds=0.0) for at, cell in one.cells.items()}
-        assert same == {at: replace(cell.measured, seconds=0.0) for at, cell in other.cells.items()}
+        same = {at: replace(cell.outcome, seconds=0.0) for at, cell in one.cells.items()}
+        assert same == {at: replace(cell.outcome, seconds=0.0) for at, cell in other.cells.items()}
 
 
 def test_cells_beyond_the_allowed_steps_are_not_run():
@@ -406,11 +414,11 @@ def test_given_times_are_refined_between_them_and_have_no_step_map(tmp_path):
 def test_error_control_is_refined_by_the_cube_and_ends_when_its_steps_vanish(monkeypatch):
     scene = with_options(read_scene(PENDULUM, QUICK), local_error=1e-4, rho_inf=0.8)
     assert refined(scene, 2).solver.local_error == pytest.approx(1e-4 / 8, rel=1e-15)
-    assert measure(scene, ["g_y"]).run == Run()
-    monkeypatch.setattr("toolkit.studies.stability.measure.MOST_REPORTS", 2)
-    impatient = measure(with_options(scene, local_error=1e-8), [])
-    assert impatient.run.status == "failed"
-    assert "solver.local_error" in impatient.run.message
+    assert run_cell(scene, ["g_y"]).ending == Ending()
+    monkeypatch.setattr("toolkit.studies.stability.cell_run.MOST_REPORTS", 2)
+    impatient = run_cell(with_options(scene, local_error=1e-8), [])
+    assert impatient.status == "failed"
+    assert "solver.local_error" in impatient.reason
 
 
 # The command --------------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Sweeps: designs against closed forms, failures as rows, tables, and what cannot be meant."""
+"""Sweeps: designs against closed forms, failures as rows, tables, and invalid input."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import pytest
 from pyarrow import parquet
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.models.studies import LEFT, LOAD, SWEEP, sweep_file
 from tests.models.truss import force_slope, height, limit_load
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
-from toolkit.studies.designs.failed_designs import NoDesignError
-from toolkit.studies.evaluation.store import StudyFileError
+from toolkit.studies.designs.solve_designs import NoDesignError
+from toolkit.studies.engine.store import StudyFileError
 from toolkit.studies.study.study_reader import read_study
 from toolkit.studies.sweep.points import points_of
 from toolkit.studies.sweep.sweep import sweep_problem

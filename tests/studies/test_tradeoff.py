@@ -22,16 +22,15 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
-from toolkit.studies.tradeoff.budget import BudgetError, read_budget
-from toolkit.studies.tradeoff.errors.accuracy import errors
-from toolkit.studies.tradeoff.errors.richardson import limit
-from toolkit.studies.tradeoff.errors.studied import Studied
-from toolkit.studies.tradeoff.pareto import pareto
+from toolkit.studies.engine.store import RunFolder
+from toolkit.studies.tradeoff import setting_run
+from toolkit.studies.tradeoff.axes import SOLVER_AXES, available, read_axes
+from toolkit.studies.tradeoff.budget import BudgetError, ErrorQuantity, read_budget
+from toolkit.studies.tradeoff.judgement import errors, pareto
 from toolkit.studies.tradeoff.recommendation import toml_table
-from toolkit.studies.tradeoff.runs import pool
-from toolkit.studies.tradeoff.settings.axes import SOLVER_AXES, available, read_axes
-from toolkit.studies.tradeoff.settings.grid import grid
-from toolkit.studies.tradeoff.settings.record import Record
+from toolkit.studies.tradeoff.reference import limit
+from toolkit.studies.tradeoff.setting import grid
+from toolkit.studies.tradeoff.setting_outcome import SettingOutcome
 from toolkit.studies.tradeoff.tradeoff import Plan, Tradeoff, plan, tradeoff
 
 ROOT = Path(__file__).parents[2]
@@ -103,16 +102,16 @@ def test_the_reference_is_as_near_to_the_closed_form_as_it_says(pendulum):
 
 def test_measured_errors_are_the_true_ones(pendulum):
     values, gradients = exact()
-    worked = [each for each in pendulum.settings if not each.record.failure]
+    worked = [each for each in pendulum.settings if not each.outcome.failed]
     assert len(worked) >= 8
     for each in worked:
         for name, value in values.items():
-            true = abs(each.record.value(name) / value - 1)
-            assert each.errors[Studied(name, False)] == pytest.approx(true, rel=1e-2, abs=1e-7)
+            true = abs(each.outcome.value(name) / value - 1)
+            assert each.errors[ErrorQuantity(name, False)] == pytest.approx(true, rel=1e-2, abs=1e-7)
             sizes = {"x_P": 1.0, "g_y": 9.81, "m": 1.0}
-            off = max(abs(each.record.slope(name, x) - slope) * sizes[x] for x, slope in gradients[name].items())
+            off = max(abs(each.outcome.slope(name, x) - slope) * sizes[x] for x, slope in gradients[name].items())
             largest = max(abs(slope) * sizes[x] for x, slope in gradients[name].items())
-            assert each.errors[Studied(name, True)] == pytest.approx(off / largest, rel=1e-2, abs=1e-7)
+            assert each.errors[ErrorQuantity(name, True)] == pytest.approx(off / largest, rel=1e-2, abs=1e-7)
 
 
 def test_the_reference_meets_the_published_integral_and_gradients_of_the_slider_crank(tmp_path):
@@ -154,7 +153,7 @@ def test_runs_without_an_order_are_not_extrapolated():
 def test_no_member_of_the_pareto_set_is_dominated_and_all_others_are(pendulum):
     rng = np.random.default_rng(0)
     clouds = [[tuple(point) for point in rng.integers(0, 6, (40, 2)).astype(float)] for _ in range(20)]
-    clouds.append([(each.price, each.ratio) for each in pendulum.settings if not each.record.failure])
+    clouds.append([(each.price, each.ratio) for each in pendulum.settings if not each.outcome.failed])
     for points in clouds:
         best = pareto(points)
         for k, point in enumerate(points):
@@ -176,7 +175,7 @@ def test_the_recommended_fragment_pasted_into_the_scene_reproduces_the_error(pen
     (tmp_path / "scene.toml").write_text(head + solver_fragment(case, best.setting) + "\n")
     for scene in (read_scene(tmp_path / "scene.toml"), read_scene(PENDULUM, SHORT | changes(case, best.setting))):
         again = direct(scene, list(scene.design), "transient")
-        record = Record(key="", labels={}, values=again.values, gradients=again.gradients)
+        record = SettingOutcome(values=again.values, gradients=again.gradients)
         assert errors(pendulum.reference, record) == pytest.approx(
             best.errors, rel=1e-6, abs=1e-12
         )  # round-off of the two methods
@@ -195,14 +194,14 @@ def test_a_table_comes_back_from_its_text():
 
 def test_a_second_study_runs_nothing_again_and_another_scene_uses_nothing_of_it(tmp_path, monkeypatch):
     ran: list[str] = []
-    true = pool.measure
-    monkeypatch.setattr(pool, "measure", lambda case, setting: ran.append(str(setting)) or true(case, setting))
+    true = setting_run.run_setting
+    monkeypatch.setattr(setting_run, "run_setting", lambda case, setting: ran.append(str(setting)) or true(case, setting))
     first = study(tmp_path, axes="step=0.02/0.01")
     assert len(ran) == 2 + 3  # two settings, three runs of the reference
     ran.clear()
     second = study(tmp_path, axes="step=0.02/0.01")
     assert ran == []
-    assert [each.record for each in second.settings] == [each.record for each in first.settings]  # times too
+    assert [each.outcome for each in second.settings] == [each.outcome for each in first.settings]  # times too
     study(tmp_path, axes="step=0.02/0.01/0.005")  # one more, and a finer reference, which shares the runs it can
     assert len(ran) == 1 + 1
     ran.clear()
@@ -212,11 +211,14 @@ def test_a_second_study_runs_nothing_again_and_another_scene_uses_nothing_of_it(
 
 def test_a_damaged_record_is_run_again(tmp_path):
     first = study(tmp_path, axes="step=0.02")
-    file = tmp_path / "records" / f"{first.settings[0].record.key}.json"
+    key = first.plan.case.key(first.settings[0].setting)
+    file = tmp_path / "records" / f"{key}.json"
     file.write_text(file.read_text()[:100])
     again = study(tmp_path, axes="step=0.02")
-    assert again.settings[0].record.values == first.settings[0].record.values
-    assert Record.model_validate_json(file.read_bytes()).values == first.settings[0].record.values
+    assert again.settings[0].outcome.values == first.settings[0].outcome.values
+    found = RunFolder(tmp_path / "records", SettingOutcome).find(key)
+    assert found is not None
+    assert found.values == first.settings[0].outcome.values
 
 
 @pytest.mark.robustness
@@ -233,9 +235,11 @@ def test_a_killed_study_leaves_whole_records_and_goes_on_from_them(tmp_path):
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    whole = [Record.model_validate_json(file.read_bytes()) for file in records()]
+    store = RunFolder(tmp_path / "records", SettingOutcome)
+    whole = {file.stem: store.find(file.stem) for file in records()}
     assert len(whole) >= 4
-    before = {record.key: record.values for record in whole}
+    before = {key: outcome.values for key, outcome in whole.items() if outcome is not None}
+    assert len(before) == len(whole)
     done = CliRunner().invoke(app, [*arguments[:-2], "1", "-q", "--repeats", "1", "--json"])
     assert done.exit_code in (0, 1), done.stderr  # 1 if no setting keeps the budget
     after = {file.stem: json.loads(file.read_text())["values"] for file in records() if file.stem in before}
@@ -246,7 +250,7 @@ def test_a_setting_that_is_refused_is_listed_with_the_reason(tmp_path):
     found = study(tmp_path, changes={"solver.end_time": "2.0", "solver.step": "0.01"}, axes="step=1.0/0.01")
     (failed,) = found.failed
     assert failed.setting.labels == {"step": "1"}
-    assert failed.record.failure
+    assert failed.outcome.reason
     assert found.settings[-1] is failed
     assert math.isinf(failed.ratio)
     done = CliRunner().invoke(
@@ -255,7 +259,7 @@ def test_a_setting_that_is_refused_is_listed_with_the_reason(tmp_path):
     )  # fmt: skip
     assert done.exit_code == 0, done.stderr
     assert (
-        f"failed: step 1: {failed.record.failure}".split()[:8]
+        f"failed: step 1: {failed.outcome.reason}".split()[:8]
         == done.stdout.split("failed: ")[1].join(["failed: ", ""]).split()[:8]
     )
 
@@ -270,12 +274,12 @@ def test_a_budget_that_nothing_keeps_is_an_error_that_says_how_near_it_was(tmp_p
 def test_without_design_variables_values_alone_are_judged(tmp_path):
     found = study(tmp_path, axes="step=0.02/0.01", names=[])
     assert {quantity.derived for quantity in found.plan.budget} == {False}
-    assert all(each.record.primal == each.record.whole for each in found.settings)
+    assert all(each.outcome.primal == each.outcome.whole for each in found.settings)
 
 
 def test_a_response_that_is_zero_is_compared_with_what_its_variables_do(pendulum):
     """The motion does not depend on the mass, whose gradients of the places are round-off: they do not spoil the measure."""
-    assert min(each.errors[Studied("move_x", True)] for each in pendulum.settings if not each.record.failure) < 1e-3
+    assert min(each.errors[ErrorQuantity("move_x", True)] for each in pendulum.settings if not each.outcome.failed) < 1e-3
 
 
 @pytest.mark.parametrize(
@@ -354,7 +358,7 @@ def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_
         budgets=["drive_angle=0.1"],
     )
     assert found.failed == []
-    sizes = {tuple(each.setting.labels.values()): each.record.coordinates for each in found.settings}
+    sizes = {tuple(each.setting.labels.values()): each.outcome.coordinates for each in found.settings}
     assert sizes["full", "6"] - sizes["2", "6"] == 3 * 6 - (
         9 + 2
     )  # per node; static shapes of three interface points, and two modes

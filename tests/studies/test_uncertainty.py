@@ -1,4 +1,4 @@
-"""Uncertain responses against quadrature of closed forms; what the judge of the polynomials says; and what cannot be meant."""
+"""Uncertain responses against quadrature of closed forms; what the judge of the polynomials says; and invalid input."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import pytest
 from scipy.special import ndtr, ndtri
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.models.studies import LEFT, LOAD, RIGHT, UNCERTAIN, sweep_file
 from tests.models.truss import STIFFNESS, force, force_slope, height
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
-from toolkit.studies.designs.failed_designs import NoDesignError
+from toolkit.studies.designs.solve_designs import NoDesignError
 from toolkit.studies.distributions.basis import basis_of
 from toolkit.studies.distributions.joint import joint_of
 from toolkit.studies.distributions.marginal import HALF, Marginal, marginal_of

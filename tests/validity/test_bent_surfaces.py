@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
 from toolkit.validity.bodies.deformation import deformation
 

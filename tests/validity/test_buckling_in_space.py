@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
 from toolkit.command_line.cli import app
 from toolkit.validity.bodies.compressed.critical_load import compression

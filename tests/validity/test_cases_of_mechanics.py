@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.scene.changed_numbers import with_numbers

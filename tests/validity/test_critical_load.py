@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.elements.section import Section
 from tests.frames.test_cut_bodies import EI, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_bodies import SECTION as FRAMED
@@ -26,7 +26,7 @@ from toolkit.system.system import compile_scene
 from toolkit.validity.bodies import physics
 from toolkit.validity.bodies.compressed import critical_load, geometric_stiffness, missed_deflections
 from toolkit.validity.bodies.compressed.critical_load import Compression, compression
-from toolkit.validity.bodies.corotational_check import compare_with_corotational
+from toolkit.validity.bodies.corotational.comparison import compare_with_corotational
 from toolkit.validity.bodies.cut.places import node_places
 from toolkit.validity.bodies.deformation import flexible_bodies
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-import toolkit as ffrf
-from toolkit import plane
+import ffrf
+from ffrf import plane
 from toolkit.foundation.verdict import Verdict
 
 ROD = {"area": 1e-4, "density": 7800.0}

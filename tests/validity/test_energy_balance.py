@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.models.scenes import WING, hanging_skin
+from tests.models.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.curves.kinds.smooth_step import SmoothStep
@@ -74,6 +74,27 @@ def test_compiled_and_plain_work_agree():
     compiled = energy_balance(simulate(compile_scene(scene), options)).work
     plain = energy_balance(simulate(compile_scene(scene.with_number("points.S.x", 2.0 + 0j)), options)).work
     np.testing.assert_allclose(plain.real, compiled, rtol=1e-9)  # Newton's tolerance
+
+
+@pytest.mark.parametrize("model", ["bricard", "spinning_beam", "morphing_wing_large"])
+def test_what_velocities_add_to_forces_does_the_work_that_the_mass_matrix_takes(model):
+    """Lagrange's identity v . (M'(v) v / 2 - f_v) = 0, by which the power is that of bodies which feel no velocities."""
+    system = compile_scene(read_scene(MODELS.parent / model / "scene.toml"))
+    (q, *_), n_q = system.start(), system.n_q
+    v, rest = np.zeros((2, system.n))
+    v[:n_q] = np.random.default_rng(3).normal(size=n_q) / system.weights[:n_q]
+    for body in system.scene.all_bodies():
+        turn = system.numbering.first[body] + 3
+        if system.scene.dimension == 3:  # quaternions keep their length
+            unit = q[turn : turn + 4]
+            v[turn : turn + 4] -= unit * (unit @ v[turn : turn + 4])
+    inputs = system.inputs(0.0, np.zeros(3))
+    found = system.evaluate(inputs, q, v, np.append(v[:n_q], rest[n_q:]))
+    still = system.evaluate(inputs._replace(inertia=False), q, v, rest, linearize=False)
+    rates = v * system.times(found.I_q, v[:, None])[:, 0] / 2
+    forces = v[:n_q] * (found.applied - still.applied)[:n_q]
+    assert (rates[:n_q] - forces).sum() == pytest.approx(0.0, abs=1e-10 * np.abs(forces).sum())
+    assert np.abs(forces).sum() > 0
 
 
 def test_the_papers_scheme_creates_energy_to_first_order_on_the_wing():

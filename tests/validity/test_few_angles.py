@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
-from toolkit import plane
+import ffrf
+from ffrf import plane
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax
 from toolkit.responses.over_time.missed_peaks import MISSED, missed_part
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.recipes.frame.polygon_beam import polygon_beam

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from toolkit.reduced_model.file import save
 from toolkit.validity.bodies.deformation import LIMIT

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.scene.scene import Scene

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from tests.models.solid_bodies import rectangle, write_body
 from toolkit.reduced_model.conversion import converted_model

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.basis.basis_choice import BasisChoice
 from tests.models.spatial_chains import chain_scene, save_chain
 from tests.validity.test_beam_assumptions import RHO, cantilever, said

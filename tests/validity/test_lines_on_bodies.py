@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.spatial.scenes import save_frame
 
 EI = 1e9 * 0.02 * 0.02**3 / 12

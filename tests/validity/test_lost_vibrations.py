@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from toolkit.sensitivity.errors import step_error
 from toolkit.sensitivity.errors.numerical_damping import error_after, root

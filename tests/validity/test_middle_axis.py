@@ -7,8 +7,8 @@ import re
 import numpy as np
 import pytest
 
-import toolkit as ffrf
-from toolkit import space
+import ffrf
+from ffrf import space
 from toolkit.description.point import Point
 from toolkit.responses.energy import KineticEnergy
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section

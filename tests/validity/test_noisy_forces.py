@@ -22,7 +22,7 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.judge import judge
 from toolkit.validity.motion.energy_balance import energy_balance
-from toolkit.validity.motion.noisy_forces import _amplitudes, force_noise
+from toolkit.validity.motion.noisy_forces import _amplitudes, force_noise, noise_of_values
 
 SPEED = 2 * np.pi
 FORCE = SPEED**2
@@ -115,3 +115,12 @@ def test_noise_is_what_alternates_and_nothing_else():
     assert _amplitudes(bend, lengths).max() <= 1e-13  # round-off
     assert _amplitudes(smooth, lengths).max() == 0
     assert _amplitudes(smooth + 0.1 * noise, lengths).max() == pytest.approx(0.1, rel=0.02)  # curvature adds h^2 / 800
+
+
+def test_a_magnitude_does_not_feel_what_jumps_across_it():
+    """Of a steady force with a tenth of it to and fro across: the magnitude is the same at all times."""
+    times = 0.1 * np.arange(13)
+    across = 0.1 * (-1.0) ** np.arange(13)
+    assert noise_of_values(across, times, 1.0) == pytest.approx(0.1, rel=1e-12)
+    assert noise_of_values(np.hypot(1.0, across), times, 1.0) == 0
+    assert noise_of_values(across[:5], times[:5], 1.0) == np.inf  # too few to tell

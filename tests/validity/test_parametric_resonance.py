@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from tests.validity.test_flutter import beam_matrices, save_column
 from toolkit.scene.scene import Scene
 

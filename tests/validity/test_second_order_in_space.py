@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import toolkit as ffrf
+import ffrf
 from tests.models.spatial_beams import Beams, crooked
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
 from toolkit.validity.bodies.chains.second_order import Forms, second_order_forces, stiffness_matrix

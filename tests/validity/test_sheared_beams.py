@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing.elements.section import Section
 from preprocessing.recipes.build_model import build
 from tests.models.beam_models import save_beam

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build, save
 from tests.models.solid_bodies import MODULUS, WIDTH, box, rectangle, write_body
 from toolkit.analyses.modes import solve_modes
@@ -246,3 +246,35 @@ def test_joints_lack_what_the_deflection_pulls_them_with(folder):
     assert float(re.search(r"pull by ([\d.e+]+) N", text)[1]) == pytest.approx(
         true, rel=0.25
     )  # stiffer by 5 %, and not quite at rest
+
+
+@pytest.mark.parametrize(("force", "told"), [(3.73, True), (0.8, False)])
+def test_gradients_of_joint_forces_are_doubted_before_the_forces(folder, force, told):
+    """Of a bar clamped at both ends a pull N of a fifth of V = F / 2 makes sqrt(V^2 + N^2) 2 % larger, and a thickness that V does not
+    know makes it smaller by 5 N^2."""
+    rest = """joints.B = {{ type = "rigid", bodies = ["bar", "ground"], point = "B" }}
+responses.pull = {{ type = "joint-force", joint = "B", component = "magnitude" }}
+design.t = "bodies.bar.thickness_s"
+"""
+    run = system(folder, "one", 'frame = "grounded"', rest + ACROSS, force=force).statics(gradients=True)
+    pull = STRETCHING / 2 * (force / BENDING) ** 2 / 7680  # of int w'^2 = F^2 L^5 / 7680 (E I)^2
+    assert doubts(run) == []
+    assert ("geometric-gradients" in run.verdict.codes) is told
+    if told:
+        missing = -5 * pull**2 / np.hypot(force / 2, pull) / THICKNESS
+        assert run.frame_errors.gradients["pull"]["t"] == pytest.approx(missing, rel=0.15)
+        assert abs(run.gradients["pull"]["t"]) < 1e-3 * abs(missing)
+
+
+@pytest.mark.parametrize(("force", "told"), [(0.233, True), (0.05, False)])
+def test_so_they_are_of_a_body_that_has_no_more_frames(folder, force, told):
+    """A pinned bar in a few shapes: by its thickness the force lacks -5 N^2 / pull t, and by the load, at 6 %, too little to be said."""
+    more = (
+        'responses.pull = {{ type = "joint-force", joint = "B", component = "magnitude" }}\ndesign.t = "bodies.bar.thickness_s"\n'
+    )
+    run = system(folder, "chord", 'frame = "moving"', PINNED + more + ACROSS, force=force).statics(gradients=True)
+    found = dict(re.findall(r"pull by (\w) by (-?\d+\.?\d*)", " ".join(doubts(run))))
+    assert list(found) == (["t"] if told else [])
+    if told:
+        pull = STRETCHING * (force / BENDING) ** 2 / 480 / 2
+        assert float(found["t"]) == pytest.approx(-5 * pull**2 / np.hypot(force / 2, pull) / THICKNESS, rel=0.1)

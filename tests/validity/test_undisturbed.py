@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 
 TOP = """units = "m-kg-s"
 dimension = 3

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section

@@ -64,7 +64,7 @@ def campbell(
     Raises
     ------
     InputError
-        A speed cannot be meant, or as `solve_spinning`.
+        A speed is invalid, or as `solve_spinning`.
     ConvergenceError, SingularSystemError
         As `solve_spinning`; names the speed.
     """

@@ -33,8 +33,18 @@ def run_start(
     beside: Solution | None = None,
 ) -> State:
     """State at time 0; `q` and `v` (n_q,) replace the scene's own start, `beside` is that of `simulate`; raises as `run_motion`."""
-    found = run_motion(system, options, q, v, beside)
+    return accelerated_start(system, options, run_motion(system, options, q, v, beside))
+
+
+def accelerated_start(system: System, options: RunOptions, found: Motion | State) -> State:
+    """State at time 0 with the accelerations of its steps, whose lengths are all that matters of these options."""
     return found if isinstance(found, State) else with_accelerations(system, run_levels(options), *found)
+
+
+def known_start(solution: Solution) -> Motion | State | None:
+    """What `run_motion` has found for a motion: it holds for all lengths of steps."""
+    found: Motion | State | None = solution.known.get(Motion)
+    return found
 
 
 def run_levels(options: RunOptions) -> np.ndarray:

@@ -9,13 +9,13 @@ import numpy as np
 
 from toolkit.analyses.halved_steps import advance_in_halves, can_be_halved, first_thrown, most_halvings
 from toolkit.analyses.joint_drift import THROWN_OPEN, check_drift, first_opened
-from toolkit.analyses.run_start import run_start
+from toolkit.analyses.run_start import accelerated_start, run_motion
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import ConvergenceError, LimitPositionError, SingularSystemError
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.half_turns import refuse_half_turns
-from toolkit.solvers.start.initial_conditions import State
+from toolkit.solvers.start.initial_conditions import Motion, State
 from toolkit.solvers.static.passed_limits import refuse_passed_limits
 from toolkit.solvers.transient.adaptive import advance_adaptively
 from toolkit.solvers.transient.newton import CONVERGED
@@ -43,6 +43,7 @@ def simulate(
     progress: Callable[[int, int], None] | None = None,
     beside: Solution | None = None,
     along: Solution | None = None,
+    known: Motion | State | None = None,
 ) -> Solution:
     """Integrate a scene over time and carry the sensitivities of the system's design variables along.
 
@@ -59,6 +60,8 @@ def simulate(
         Of `start_at_rest`, for the scene whose numbers differ by nothing but a complex step: the equilibrium is found from there.
     along : Solution
         The motion of such a scene through the same times: Newton begins at its states, which saves a third of the iterations.
+    known : Motion or State
+        The start of the same motion with other steps (`run_start.known_start`), which is not sought again.
 
     Raises
     ------
@@ -70,7 +73,8 @@ def simulate(
     begun = clock.perf_counter()
     with watched_compilation() as compiled:
         run = prepare_run(system, options)
-        start = run_start(system, run.options, q, v, beside)
+        motion = run_motion(system, run.options, q, v, beside) if known is None else known
+        start = accelerated_start(system, run.options, motion)
         try:
             run, history, halved = _integrated(run, start, progress, along)
         except LimitPositionError:
@@ -85,7 +89,7 @@ def simulate(
     refuse_half_turns(system, run.times, history.q)
     run, history, halved, drift = _with_closed_joints(run, history, halved, progress)
     system.give_back(Memory, run.memory)
-    return Solution.from_padded(
+    found = Solution.from_padded(
         system,
         run.times,
         history[:6],
@@ -99,6 +103,8 @@ def simulate(
         wall={"run": clock.perf_counter() - begun - compiled.seconds},
         judge=judge,
     )
+    found.known[Motion] = motion
+    return found
 
 
 def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:

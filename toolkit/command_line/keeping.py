@@ -67,7 +67,7 @@ def check_options(file: Path, changes: list[str] | None, models: Path | None) ->
     Raises
     ------
     InputError
-        What was given cannot be meant, or not together.
+        What was given is invalid, or does not go together.
     """
     if file.is_dir():
         raise InputError(

@@ -32,6 +32,7 @@ UNREAD = {
     "surface_loads": "no load presses on a surface of the body",
     "piece_loads": "no load presses on a surface of a body with several frames",
     "left_out_shapes": "after a run that asks for stress or strain energy",
+    **dict.fromkeys(("sections", "section_derivatives", "section_affine"), "after a run for the checks of beams"),
     "mesh": "for pictures, and after a run for the small-deformation meter",
     **dict.fromkeys(RICHER_PARTS, "no frozen body is off its design, no variable turns its shapes"),
 }

@@ -16,7 +16,7 @@ from toolkit.foundation.units import LARGEST, SMALLEST
 def _ordinary(value: float) -> float:
     if value and not SMALLEST <= abs(value) <= LARGEST:
         raise ValueError(
-            f"{value:g} cannot be meant: numbers are zero or from {SMALLEST:g} to {LARGEST:g}; fix the exponent or the units"
+            f"{value:g} is invalid: numbers are zero or from {SMALLEST:g} to {LARGEST:g}; fix the exponent or the units"
         )
     return value
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import NoReturn
 
+from toolkit.analyses.run_start import known_start
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.door.run import Run
@@ -86,8 +87,10 @@ def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Ru
         return Run.of(replace(found, enriched=partial(enriched, compiled, kind, found.solution, method)))
     options = compiled.scene.solver.model_copy(update={"start": "given"})
     q, v, moved = continued_start(system, known.q[-1], known.v[-1], options)
-    solution = replace(simulate(system, options, q=q, v=v, progress=progress), start_moved=moved)
-    return Run.of(replace(evaluated(solution, bool(gradients), partial(again, system, q=q, v=v)), enriched=_not_in_more_shapes))
+    motion = simulate(system, options, q=q, v=v, progress=progress)
+    repeat = partial(again, system, q=q, v=v, known=known_start(motion))
+    solution = replace(motion, start_moved=moved)
+    return Run.of(replace(evaluated(solution, bool(gradients), repeat), enriched=_not_in_more_shapes))
 
 
 def _not_in_more_shapes() -> NoReturn:

@@ -7,7 +7,7 @@ from pathlib import Path
 from toolkit.door.study_and_folder import made_folder, study_of
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
-from toolkit.studies.places.place import Place
+from toolkit.studies.engine.executor import Executor
 from toolkit.studies.study.study_file import Study
 from toolkit.studies.sweep.sweep import sweep_problem, swept
 from toolkit.studies.sweep.swept import Swept
@@ -54,7 +54,7 @@ def sweep(
     Raises
     ------
     InputError
-        The study, its scene or the designs cannot be meant; or the folder holds another study, or another run works in it.
+        The study, its scene or the designs are invalid; or the folder holds another study, or another run works in it.
     NoDesignError
         Not one design could be solved.
     StudyError
@@ -65,9 +65,9 @@ def sweep(
     >>> found = ffrf.sweep("study.toml", output="sweep", processes=2)
     >>> found.values("max_stress"), found.gradients("max_stress"), found.verdict
     """
-    place, folder = Place(processes, threads, dask), made_folder(output)
+    executor, folder = Executor(processes, threads, dask), made_folder(output)
     with study_of(study) as described:
-        return swept(sweep_problem(described, scene), folder, place, progress)
+        return swept(sweep_problem(described, scene), folder, executor, progress)
 
 
 def uncertainty(
@@ -108,7 +108,7 @@ def uncertainty(
     Raises
     ------
     InputError
-        The study or its scene cannot be meant; the folder holds another study, or another run works in it; or OpenTURNS is not installed.
+        The study or its scene is invalid; the folder holds another study, or another run works in it; or OpenTURNS is not installed.
     NoDesignError
         Not one design could be solved.
     StudyError
@@ -119,6 +119,6 @@ def uncertainty(
     >>> found = ffrf.uncertainty("study.toml")
     >>> found.responses["max_stress"].sigma, found.responses["max_stress"].alone, found.verdict
     """
-    place, folder = Place(processes, threads, dask), made_folder(output)
+    executor, folder = Executor(processes, threads, dask), made_folder(output)
     with study_of(study) as described:
-        return found_uncertainty(uncertain_study(described, scene), folder, place, progress)
+        return found_uncertainty(uncertain_study(described, scene), folder, executor, progress)

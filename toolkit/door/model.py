@@ -25,7 +25,7 @@ from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.basis_errors import cautions_of_frozen, frequency_errors
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
-from toolkit.studies.places.place import Place
+from toolkit.studies.engine.executor import Executor
 from toolkit.system.model_files import refuse_changed
 from toolkit.system.solution import Solution
 
@@ -109,13 +109,13 @@ class Model:
         Returns
         -------
         model
-            Another model, which shares what the numbers do not touch. Where a number was zero, and what it brings to life is in no place
-            that is known yet, the scene is compiled anew.
+            Another model, which shares what the numbers do not touch. If a value changes from
+            zero, the sparsity pattern may grow and the scene is compiled anew.
 
         Raises
         ------
         InputError
-            There is no such number, or its value cannot be meant.
+            There is no such number, or its value is invalid.
         """
         if isinstance(numbers, Mapping) and not numbers:
             return self
@@ -322,7 +322,7 @@ class Model:
         gradients: bool | str = False,
         processes: int = 1,
         threads: int = 1,
-        judged: bool = True,
+        judged: bool | str = True,
         progress: Progress | None = None,
     ) -> list[Outcome]:
         """Analyse many designs; a failure is data with its reason.
@@ -343,7 +343,9 @@ class Model:
             its motion, another one is prepared or looked at; so two threads pay where motions are long, and processes where they are short.
             The numbers are the same to the last bit.
         judged
-            Whether every outcome has a verdict, at the price of up to a few more runs each.
+            Whether every outcome has a verdict. It is measured, at the price of several more runs, at designs that are far from each
+            other, or close to the limit of a check, and carried from there to those whose answers and states differ by a few percent;
+            a remark says so. With "each" it is measured at all designs.
         progress
             Called with the designs done and the designs in all.
 
@@ -355,15 +357,17 @@ class Model:
         Raises
         ------
         InputError
-            There is no such analysis or method; or both processes and threads are asked for.
+            There is no such analysis or method, or `judged` is another word; or both processes and threads are asked for.
         """
         kind = kind_of(analysis)
         designs = designs if isinstance(designs, Mapping | str) else list(designs)
         if isinstance(designs, Mapping | str) or not all(isinstance(each, Mapping) for each in designs):
             raise InputError('designs are a list of numbers by name, as in [{"t_w": 1.5}, {"t_w": 1.6}].')
-        place = Place(processes, threads)
+        executor = Executor(processes, threads)
         check_method(gradients)
-        return outcomes(self._compiled, list(designs), kind, gradients, judged, place, progress)
+        if not isinstance(judged, bool) and judged != "each":
+            raise InputError(f'judged = {judged!r}: write True, False, or "each" to measure the verdict on every design.')
+        return outcomes(self._compiled, list(designs), kind, gradients, judged, executor, progress)
 
     def run(
         self,

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 from toolkit.door.analysed import analysed
+from toolkit.door.run import Run
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind
-from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.designs.carried_verdicts import Answers, CarriedVerdicts, Measured, answers, apart, measured
+from toolkit.studies.designs.indicators import written_numbers
+from toolkit.studies.engine.executor import Executor, completed
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,28 @@ class Outcome:
         return bool(self.error)
 
 
+KEPT, SMALL = 200, 100_000
+"""So many runs wait for their verdict in memory, of at most so many coordinates and derivatives of these at all times: some 1 to 3 MB
+each. Others are solved again where it is to be measured."""
+
+
+class Task(NamedTuple):
+    """A design by its number, whether its verdict is to be measured, and whether it could be carried to no other one."""
+
+    number: int
+    numbers: Mapping[str, float]
+    judged: bool
+    alone: bool = False
+
+
+class Solved(NamedTuple):
+    """What becomes of a task; `answers` and `measured` are what verdicts of other designs can be carried by."""
+
+    outcome: Outcome
+    answers: Answers | None = None
+    measured: Measured | None = None
+
+
 @dataclass(frozen=True)
 class Designs:
     """The work of one design after the other of a compiled scene, which every process compiles once.
@@ -56,26 +81,37 @@ class Designs:
         The scene; what is compiled of it stays in this process.
     kind, gradients, judged
         As of `Model.map`.
+    runs
+        Number of a design -> its run, where that was not judged and may have to be; only of short runs, and not of too many.
     """
 
     compiled: Compiled
     kind: Kind
     gradients: bool | str
-    judged: bool
+    judged: bool | str
+    runs: dict[int, Run] = field(default_factory=dict)
 
-    def __call__(self, numbers: Mapping[str, float]) -> Outcome:
+    def __call__(self, task: Task) -> Solved:
         """What becomes of a design."""
+        numbers = dict(task.numbers)
         try:
-            run = analysed(self.compiled.at(numbers), self.kind, self.gradients)
-            return Outcome(dict(numbers), run.values, run.gradients, run.verdict if self.judged else None)
+            run = self.runs.pop(task.number, None)
+            if run is None:
+                run = analysed(self.compiled.at(task.numbers), self.kind, self.gradients)
+            if self.judged is not True:
+                return Solved(Outcome(numbers, run.values, run.gradients, run.verdict if self.judged else None))
+            judged = measured(run, task.alone) if task.judged else None
+            if judged is None and len(self.runs) < KEPT and run.solution.dq.size + run.solution.q.size < SMALL:
+                self.runs[task.number] = run
+            return Solved(Outcome(numbers, run.values, run.gradients), answers(run), judged)
         except ToolkitError as error:
-            return Outcome(dict(numbers), error=str(error))
+            return Solved(Outcome(numbers, error=str(error)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _designs, (self.compiled.scene, self.compiled.names, self.kind, self.gradients, self.judged)
 
 
-def _designs(scene: Scene, names: tuple[str, ...], kind: Kind, gradients: bool | str, judged: bool) -> Designs:
+def _designs(scene: Scene, names: tuple[str, ...], kind: Kind, gradients: bool | str, judged: bool | str) -> Designs:
     return Designs(Compiled(scene, names), kind, gradients, judged)
 
 
@@ -84,14 +120,66 @@ def outcomes(
     designs: Sequence[Mapping[str, float]],
     kind: Kind,
     gradients: bool | str,
-    judged: bool,
-    place: Place,
+    judged: bool | str,
+    executor: Executor,
     progress: Progress | None,
 ) -> list[Outcome]:
     """Outcomes of all designs in their order; arguments as of `Model.map`."""
-    found: dict[int, Outcome] = {}
-    for k, outcome in done_at(place, Designs(compiled, kind, gradients, judged), dict(enumerate(designs))):
-        found[k] = outcome
+    work, rounds = Designs(compiled, kind, gradients, judged), _Rounds(compiled.scene, designs, judged is True)
+    for k, solved in completed(executor, work, rounds.first(), more=rounds.more):
+        rounds.take(k, solved)
         if progress:
-            progress(len(found), len(designs))
-    return [found[k] for k in range(len(designs))]
+            progress(len(rounds.found), len(designs))
+    return rounds.outcomes()
+
+
+class _Rounds:
+    """Designs of a map: all are solved once, and those that no verdict can be carried to are solved again to be judged.
+
+    Parameters
+    ----------
+    scene
+        The scene at its own numbers.
+    designs
+        As of `Model.map`.
+    carried
+        Whether outcomes get verdicts here, instead of in the task.
+    """
+
+    def __init__(self, scene: Scene, designs: Sequence[Mapping[str, float]], carried: bool) -> None:
+        self.designs, self.found = designs, dict[int, Solved]()
+        self.written = written_numbers(scene, designs) if carried else []
+        self.verdicts: CarriedVerdicts | None = None
+
+    def first(self) -> dict[int, Task]:
+        """All designs, with those to be judged in any case."""
+        judged = apart(self.written)
+        return {k: Task(k, each, k in judged, not judged.get(k, True)) for k, each in enumerate(self.designs)}
+
+    def take(self, k: int, solved: Solved) -> None:
+        """Keep what became of a design; of one that was solved before, its verdict."""
+        if self.verdicts is None:
+            self.found[k] = solved
+        elif solved.measured is not None:
+            self.verdicts.learn(k, solved.measured)
+        else:
+            self.found[k] = solved
+            self.verdicts.forget(k)
+
+    def more(self) -> dict[int, Task]:
+        """Designs to be judged next."""
+        if not self.written:
+            return {}
+        if self.verdicts is None:
+            known = {k: each.answers for k, each in sorted(self.found.items()) if each.answers is not None}
+            self.verdicts = CarriedVerdicts(self.written, known)
+            for k in known:
+                if (measured := self.found[k].measured) is not None:
+                    self.verdicts.learn(k, measured)
+        return {k: Task(k, self.designs[k], True) for k in self.verdicts.wanted()}
+
+    def outcomes(self) -> list[Outcome]:
+        """Those of all designs in their order."""
+        known = {} if self.verdicts is None else {k: self.verdicts.verdict(k) for k in self.verdicts.found}
+        found = {k: each.outcome for k, each in sorted(self.found.items())}
+        return [replace(each, verdict=known[k]) if k in known else each for k, each in found.items()]

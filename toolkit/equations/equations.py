@@ -17,7 +17,7 @@ from toolkit.bodies.kernels.inertia import add_drag, add_drag_design, moving_des
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
 from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating, is_mixed, parts_of
 from toolkit.foundation.compiled.calls import by_value
-from toolkit.foundation.kernel import inlined, kernel
+from toolkit.foundation.kernel import copy, inlined, kernel
 from toolkit.joints.kernels.all_joints import add_joint_designs, add_joints
 from toolkit.joints.kernels.records import Joints
 from toolkit.loads.kernels.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
@@ -254,3 +254,17 @@ def evaluate_all(plan, functions, inputs, q, v, acc, linearize, design, terms, w
     evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work)
     if design:
         evaluate_design(plan, functions, inputs, q, v, acc, terms, work)
+
+
+@kernel
+def evaluate_states(evaluator, plan, functions, curves, curves_x, levels, joints_only, q, v, acc, terms, work, residuals, values):
+    """The residual of k states (k, 2, n), and its derivatives by the state (k, 4, n_entries): both in the order of `Terms`."""
+    for k in range(len(q)):
+        inputs = Inputs(curves[k], curves_x[k], 1.0, levels, True, joints_only)
+        evaluator(plan, functions, inputs, q[k], v[k], acc[k], True, False, terms, work)
+        copy(terms.inertial, residuals[k, 0])
+        copy(terms.applied, residuals[k, 1])
+        copy(terms.I_acc, values[k, 0])
+        copy(terms.I_q, values[k, 1])
+        copy(terms.A_q, values[k, 2])
+        copy(terms.A_v, values[k, 3])

@@ -46,7 +46,7 @@ def without_content(reason: str) -> str:
 
 
 class InputError(ToolkitError, ValueError):
-    """What the user wrote cannot be meant: a scene, a path, a number, an option."""
+    """What the user wrote is invalid: a scene, a path, a number, an option."""
 
 
 class NoDerivativeError(InputError):

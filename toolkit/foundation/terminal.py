@@ -36,12 +36,12 @@ def print_json(record: dict[str, Any]) -> None:
 
 
 UsageError: Any = typer.BadParameter.__base__
-"""What typer raises where a command line cannot be meant."""
+"""What typer raises where a command line is invalid."""
 
 
 @contextmanager
 def usage_in_json(as_json: bool) -> Iterator[None]:
-    """A command line that cannot be meant is told as JSON too, where that was asked for; the exit code stays typer's, 2."""
+    """An invalid command line is told as JSON too, where that was asked for; the exit code stays typer's, 2."""
     try:
         yield
     except UsageError as error:

@@ -1,4 +1,4 @@
-"""Rows of a joint that cannot be meant, refused by name before anything runs with them."""
+"""Invalid rows of a joint, refused by name before anything runs with them."""
 
 from __future__ import annotations
 

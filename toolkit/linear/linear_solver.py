@@ -9,8 +9,23 @@ from toolkit.foundation.vectors.rows import add_rows, filled_up
 from toolkit.linear.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
 from toolkit.linear.factored_matrix import add_factored_block
 from toolkit.linear.sparse_analysis import LUPlan
-from toolkit.linear.sparse_block import solve_block
 from toolkit.linear.sparse_lu import StillPivots, factor, multiply, solve, still_pivots
+
+
+@kernel
+def solve_block(plan, lu, rhs, work):
+    """Solution of A X = rhs, in place; rhs and work (n, w), the design axis contiguous and filled up as `add_rows` needs it."""
+    n = plan.order.size
+    for i in range(n):
+        copy(rhs[plan.order[i]], work[i])
+    for i in range(n):
+        add_rows(work[i], 1.0, -1.0, lu, plan.column, plan.row_start[i], plan.diagonal[i], work)
+    for i in range(n - 1, -1, -1):
+        diagonal = plan.diagonal[i]
+        add_rows(work[i], lu[diagonal], -1.0, lu, plan.column, diagonal + 1, plan.row_start[i + 1], work)
+    for i in range(n):
+        copy(work[i], rhs[plan.order[i]])
+
 
 SPARSE_TOLERANCE, DENSE_TOLERANCE = 1e-12, 1e-14
 """Smallest pivots, relative to the terms they are made of; recommended where they are tested."""

@@ -22,7 +22,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.checks.shapes import letters_of
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.model import OWN_GROUPS, ReducedModel
 from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, richer_model
 
 LENGTH, MASS, TIME = LABELLED["length"], LABELLED["mass"], LABELLED["time"]
@@ -31,6 +31,9 @@ ITEMS: dict[str, Dimension] = {
     "gyroscopic": MASS.times(LENGTH.power(2)), "stiffness": LABELLED["energy"], "damping": LABELLED["energy"].times(TIME),
     "stress_operator": LABELLED["stress"], "compliance": LABELLED["energy"], "second_moment": MASS.times(LENGTH.power(2)),
     "stiffening": MASS.times(LENGTH.power(2)),
+    "axis": NONE, "stress_per_strain": LABELLED["stress"], "axial_stiffness": LABELLED["force"],
+    "bending_stiffness": LABELLED["force"].times(LENGTH.power(2)), "torsional_stiffness": LABELLED["force"].times(LENGTH.power(2)),
+    "shear_stiffness": LABELLED["force"], "mass_per_length": MASS.times(LENGTH.power(-1)), "fibre_distance": LENGTH,
     "arc_length": LENGTH, "arc_length_range": LENGTH, "position": LENGTH, "rotation": NONE, "target": LENGTH,
     "nodes": LENGTH, "connectivity": NONE, "held": NONE, "recovery": NONE, "outline": LENGTH, "target_outline": LENGTH,
     "element": NONE, "end": NONE, "fibre": NONE, "edges": NONE, "stress": NONE, "modulus": NONE, "triangles": NONE, "lines": NONE,
@@ -67,17 +70,24 @@ def _converted(model: ReducedModel, units: str, moving: np.ndarray) -> ReducedMo
     dimensions = {name: dimension_of_label(label, model.units) for name, label in model.nominal_units.items()}
     by = {name: factor(dimensions[name], model.units, units) for name in model.nominal}
     parameter, scale = np.array(list(by.values())), _Scales(model, units, moving)
+    groups = dict.fromkeys(["", *OWN_GROUPS.values()])
+
+    def rates(item: str, found: Derivatives) -> Derivatives:
+        return _derivatives(found, scale.flat(item), parameter)
+
+    def terms(item: str, found: Polynomial) -> Polynomial:
+        return _polynomial(found, scale.flat(item), parameter)
+
+    dependences: dict[str, Any] = {
+        **{f"{group}derivatives": _each(getattr(model, f"{group}derivatives"), rates) for group in groups},
+        **{f"{group}affine": _each(getattr(model, f"{group}affine"), terms) for group in groups},
+    }
     return replace(
         model,
         units=units,
         nominal={name: value * by[name] for name, value in model.nominal.items()},
         nominal_units={name: _label(dimensions[name], label, model.units, units) for name, label in model.nominal_units.items()},
-        derivatives=_each(model.derivatives, lambda item, found: _derivatives(found, scale.flat(item), parameter)),
-        affine=_each(model.affine, lambda item, found: _polynomial(found, scale.flat(item), parameter)),
-        element_derivatives=_each(
-            model.element_derivatives, lambda item, found: _derivatives(found, scale.flat(item), parameter)
-        ),
-        element_affine=_each(model.element_affine, lambda item, found: _polynomial(found, scale.flat(item), parameter)),
+        **dependences,
         interfaces=_each(model.interfaces, lambda _, point: scale.part(point, point=True)),
         surface_loads=_each(model.surface_loads, lambda _, load: scale.part(load)),
         piece_loads=_each(model.piece_loads, lambda _, load: scale.part(load)),
@@ -86,7 +96,7 @@ def _converted(model: ReducedModel, units: str, moving: np.ndarray) -> ReducedMo
 
 
 def _single_parts(model: ReducedModel) -> dict[str, Any]:
-    names = ("invariants", "stress", "shape", "mesh", "outline", "interior", "elements", "surface")
+    names = ("invariants", "stress", "shape", "mesh", "outline", "interior", "elements", "sections", "surface")
     more = ("spin", "left_out_shapes", "pieces")
     return {name: getattr(model, name) for name in (*names, *more)}
 

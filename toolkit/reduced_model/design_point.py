@@ -14,6 +14,7 @@ from toolkit.foundation.itself import Itself
 from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.dependence import SMALL, Together, Told, scattered, told_of
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
+from toolkit.reduced_model.parts.sections import BeamSections
 from toolkit.reduced_model.thin_arrays import places, sparing
 
 KEPT = 8
@@ -90,6 +91,14 @@ class DesignPoint:
         """Those of some names; errors as `invariants`, of a stiffness if it is among them."""
         self.check_extrapolated(items)
         return tuple(map(self.value, items))
+
+    def sections(self) -> BeamSections | None:
+        """The sections of its beams; None of a model that does not tell them at this design. Errors as `value`."""
+        nominal = self.model.sections
+        if nominal is None or (self._steps and None in self.model.dependence("sections.axial_stiffness")):
+            return None
+        changed = {name: self.value(f"sections.{name}") for name in vars(nominal) if name != "axis"}
+        return BeamSections(axis=nominal.axis, **changed)
 
     def check_extrapolated(self, items: Sequence[str]) -> None:
         """Refuse the same, if it is among some items."""
@@ -248,7 +257,7 @@ class DesignPoint:
 
     def extrapolated(self) -> list[str]:
         """Parameters whose real step the model follows by a tangent."""
-        items = [*(self.model.derivatives or {}), *(self.model.element_derivatives or {})]
+        items = list(self.model.all_derivatives)
         moved = [k for k, step in self._steps.items() if np.real(step) != 0]
         return [self.model.parameters[k] for k in moved if any(self._is_tangent(item, k) for item in items)]
 

@@ -22,6 +22,7 @@ from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outlin
 from toolkit.reduced_model.parts.interior import Interior
 from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
+from toolkit.reduced_model.parts.sections import BeamSections
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -29,7 +30,9 @@ if TYPE_CHECKING:
     import h5py
 
 SCHEMA = "ffrf-reduced-model"
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
+WITHOUT_SECTIONS = 2
+"""The version before, which is the same but for the sections of beams; files of bodies without beams are read as they are."""
 ATTRIBUTES = ("dimension", "units", "reference_condition", "basis", "input_hash")
 MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
@@ -56,6 +59,9 @@ PARTS: dict[str, Any] = {
     "elements": Elements,
     "element_derivatives": Derivatives,
     "element_affine": Polynomial,
+    "sections": BeamSections,
+    "section_derivatives": Derivatives,
+    "section_affine": Polynomial,
     "surface": Surface,
     "surface_loads": SurfaceLoad,
     "spin": Spin,
@@ -77,7 +83,7 @@ SPATIAL_PARTS: dict[str, Any] = {
     "richer_invariants": SpatialInvariants,
 }
 """What they hold in space instead."""
-_NAMED = "derivatives affine interfaces surface_loads element_derivatives element_affine piece_loads"
+_NAMED = "derivatives affine interfaces surface_loads element_derivatives element_affine piece_loads section_derivatives section_affine"
 NAMED = (*_NAMED.split(), "richer_derivatives", "richer_affine", "richer_interfaces", "richer_surface_loads")
 
 
@@ -98,7 +104,7 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
     _check_signature(path)
     with reading(path, partial(_damaged, path), foreign=True) as content:
         attributes: dict[str, Any] = content.attributes()
-        _check_schema(attributes, path)
+        _check_schema(attributes, content, path)
         head = _head(content, attributes)
         if known and any(getattr(known, name) != value for name, value in head.items()):
             known = None
@@ -231,16 +237,19 @@ def _check_signature(path: Path) -> None:
         )
 
 
-def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
+def _check_schema(attributes: Mapping[str, Any], content: Content, path: Path) -> None:
     schema, version = attributes.get("schema"), attributes.get("schema_version")
     if schema != SCHEMA:
         raise ModelFileError(
             f"{str(path)!r} is an HDF5 file but not a reduced model: its attribute 'schema' is not {SCHEMA!r}. "
             "Give a file written by ffrf-preprocess."
         )
+    if version == WITHOUT_SECTIONS and not (content.has("mesh") or (content.has("elements") and not content.has("pieces"))):
+        return
     if version != SCHEMA_VERSION:
+        lacks = ": it does not hold the sections of its beams" if version == WITHOUT_SECTIONS else ""
         raise ModelFileError(
-            f"{str(path)!r} has schema version {version}, this program reads version {SCHEMA_VERSION}. "
+            f"{str(path)!r} has schema version {version}, this program reads version {SCHEMA_VERSION}{lacks}. "
             "Build it again with the ffrf-preprocess of this version."
         )
 

@@ -15,6 +15,7 @@ from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.parts.interior import Interior
 from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
+from toolkit.reduced_model.parts.sections import BeamSections
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -198,6 +199,9 @@ class ReducedModel:
     elements: Elements | SpatialElements | None = None  # of bodies that keep all nodal coordinates
     element_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`, of the items of `elements`
     element_affine: dict[str, Polynomial] | None = None  # the same as `affine`
+    sections: BeamSections | None = None  # of bodies of beams
+    section_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`, of the items of `sections`
+    section_affine: dict[str, Polynomial] | None = None  # the same as `affine`
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     spin: Spin | None = None  # of bodies whose file asks for it
@@ -274,8 +278,18 @@ class ReducedModel:
 
     def dependence(self, item: str) -> tuple[dict[str, Derivatives] | None, dict[str, Polynomial] | None]:
         """The derivatives and polynomials that an item's are among; None where they were not loaded."""
-        own = of_elements(item)
-        return (self.element_derivatives, self.element_affine) if own else (self.derivatives, self.affine)
+        group = dependence_group(item)
+        return getattr(self, f"{group}derivatives"), getattr(self, f"{group}affine")
+
+    @property
+    def all_derivatives(self) -> dict[str, Derivatives]:
+        """Item -> derivatives, of all groups that were loaded."""
+        return {**(self.derivatives or {}), **(self.element_derivatives or {}), **(self.section_derivatives or {})}
+
+    @property
+    def all_polynomials(self) -> dict[str, Polynomial]:
+        """Item -> polynomial, of all groups that were loaded."""
+        return {**(self.affine or {}), **(self.element_affine or {}), **(self.section_affine or {})}
 
     def item(self, name: str) -> np.ndarray:
         """An array at the nominal design, by its item name."""
@@ -286,9 +300,13 @@ class ReducedModel:
         return getattr(owner[rest[0]] if len(rest) == 2 else owner, rest[-1])
 
 
-def of_elements(item: str) -> bool:
-    """Whether an item is told element by element, and so are its derivatives."""
-    return item.startswith(("elements.", "piece_loads."))
+OWN_GROUPS = {"elements": "element_", "piece_loads": "element_", "sections": "section_"}
+"""Part -> what the names of the groups of its derivatives and polynomials begin with; all other parts share one group of each."""
+
+
+def dependence_group(item: str) -> str:
+    """What the names of the groups begin with that hold an item's derivatives and polynomial; nothing for most items."""
+    return OWN_GROUPS.get(item.partition(".")[0], "")
 
 
 def generalized_mass(inv: Invariants) -> np.ndarray:

@@ -111,7 +111,7 @@ def file_names(kind: str, animate: bool, film: bool) -> list[str]:
 
 
 def _check(directory: str | Path, instants: Any, width: Any) -> None:
-    """Refuse arguments of `render_solution` that cannot be meant."""
+    """Refuse invalid arguments of `render_solution`."""
     if isinstance(width, bool) or not isinstance(width, int) or not NARROWEST <= width <= WIDEST:
         raise InputError(f"width = {width!r}: give a whole number of pixels from {NARROWEST} to {WIDEST}.")
     if isinstance(instants, int | float):

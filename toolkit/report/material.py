@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
+import numpy as np
+
+from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.spread import spread
 from toolkit.render.motion.animation import MOST_FRAMES
 from toolkit.render.pictures import chosen_steps
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look, choose_look, drawn_points
-from toolkit.report.monitors import Monitors, monitor
 from toolkit.results.results import Results
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.certificate import Certificate, compare
@@ -21,6 +24,32 @@ from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import Kind
 from toolkit.sensitivity.result import Result
 from toolkit.system.solution import Solution
+from toolkit.validity.motion.drift import largest_drift
+from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
+
+
+class Monitors(NamedTuple):
+    """Energies in the scene's unit, and at every time the drift (n_t,), relative to the scene's size (or in rad)."""
+
+    energy: EnergyBalance
+    drift: np.ndarray
+
+
+def monitor(solution: Solution) -> Monitors:
+    """Energies and drift of a motion."""
+    return Monitors(energy_balance(solution), drift(solution))
+
+
+def drift(solution: Solution) -> np.ndarray:
+    """Largest violation of any joint at every time, (n_t,)."""
+    system = solution.system
+    curves, _ = system.curves(solution.times)
+    work, rest, found = allocate_work(system.plan, system.dtype), np.zeros(system.n), np.zeros((len(solution.times), 4))
+    for n, q in enumerate(solution.q):
+        state = np.concatenate([q, rest[system.n_q :]])[None]
+        system.run(largest_drift, system.plan, system.functions, curves[n : n + 1], system.weights, state, rest, found[n], work)
+    return found[:, 0]
+
 
 Progress = Callable[[str, int, int], None]
 JUDGES = ("forward-difference", "central-difference", "complex-step")

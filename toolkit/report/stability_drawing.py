@@ -12,10 +12,10 @@ from matplotlib.patches import Patch, Rectangle
 from toolkit.render.round_numbers import MINUS
 from toolkit.render.sheet import sheet
 from toolkit.report.drawing import Drawing
-from toolkit.studies.stability.found import Mapped, Study
-from toolkit.studies.stability.limits_found import Of, verdicts
+from toolkit.studies.stability.classifier import CLASSES
 from toolkit.studies.stability.map import Axis
-from toolkit.studies.stability.verdict import CLASSES
+from toolkit.studies.stability.map_limits import Of, verdicts
+from toolkit.studies.stability.map_result import MapResult, StabilityResult
 
 COLORS = ("#5ab4ac", "#f6e8c3", "#e69f00", "#b2450f", "#bdbdbd", "#ffffff")
 """From light and cool to dark and warm: told apart by all kinds of colour vision, and in grey."""
@@ -27,7 +27,7 @@ AROUND = 0.72
 """Height of title and labels of a panel."""
 
 
-def stability_drawing(study: Study, name: str) -> Drawing:
+def stability_drawing(study: StabilityResult, name: str) -> Drawing:
     """One row of panels per map; without variables only the motion."""
     sides: tuple[Of, ...] = ("run", "gradient") if study.design else ("run",)
     heights = [_height(each) for each in study.maps]
@@ -43,11 +43,11 @@ def stability_drawing(study: Study, name: str) -> Drawing:
     return Drawing("stability", f"Where {name} is stable", caption, figure)
 
 
-def _height(mapped: Mapped) -> float:
+def _height(mapped: MapResult) -> float:
     return ROW * len(mapped.map.axes[1].values) if len(mapped.map.axes) > 1 else STRIP
 
 
-def _panel(panel: Axes, mapped: Mapped, of: Of, labelled: bool) -> None:
+def _panel(panel: Axes, mapped: MapResult, of: Of, labelled: bool) -> None:
     """Coloured cells with letters; the scene's own place framed."""
     axes = mapped.map.axes
     numbers = np.full((len(axes[1].values) if len(axes) > 1 else 1, len(axes[0].values)), CLASSES.index("not run"))
@@ -88,7 +88,7 @@ def short(axis: Axis, index: int) -> str:
     return min(text, f"{digits.rstrip('0').rstrip('.')}e{int(power)}", key=len).replace("-", MINUS)
 
 
-def _legend(study: Study, sides: Sequence[Of]) -> list[Patch]:
+def _legend(study: StabilityResult, sides: Sequence[Of]) -> list[Patch]:
     present = {v.name for each in study.maps for of in sides for v in verdicts(each, of).values()}
     patches = [
         Patch(facecolor=color, edgecolor="0.6", label=f"{letter}  {name}" if letter else name)

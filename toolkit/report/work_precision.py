@@ -9,9 +9,8 @@ from matplotlib.axes import Axes
 
 from toolkit.render.sheet import COLORS, sheet
 from toolkit.report.drawing import Drawing
-from toolkit.studies.tradeoff.errors.judged import Judged
-from toolkit.studies.tradeoff.pareto import pareto
-from toolkit.studies.tradeoff.settings.setting import Setting
+from toolkit.studies.tradeoff.judgement import JudgedSetting, pareto
+from toolkit.studies.tradeoff.setting import Setting
 from toolkit.studies.tradeoff.tradeoff import Tradeoff
 
 LEAST = 1e-15
@@ -40,12 +39,12 @@ def work_precision(found: Tradeoff) -> Drawing:
     return Drawing("tradeoff", "Speed against accuracy", caption, figure)
 
 
-def _series(found: Tradeoff) -> dict[str, list[Judged]]:
+def _series(found: Tradeoff) -> dict[str, list[JudgedSetting]]:
     """Settings that differ in their step, or local error, alone, by what they have in common, in the order of the axes."""
     places = {id(setting): k for k, setting in enumerate(found.plan.settings)}
-    series: dict[str, list[Judged]] = {}
+    series: dict[str, list[JudgedSetting]] = {}
     for each in sorted(found.settings, key=lambda each: places[id(each.setting)]):
-        if not each.record.failure:
+        if not each.outcome.failed:
             series.setdefault(_shared_words(each.setting), []).append(each)
     return series
 
@@ -61,7 +60,7 @@ def _shared_words(setting: Setting) -> str:
     return ", ".join([part for part in parts if part] + adaptive) or "equal steps"
 
 
-def _named(found: Tradeoff, series: dict[str, list[Judged]]) -> list[str]:
+def _named(found: Tradeoff, series: dict[str, list[JudgedSetting]]) -> list[str]:
     """Series with colours: all, or of too many those with members of the Pareto set, nearest to the recommendation first."""
     if len(series) <= MOST_SERIES:
         return list(series)
@@ -70,7 +69,7 @@ def _named(found: Tradeoff, series: dict[str, list[Judged]]) -> list[str]:
     return sorted([name for name, rank in ranks.items() if rank >= 0], key=lambda name: ranks[name])[:MOST_SERIES]
 
 
-def _panel(panel: Axes, found: Tradeoff, series: dict[str, list[Judged]], named: list[str], derived: bool) -> None:
+def _panel(panel: Axes, found: Tradeoff, series: dict[str, list[JudgedSetting]], named: list[str], derived: bool) -> None:
     panel.set(xscale="log", yscale="log", xlabel="time with gradients in ms" if derived else "time in ms")
     what = "largest error of gradients" if derived else "largest error of responses"
     panel.set_ylabel(what if _common(found, derived) else f"{what}, in budgets")
@@ -85,7 +84,7 @@ def _panel(panel: Axes, found: Tradeoff, series: dict[str, list[Judged]], named:
         panel.plot(*_point(found, found.recommended, derived), "*", color="black", markersize=14, zorder=4, label="recommended")
 
 
-def _points(panel: Axes, found: Tradeoff, series: dict[str, list[Judged]], named: list[str], derived: bool) -> None:
+def _points(panel: Axes, found: Tradeoff, series: dict[str, list[JudgedSetting]], named: list[str], derived: bool) -> None:
     """A dotted line joins settings that differ in their steps alone, from the coarsest to the finest."""
     rest = "other settings"
     for name in sorted(series, key=lambda name: name in named):  # colours above grey
@@ -93,19 +92,19 @@ def _points(panel: Axes, found: Tradeoff, series: dict[str, list[Judged]], named
         if name in named:
             number = named.index(name)
             look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
-        points = [_point(found, each, derived) for each in sorted(series[name], key=lambda each: each.record.steps)]
+        points = [_point(found, each, derived) for each in sorted(series[name], key=lambda each: each.outcome.steps)]
         label = name if name in named else rest
         panel.plot(*zip(*points, strict=True), linestyle=":", linewidth=0.8, markersize=4.5, label=label, **look)  # type: ignore[arg-type]
         rest = rest if name in named else "_"  # named once
 
 
-def _point(found: Tradeoff, each: Judged, derived: bool) -> Point:
+def _point(found: Tradeoff, each: JudgedSetting, derived: bool) -> Point:
     """Time in ms and largest error, or part of its budget."""
     error = each.largest(derived)
     if not _common(found, derived):
         budget = found.plan.budget
         error = max(each.errors[quantity] / budget[quantity] for quantity in budget if quantity.derived == derived)
-    return 1e3 * each.record.seconds[derived], max(error, LEAST) if math.isfinite(error) else math.nan
+    return 1e3 * each.outcome.medians[derived], max(error, LEAST) if math.isfinite(error) else math.nan
 
 
 def _budgets(found: Tradeoff, derived: bool) -> list[float]:

@@ -41,8 +41,8 @@ class KineticEnergy(Energy):
         system, pad, counts = solution.system, np.zeros(solution.system.n - solution.system.n_q), self.counted(solution)
         q, v = np.concatenate([solution.q[step], pad]), np.concatenate([np.where(counts, solution.v[step], 0), pad])
         terms = system.evaluate(system.inputs(solution.times[step], np.zeros(3)), q, np.zeros_like(q), v, design=True)
-        value_q = v @ system.matrix(terms.I_q) / 2
-        n_q = system.n_q
+        n_q, value_q = system.n_q, np.zeros(system.n, np.result_type(v, terms.I_q))
+        np.add.at(value_q, system.plan.indices, np.repeat(v, np.diff(system.plan.indptr)) * terms.I_q / 2)
         by_v = np.where(counts, terms.inertial[:n_q], 0)
         return Partials(v @ terms.inertial / 2, q=value_q[:n_q], v=by_v, design=v @ terms.I_x / 2)
 

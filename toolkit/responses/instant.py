@@ -75,6 +75,16 @@ class Instant(Response):
         """`at` of one solution, step by step; a kind that has something to prepare for all steps does it here, once."""
         return partial(self.at, solution)
 
+    def value(self, solution: Solution) -> Any:
+        """The number, of one step alone."""
+        return self.at(solution, self.step(solution)).value
+
+    def evaluate(self, solution: Solution) -> tuple[Any, np.ndarray]:
+        """The number and its total design derivative, shape (n_x,), of one step alone."""
+        step = self.step(solution)
+        found = self.at(solution, step)
+        return found.value, slope_at(found, solution, step)
+
     def partials(self, solution: Solution) -> Partials:
         """Those of the one step, zero at all others."""
         weights = np.zeros(len(solution.times))
@@ -105,7 +115,8 @@ def slope_at(found: Partials, solution: Solution, step: int) -> np.ndarray:
     """Total design derivative (n_x,) of a quantity whose partial derivatives at a step are given."""
     total = np.zeros(solution.system.n_x) if found.design is None else np.real(found.design).astype(float)
     pairs = ((getattr(found, state), getattr(solution, f"d{state}")) for state in STATES)
-    return total + sum(np.real(partial) @ derivative[step] for partial, derivative in pairs if partial is not None)
+    known = ((partial, derivative) for partial, derivative in pairs if partial is not None and derivative.shape[-1])
+    return total + sum(np.real(partial) @ derivative[step] for partial, derivative in known)
 
 
 def magnitude(vector: np.ndarray, change: Callable[[], np.ndarray]) -> tuple[Any, np.ndarray]:

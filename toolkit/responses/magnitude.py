@@ -8,13 +8,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.spread import spread
+from toolkit.responses.energy import StrainEnergy
 from toolkit.responses.instant import Instant, slope_at
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.response import Response
+from toolkit.system.flexible_bodies import deforming
 from toolkit.system.solution import Solution
 
-INSTANTS = 40
-"""A quantity is looked at in so many instants, evenly spread over the motion."""
+INSTANTS, FEW = 40, 3
+"""A quantity is looked at in so many instants, evenly spread over the motion; forces of what is deformed in few."""
 
 
 class Largest(NamedTuple):
@@ -36,24 +38,40 @@ def magnitude_that_counts(response: Response, solution: Solution, largest: Large
 
 def _size_of_kind(response: Response, solution: Solution) -> float:
     """The size of quantities of a response's kind in a motion: of lengths S the scene's, of angles 1 rad, and of what measures
-    mass^m length^k time^t, with the largest rate R and the largest joint force F,
+    mass^m length^k time^t, with the largest rate R and the largest force F of a joint or of what is deformed,
 
         F^m S^(k - m) R^(-t - 2 m)
     """
     system, (m, k, t) = solution.system, response.physical_dimension
     if not (m or k or t):
         return float(response.unit_quantity == "angle")
-    lengths, n_q = system.placed.size, system.n_q
-    speeds, changes, forces = (
-        float(np.abs(np.real(each) * by).max(initial=0.0))
-        for each, by in (
-            (solution.v, system.weights[:n_q]),
-            (solution.a, system.weights[:n_q]),
-            (solution.multipliers, 1 / system.weights[n_q:]),
-        )
-    )
+    lengths, (speeds, changes, forces) = system.placed.size, _largest(solution)
+    forces = max(forces, _elastic(solution)) if m else forces
     rate = max(speeds, np.sqrt(changes), 1 / solution.whole_run[-1])
     return float((forces / lengths) ** m * lengths ** (k - m) * rate ** (-t - 2 * m))
+
+
+def _elastic(solution: Solution) -> float:
+    """The largest elastic force: a joint that holds nothing has a force of the round-off of what else is in balance."""
+    if not deforming(solution.system.scene):
+        return 0.0
+    if _elastic not in solution.known:
+        law, weights = StrainEnergy(), solution.system.weights[: solution.system.n_q]
+        found = [law.at(solution, step).q for step in spread(len(solution.times) - 1, FEW)]
+        forces = [np.real(each) / weights for each in found if each is not None]
+        solution.known[_elastic] = float(np.abs(forces).max(initial=0.0))
+    largest: float = solution.known[_elastic]
+    return largest
+
+
+def _largest(solution: Solution) -> tuple[float, float, float]:
+    """Largest rate, acceleration and force of a joint in a motion, in parts of the scene's size."""
+    if _largest not in solution.known:
+        n_q, weights = solution.system.n_q, solution.system.weights
+        pairs = (solution.v, weights[:n_q]), (solution.a, weights[:n_q]), (solution.multipliers, 1 / weights[n_q:])
+        solution.known[_largest] = tuple(float((np.abs(np.real(each)).max(axis=0) * by).max(initial=0.0)) for each, by in pairs)
+    found: tuple[float, float, float] = solution.known[_largest]
+    return found
 
 
 @singledispatch

@@ -89,7 +89,13 @@ class Response(Registered):
     def evaluate(self, solution: Solution) -> tuple[Any, np.ndarray]:
         """The number and its total design derivative, shape (n_x,)."""
         partials = self.partials(solution)
-        return partials.value, total_derivative(partials, solution)
+        total = np.zeros(solution.system.n_x) if partials.design is None else partials.design.astype(float)
+        for state in STATES:
+            partial, derivative = getattr(partials, state), getattr(solution, f"d{state}")
+            if partial is not None and derivative.shape[-1]:
+                felt = felt_steps(partial)
+                total = total + np.einsum("ti,tix->x", np.real(partial[felt]), derivative[felt])
+        return partials.value, total
 
 
 class MeanSquare(Response):
@@ -103,17 +109,6 @@ class MeanSquare(Response):
 
         What is left out is the curvature of r_k times r_k: nothing where they are small, or where the design moves them linearly.
         """
-
-
-def total_derivative(partials: Partials, solution: Solution) -> np.ndarray:
-    """Design derivative (n_x,) of what has these partial derivatives, by those of the states that the solution holds."""
-    total = np.zeros(solution.system.n_x) if partials.design is None else partials.design.astype(float)
-    for state in STATES:
-        partial, derivative = getattr(partials, state), getattr(solution, f"d{state}")
-        if partial is not None and derivative.shape[-1]:
-            felt = felt_steps(partial)
-            total = total + np.einsum("ti,tix->x", np.real(partial[felt]), derivative[felt])
-    return total
 
 
 def felt_steps(partial: np.ndarray) -> np.ndarray | slice:

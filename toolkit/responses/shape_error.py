@@ -20,6 +20,9 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 
+KEPT = 64
+"""Steps whose gaps are remembered: more than `magnitude` looks at."""
+
 
 def target_shape(scene: Scene, body: str) -> Shape:
     """The body's points and their targets.
@@ -74,6 +77,16 @@ def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple
     place, place_q = shape.position[:, :, 0], shape.position[:, :, 1:]
     elastic = solution.q[steps, elastic_coordinates(solution, body)]
     return place + np.einsum("kif,tf->tki", place_q, elastic) - shape.target, place_q
+
+
+def _gaps_at(solution: Solution, body: str, step: int) -> tuple[np.ndarray, np.ndarray]:
+    """`gaps` at one step, remembered of the last ones: several responses look at the same shape."""
+    kept: dict[int, tuple[np.ndarray, np.ndarray]] = solution.known.setdefault((gaps, body), {})
+    if step not in kept:
+        if len(kept) >= KEPT:
+            kept.clear()
+        kept[step] = gaps(solution, body, slice(step, step + 1))
+    return kept[step]
 
 
 def moving(solution: Solution, body: str) -> slice:
@@ -174,7 +187,7 @@ class ShapeResponse(Instant):
 
     def at(self, solution: Solution, step: int) -> Partials:
         """Of the gap vectors at a step."""
-        gap, gap_q = gaps(solution, self.body, slice(step, step + 1))
+        gap, gap_q = _gaps_at(solution, self.body, step)
         value, weights = self.weighted(gap[0])
         value_q, design, weights = np.zeros(solution.system.n_q), np.zeros(solution.system.n_x), np.real(weights)
         where = moving(solution, self.body)

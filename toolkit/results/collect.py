@@ -7,15 +7,18 @@ import platform
 from collections.abc import Mapping
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 import numpy as np
 
+from toolkit.analyses.run_start import known_start
 from toolkit.bodies.model_body import ModelBody
+from toolkit.description.description import Description
+from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.responses.stress.stress import stress_field
 from toolkit.results.results import BodyResults, Results, SceneRecord
-from toolkit.results.scene_table import table_of
 from toolkit.scene.cut_scene import written
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import again
@@ -24,6 +27,35 @@ from toolkit.sensitivity.preparation import moving
 from toolkit.sensitivity.result import Result, result
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
+
+
+def table_of(scene: Scene) -> dict[str, Any]:
+    """Tables that `toolkit.scene_file.reader.scene_from_table` makes the same scene from, with every number as it is now.
+
+    Raises
+    ------
+    InputError
+        A number is complex: the scene belongs to a complex step.
+    """
+    table = _plain(scene)
+    del table["directory"]
+    return table
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Point):
+        return [_plain(number) for number in (value.x, value.y, value.z) if number is not None]
+    if isinstance(value, Description):
+        kind = getattr(value, "kind", None)
+        return ({"type": kind} if kind else {}) | {name: _plain(item) for name, item in value if item is not None}
+    if isinstance(value, Mapping):
+        return {name: _plain(item) for name, item in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [_plain(item) for item in value]
+    if isinstance(value, complex):
+        raise InputError("a scene with a complex number cannot be kept in a file. Solve it with real numbers.")
+    return value
+
 
 WRITERS = ("ffrf-toolkit", "numpy", "scipy", "numba", "h5py")
 
@@ -86,7 +118,7 @@ def _result(solution: Solution) -> Result:
     scene, names, wall = solution.system.scene, solution.system.design.names, solution.wall
     values, gradients = evaluate_with_gradients(solution)
     method = "direct" if names else "none"
-    repeat = partial(again, solution.system) if moving(solution) and not solution.own_start else None
+    repeat = partial(again, solution.system, known=known_start(solution)) if moving(solution) and not solution.own_start else None
     price = wall.get("run"), wall.get("sensitivity", None if names else 0.0)
     return result(scene, solution, values, gradients if names else {}, method, *price, repeat)
 

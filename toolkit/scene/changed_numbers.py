@@ -27,7 +27,7 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
     Raises
     ------
     InputError
-        There is no such number, or its value cannot be meant: the same words as for a scene file.
+        There is no such number, or its value is invalid: the same words as for a scene file.
     """
     if not isinstance(numbers, Mapping):
         raise InputError(f'numbers are given by name, as in {{"points.A.x": 73.0}}, not as {type(numbers).__name__}.')

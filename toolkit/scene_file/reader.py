@@ -120,7 +120,7 @@ def _dimension(table: Mapping[str, Any], path: Path) -> int:
     given = table.get("dimension", 2)
     if type(given) is not int or given not in DIMENSIONS:
         raise InputError(
-            f"{path.name}: dimension = {SHORT.repr(given)} cannot be meant. Write dimension = 3 for a scene in space, and 2, or nothing, "
+            f"{path.name}: dimension = {SHORT.repr(given)} is invalid. Write dimension = 3 for a scene in space, and 2, or nothing, "
             "for one in the plane."
         )
     return given

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.analyses.run_start import known_start
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.processes.one_thread import one_thread
@@ -19,6 +20,7 @@ from toolkit.sensitivity.errors.step_error import Repeat
 from toolkit.sensitivity.evaluation import evaluate_responses, evaluate_with_gradients
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen, solve
 from toolkit.sensitivity.result import Result, result
+from toolkit.solvers.start.initial_conditions import Motion, State
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -59,14 +61,14 @@ def by_direct(compiled: Compiled, kind: Kind, progress: Progress | None = None, 
         extra = None if primal is None else max(total - primal, 0.0)
     elif primal is None:
         primal = total - extra
-    found = evaluated(solution, True, partial(again, compiled.full), primal, extra)
+    found = evaluated(solution, True, partial(again, compiled.full, known=known_start(solution)), primal, extra)
     return replace(found, enriched=partial(enriched, compiled, kind, solution, by_direct))
 
 
 def values_alone(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
     """Responses of a compiled scene without gradients."""
     primal, solution = clock(partial(solve, compiled.primal, kind), progress)
-    found = evaluated(solution, False, partial(again, compiled.primal), primal, 0.0)
+    found = evaluated(solution, False, partial(again, compiled.primal, known=known_start(solution)), primal, 0.0)
     return replace(found, enriched=partial(enriched, compiled, kind, solution, values_alone))
 
 
@@ -94,9 +96,13 @@ def evaluated(
 
 
 def again(
-    system: System, options: RunOptions, q: np.ndarray | None = None, v: np.ndarray | None = None
+    system: System,
+    options: RunOptions,
+    q: np.ndarray | None = None,
+    v: np.ndarray | None = None,
+    known: Motion | State | None = None,
 ) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
     """Values of a motion, and gradients by direct differentiation if the system has design variables, with other options; `q` and `v` are
-    its start if it is not the scene's."""
-    values, gradients = evaluate_with_gradients(simulate(system, options, q, v))
+    its start if it is not the scene's, `known` what was found for it."""
+    values, gradients = evaluate_with_gradients(simulate(system, options, q, v, known=known))
     return values, gradients if system.n_x else {}

@@ -19,6 +19,7 @@ from toolkit.responses.over_time.loose_maxima import loose_maxima
 from toolkit.responses.over_time.missed_peaks import missed_peaks
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.over_time.tied_extremes import tied_extremes
+from toolkit.responses.over_time.tied_stresses import tied_stresses
 from toolkit.responses.vibrations.flutter import unstable_vibrations
 from toolkit.responses.vibrations.growing import growing_vibrations
 from toolkit.responses.vibrations.vibration import Frequency
@@ -29,7 +30,17 @@ from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
 from toolkit.sensitivity.errors.weighed_doubts import Answers, turned_displacements, unless_it_converges, unless_unfelt
-from toolkit.sensitivity.frames.gradient_errors import NONE, FrameErrors, Reframed, doubtful_gradients, frame_errors
+from toolkit.sensitivity.frames.gradient_errors import (
+    NONE,
+    FrameErrors,
+    Reframed,
+    bodies_with_more,
+    doubtful_gradients,
+    doubtful_values,
+    frame_errors,
+    framed_doubts,
+    unless_frames_deny,
+)
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
@@ -39,13 +50,17 @@ from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
 from toolkit.validity.bodies.reduced.frozen_bases import frozen_bodies
 from toolkit.validity.bodies.shear.sheared_vibrations import sheared_vibrations
+from toolkit.validity.bodies.tension.steep_joints import steep_joints
+from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
 from toolkit.validity.bodies.tension.tension_cautions import tension
 from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.dead_points.cautions import dead_points_passed
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
-from toolkit.validity.motion.noisy_forces import NOISY, JointNoise, noise_at, noise_of_joints, noisy_forces
+from toolkit.validity.motion.noisy_forces import NOISY, JointNoise, noise_at, noise_of_joints, noise_of_values, noisy_forces
 
+AROUND = 6
+"""States on both sides of the one that is asked for in which a force may jump to and fro."""
 UNIMPORTANT = 0.02
 """A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
 compared with such a change instead of with itself."""
@@ -164,15 +179,30 @@ class Result:
     def verdict(self) -> Verdict:
         """Whether values and gradients can be trusted, and why not; found out when it is first asked for, at the price of half a run, and
         of one with more floating frames where there are gradients of bodies that deform far, with more shapes where bases are frozen."""
-        found, errors = self._verdict, self.frame_errors
+        found = self._verdict
+        errors = self._errors_of_doubted(framed_doubts(found.warnings))
+        if self.gradients and self.solution.system.n_x and (errors is None or most_pulled(self.solution) not in errors.frames):
+            found = Verdict.of([*found.warnings, *steep_joints(self.solution)], found.measures)
         if self.basis_errors is not None:
             about_bases = {**found.measures, "frozen_basis": self.basis_errors.record()}
             found = Verdict.of([*found.warnings, *cautions_of_frozen(self.basis_errors)], about_bases)
         if errors is None:
             return found
         sizes = variable_sizes(self.solution.system.scene, self)
-        doubts = doubtful_gradients(errors, self.gradients, sizes)
-        return Verdict.of([*found.warnings, *doubts], {**found.measures, "geometric_error": errors.record(self.gradients, sizes)})
+        scales: Mapping[str, float] = {f: abs(value) for f, value in self.values.items()}
+        slopes: Mapping[str, Mapping[str, float]] = {}
+        if moving(self.solution):
+            scales, slopes = self._answers[2:]
+        weighed = unless_frames_deny(found.warnings, self.solution, errors, scales, self.gradients, sizes, slopes)
+        doubts = (*doubtful_values(errors, scales), *doubtful_gradients(errors, self.gradients, sizes, slopes))
+        record = errors.record(self.gradients, sizes, slopes)
+        return Verdict.of([*weighed, *doubts], {**found.measures, "geometric_error": record})
+
+    def _errors_of_doubted(self, bodies: set[str]) -> FrameErrors | None:
+        """Errors by the number of frames, with doubted bodies among those that are given more."""
+        if self.reframed is None or not self.gradients or bodies <= set(bodies_with_more(self.solution)):
+            return self.frame_errors
+        return frame_errors(self.solution, self.values, self.gradients, self.reframed, bodies)
 
     @property
     def _verdict(self) -> Verdict:
@@ -180,10 +210,11 @@ class Result:
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             folded = folded_equilibria(self.solution) if self.values and not self.solution.steps else ()
-            loose = [*loose_maxima(self.solution), *self._tied()] if self.values else ()
+            loose = loose_maxima(self.solution) if self.values else ()
             of_state = set(unstable_vibrations(self.solution))  # said again by what was asked for
             others = [each for each in found.warnings if each not in of_state]
-            every = [*others, *self._of_vibrations(), *folded, *loose, *self._undefined()]
+            tied = tied_stresses(self.solution) if self.gradients else ()
+            every = [*others, *self._of_vibrations(), *folded, *loose, *tied, *self._undefined()]
             return Verdict.of(without_false_zeros(every), found.measures)
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
@@ -195,7 +226,7 @@ class Result:
                 "gradients": self.step_error.gradients,
             }
             measured["estimated_error"] = {**measured["estimated_error"], **estimated}
-        about_forces = force_cautions(self.solution, measured["force_noise"])
+        about_forces = force_cautions(self.solution, measured["force_noise"], self._answers.scales)
         variables = next(iter(self.gradients.values()), {})
         about_responses = (
             *about_forces,
@@ -206,7 +237,8 @@ class Result:
             *missed_peaks(self.solution),
             *turned_displacements(self.solution, self.values, self._answers.scales),
             *loose_maxima(self.solution),
-            *self._tied(),
+            *tied_extremes(self.solution),
+            *tied_stresses(self.solution),
             *self._undefined(),
             *self._of_vibrations(),
         )
@@ -232,10 +264,6 @@ class Result:
             yield from critical_loads(self.solution, lateral=True)  # what its derivatives feel is not known
             yield from tension(self.solution, lateral=True)
             yield from merging_vibrations(self.solution, lateral=True)
-
-    def _tied(self) -> Iterator[Caution]:
-        """Derivatives of largest values that jump."""
-        return tied_extremes(self.solution, variable_sizes(self.solution.system.scene, self) if self.gradients else {})
 
     def _undefined(self) -> Iterator[Caution]:
         """Values and derivatives that do not exist at this design, and variables that nothing feels."""
@@ -271,13 +299,14 @@ def result(
     )
 
 
-def force_cautions(solution: Solution, noise: Mapping[str, Any]) -> Iterator[Caution]:
-    """A doubt where a response is such a force, at the time that it asks for; otherwise a remark. The noise is that of `force_noise`."""
+def force_cautions(solution: Solution, noise: Mapping[str, Any], sizes: Mapping[str, float]) -> Iterator[Caution]:
+    """A doubt where a response is such a force, at the time that it asks for; otherwise a remark. The noise is that of `force_noise`, sizes
+    are the largest that responses are."""
     scene = solution.system.scene
     if not noise or noise["size"] <= NOISY:
         return
     joints = noise_of_joints(solution)
-    noisy = [name for name, each in scene.responses.items() if _noise_in(each, joints, solution) > NOISY]
+    noisy = [name for name, each in scene.responses.items() if _noise_in(each, joints, solution, sizes.get(name, 0.0)) > NOISY]
     quiet = [name for name, each in scene.responses.items() if name not in noisy and _largest_noise(each, joints) > NOISY]
     yield from noisy_forces(solution.options or scene.solver, noise, noisy, quiet)
 
@@ -289,12 +318,19 @@ def _largest_noise(response: Any, joints: Mapping[str, JointNoise]) -> float:
     return 0.0 if joint is None else float(joints[joint].noise.max())
 
 
-def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution) -> float:
-    """Noise in a response that is a joint's force, or a driver's power by it, as a part of the joint's largest force: at its time, or of an
-    extreme over time at any. Means do not feel what alternates."""
+def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution, size: float) -> float:
+    """Noise in a response that is a joint's force, or a driver's power by it: at its time, or of an extreme over time at any. Means do not
+    feel what alternates. It is a part of the joint's largest force, or of the largest that the response itself is, whichever is less."""
     extreme = isinstance(response, TimeMax | TimeMin | TimeKS)
     looked = response.source if extreme else response
     joint = looked.joint if isinstance(looked, JointForce | Power) else None
     if joint is None:
         return 0.0
-    return float(joints[joint].noise.max()) if extreme else noise_at(joints[joint], looked.step(solution))
+    last, step = len(solution.times) - 1, 0 if extreme else looked.step(solution)
+    found = float(joints[joint].noise.max()) if extreme else noise_at(joints[joint], step)
+    if found <= NOISY:
+        return found
+    states = np.arange(last + 1) if extreme else np.arange(max(step - AROUND, 0), min(step + AROUND, last) + 1)
+    look = looked.instants(solution)
+    values = np.array([float(np.real(look(int(n)).value)) for n in states])
+    return min(found, noise_of_values(values, solution.times[states], size))

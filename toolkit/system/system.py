@@ -21,7 +21,16 @@ from toolkit.compilation.quantities import STEP, Asked, Quantities, seen_quantit
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.description import holds_complex
 from toolkit.description.design import Design
-from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
+from toolkit.equations.equations import (
+    Inputs,
+    Plan,
+    Terms,
+    allocate_terms,
+    allocate_work,
+    evaluate_all,
+    evaluate_states,
+    of_variables,
+)
 from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
 from toolkit.foundation.compiled.packed import Packed
 from toolkit.foundation.kernel import plain
@@ -141,6 +150,27 @@ class System:
             self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, work)
             return of_variables(self.plan, terms)
         return self._evaluate(inputs, q, v, acc, linearize, design, apart).found(linearize, design)
+
+    def evaluate_states(
+        self,
+        curves: tuple[np.ndarray, np.ndarray],
+        levels: np.ndarray,
+        q: np.ndarray,
+        v: np.ndarray,
+        acc: np.ndarray,
+        joints_only: bool = False,
+    ) -> list[Terms]:
+        """Residuals and derivatives by the state of several states, q, v, acc (k, n) with `curves` at their times: in one compiled call."""
+        count = len(q)
+        residuals: np.ndarray = np.zeros((count, 2, self.n), self.dtype)
+        values: np.ndarray = np.zeros((count, 4, len(self.plan.indices)), self.dtype)
+        given: list[np.ndarray] = [np.ascontiguousarray(each, self.dtype) for each in (q, v, acc)]
+        self.run(
+            evaluate_states, self.evaluator, self.plan, self.functions, *curves, np.asarray(levels, float), joints_only,
+            *given, allocate_terms(self.plan, self.dtype), self.work, residuals, values,
+        )  # fmt: skip
+        none = np.zeros((self.n, 0))
+        return [Terms._make((*residuals[k], *values[k], none, none)) for k in range(count)]
 
     def evaluate_touched(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray) -> tuple[Terms, np.ndarray]:
         """Residual and derivatives by the state, and those of `applied` by the design at the entries that the plan names."""

@@ -9,7 +9,7 @@ from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.vibrations.flutter import unstable_vibrations
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.beam_assumptions import bent_between_nodes
+from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, energy_between_nodes
 from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.chains.lines_on_bodies import lines_on_bodies
@@ -121,6 +121,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from sheared(solution)
     yield from folded_skins(scene)
     yield from bent_between_nodes(solution)
+    yield from energy_between_nodes(solution)
     yield from missed_statics(solution)
     yield from fibres_alone(solution)
     yield from turning(solution)

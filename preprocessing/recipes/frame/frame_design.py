@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam, SpatialPatch
+from preprocessing.elements.kinds.beams import BeamPatch, PlanarBeam, SpatialBeam
 from preprocessing.elements.section import Patch, Sheared
 from preprocessing.recipes.frame.frame_file import ALONG, FrameFile
 from preprocessing.recipes.frame.frame_nodes import AXES, POLAR, positions
@@ -113,12 +112,12 @@ def _values(file: FrameFile) -> dict[str, float]:
     return {parameter: reduce(getitem, keys, content) for parameter, keys in places(file).items()}
 
 
-def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[SpatialPatch]:
+def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[BeamPatch]:
     """The elements of every section in space, which also twist."""
     found = []
     for name, patch in _sections(file):
         shear = 1 / (2 * (1 + design[f"poisson_ratio_{file.sections[name].material}"]))
-        found.append(SpatialPatch(patch, file.sections[name].shape, shear, sheared=_sheared(file, name, design)))
+        found.append(BeamPatch(patch, file.sections[name].shape, shear, sheared=_sheared(file, name, design)))
     return found
 
 

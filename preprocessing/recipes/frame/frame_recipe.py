@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 
 from preprocessing.discretisation.discretisation import DesignSpace
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam
+from preprocessing.elements.kinds.beams import PlanarBeam, SpatialBeam
 from preprocessing.recipes.beam_surface import beam_surface
 from preprocessing.recipes.frame.frame_design import frame_beams, frame_space, node_number, places
 from preprocessing.recipes.frame.frame_file import FrameFile
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
-from preprocessing.reduction.reduced import Reduced, element_parts, reduce
+from preprocessing.reduction.reduced import SECTIONS, Reduced, element_parts, reduce
 from toolkit.reduced_model.model import Mesh
 
 
@@ -34,7 +33,7 @@ class FrameRecipe(Recipe[FrameFile]):
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
         basis = self.file.basis
-        own = element_parts(basis.kind) + basis.parts + basis.richer_parts
+        own = element_parts(basis.kind) + SECTIONS + basis.parts + basis.richer_parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", picture, *own)
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import CurveMesh

@@ -33,7 +33,7 @@ def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) 
     Raises
     ------
     InputError
-        A parameter or interface point does not exist, or a value of a single element cannot be meant.
+        A parameter or interface point does not exist, or a value of a single element is invalid.
     """
     keys = _place(file, name)
     if keys and keys[0] == "interface_points":

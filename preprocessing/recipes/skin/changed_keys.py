@@ -26,7 +26,7 @@ def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], An
     Raises
     ------
     InputError
-        A key or a value cannot be meant, or a group ends where no element of the other mesh does.
+        A key or a value is invalid, or a group ends where no element of the other mesh does.
     """
     content = file.model_dump(exclude_none=True)
     if ELEMENTS in keys:

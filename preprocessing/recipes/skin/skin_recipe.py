@@ -9,7 +9,7 @@ from typing import Any
 
 from preprocessing.airfoil.table import LARGEST_FILE
 from preprocessing.discretisation.discretisation import DesignSpace
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam
+from preprocessing.elements.kinds.beams import SpatialBeam
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.gmsh_session import load_gmsh
 from preprocessing.recipes.beam_surface import beam_surface
@@ -20,7 +20,7 @@ from preprocessing.recipes.skin.changed_keys import with_keys
 from preprocessing.recipes.skin.geometry import Geometry, read_geometry
 from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_space import design_space, differentiable
-from preprocessing.reduction.reduced import Reduced, element_parts, reduce
+from preprocessing.reduction.reduced import SECTIONS, Reduced, element_parts, reduce
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
@@ -48,7 +48,7 @@ class SkinRecipe(Recipe[SkinFile]):
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
         basis = self.file.basis
-        own = element_parts(basis.kind) + basis.parts + basis.richer_parts
+        own = element_parts(basis.kind) + SECTIONS + basis.parts + basis.richer_parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", picture, *own)
 
     def _named(self) -> list[Path]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
 from preprocessing.elements.block_element import LineElement
-from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.beams import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Patch
 from preprocessing.input.at_key import at_key

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.elements.kinds.spatial_beam import SpatialBeam, SpatialPatch
+from preprocessing.elements.kinds.beams import BeamPatch, SpatialBeam
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import rectangle, strip
 from preprocessing.mesh.curve_mesh import CurveMesh
@@ -31,5 +31,5 @@ def spatial_skin(
     """
     across = np.tile([0.0, 0.0, 1.0], (len(mesh.connectivity), 1))
     shape = rectangle() if rotary_inertia else strip()
-    own = [SpatialPatch(patch, shape, 1 / (2 * (1 + poisson_ratio)), modulus_factor) for patch in patches]
+    own = [BeamPatch(patch, shape, 1 / (2 * (1 + poisson_ratio)), modulus_factor) for patch in patches]
     return SpatialBeam(np.column_stack([mesh.nodes, np.zeros(len(mesh.nodes))]), mesh.connectivity, across, own)

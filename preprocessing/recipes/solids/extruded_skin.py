@@ -51,7 +51,7 @@ def extrude(path: Path, target: Path, layers: int = 8, remark: Remark | None = N
     described = target.with_suffix(".toml")
     if target.suffix != ".msh" or described.resolve() == path.resolve() or layers < 1:
         raise InputError(
-            f"{str(target)!r} with {layers} layers cannot be meant: name a file *.msh, called otherwise than {path.name}, and a number of "
+            f"{str(target)!r} with {layers} layers is invalid: name a file *.msh, called otherwise than {path.name}, and a number of "
             "layers of at least 1."
         )
     if taken := [str(each) for each in (target, described) if each.exists()]:

@@ -21,7 +21,7 @@ from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
 from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-import toolkit as ffrf
+import ffrf
 from preprocessing import build
 from tests.benchmarks.peers import exudyn_runs, our_runs
 from tests.benchmarks.peers.contest import Contest

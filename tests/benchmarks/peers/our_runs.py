@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-import toolkit as ffrf
+import ffrf
 from tests.benchmarks.peers.contest import Maker
 
 SETTINGS = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import accumulate, pairwise
 from typing import Any, ClassVar
 
@@ -19,6 +20,7 @@ from toolkit.bodies.cut.framed_part import (
     whole_design,
 )
 from toolkit.bodies.model_body import FRAME, ModelBody
+from toolkit.foundation.itself import Itself
 from toolkit.reduced_model.cut.chain import Place
 from toolkit.reduced_model.model import ReducedModel
 
@@ -55,15 +57,8 @@ class CutBody(ModelBody):
         return self.uncut_kind.model_construct(**written)
 
     def parts(self, name: str) -> dict[str, Body]:
-        """Its parts by name."""
-        written = {**dict(self.uncut()), **self.model_values(), "frame": "moving"}
-        pairs = zip(self.cuts, self.cuts[1:], strict=False)
-        return {
-            part_name(name, k): self.part_kind.model_construct(
-                **written, whole=name, first=first, last=last, gripped=self.gripped
-            )
-            for k, (first, last) in enumerate(pairs)
-        }
+        """Its parts by name: the same ones whenever they are asked for, as others remember what they make of them."""
+        return {**_parts_of(Itself(self), name)}
 
     def coordinate_names(self, scene: Placed) -> list[str]:
         """None."""
@@ -143,3 +138,14 @@ def part_number(cuts: Sequence[int], place: Place) -> int:
 def part_name(whole: str, number: int) -> str:
     """Name of a part, which counts from 1."""
     return f"{whole}[{number + 1}]"
+
+
+@lru_cache(maxsize=16)
+def _parts_of(same: Itself[CutBody], name: str) -> dict[str, Body]:
+    """Those of a body of this name."""
+    body = same.item
+    written = {**dict(body.uncut()), **body.model_values(), "frame": "moving"}
+    return {
+        part_name(name, k): body.part_kind.model_construct(**written, whole=name, first=first, last=last, gripped=body.gripped)
+        for k, (first, last) in enumerate(pairwise(body.cuts))
+    }

@@ -17,7 +17,7 @@ from toolkit.command_line.printed.printing import WIDE, print_answer, table
 from toolkit.foundation.terminal import AsJson, Quiet
 
 if TYPE_CHECKING:
-    from toolkit.studies.stability.found import Study
+    from toolkit.studies.stability.map_result import StabilityResult
 
 RUNS = "runs"
 """Name of the folder of all runs."""
@@ -43,7 +43,7 @@ def stability(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Folder for picture, JSON file and all runs: what was interrupted goes on.",
+            help="Folder for picture, JSON file and all runs; interrupted studies resume.",
         ),
     ] = None,
     changes: Changes = None,
@@ -51,9 +51,9 @@ def stability(
     quiet: Quiet = False,
 ) -> None:
     """Map where the scene and its gradient are stable, drift or fail, over settings of the solver and numbers of the scene."""
+    from toolkit.studies.stability.classifier import Limits
     from toolkit.studies.stability.record import record_of
     from toolkit.studies.stability.study import stability as study
-    from toolkit.studies.stability.verdict import Limits
 
     if output is not None:
         from toolkit.render.packages import require
@@ -76,9 +76,9 @@ def stability(
             typer.echo(str(file), err=as_json)
 
 
-def print_study(study: Study) -> None:
+def print_study(study: StabilityResult) -> None:
     """Limits of every map, what happens beyond them, and what the names mean."""
-    from toolkit.studies.stability.limits_found import breakdowns, mapped_range, stable_where
+    from toolkit.studies.stability.map_limits import breakdowns, mapped_range, stable_where
     from toolkit.studies.stability.record import criteria
 
     console = Console(width=WIDE, highlight=False)
@@ -110,7 +110,7 @@ def first_sentence(text: str) -> str:
     return text.split(". ")[0].rstrip(".") + "."
 
 
-def write(study: Study, folder: Path, name: str) -> list[Path]:
+def write(study: StabilityResult, folder: Path, name: str) -> list[Path]:
     """The picture as PNG and SVG, and everything as JSON."""
     from toolkit.foundation.files.replaced_file import write_whole
     from toolkit.report.stability_drawing import stability_drawing

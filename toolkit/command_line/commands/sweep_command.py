@@ -41,12 +41,12 @@ def sweep(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Solve many designs of a study, and write values and gradients into tables. What was interrupted goes on."""
-    from toolkit.studies.places.place import Place
+    """Solve many designs of a study, and write values and gradients into tables. Interrupted studies resume."""
+    from toolkit.studies.engine.executor import Executor
     from toolkit.studies.study.study_reader import naming_study_lines, read_study
     from toolkit.studies.sweep.sweep import sweep_problem, swept
 
-    place = Place(processes=jobs, dask=dask)
+    executor = Executor(processes=jobs, dask=dask)
     file = None if designs is None else str(designs.resolve())
     described = _changed(read_study(study), {"points": points, "levels": levels, "count": count, "file": file})
     with naming_study_lines(study):
@@ -54,7 +54,7 @@ def sweep(
     folder = prepare_folder(output, "sweep.csv", "sweep.json", "sweep.parquet", "sweep.png", "sweep.svg")
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
-        found = swept(problem, folder, place, progress)
+        found = swept(problem, folder, executor, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
     print_answer(lambda: record, lambda: _print(found, record), found.verdict, as_json, quiet)

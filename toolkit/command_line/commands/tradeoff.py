@@ -67,8 +67,8 @@ def tradeoff(
 ) -> None:
     """Measure what accuracy costs: run a grid of settings against a reference, and recommend the cheapest within a budget."""
     from toolkit.studies.tradeoff import tradeoff as study
-    from toolkit.studies.tradeoff.settings.frame_axes import framed
-    from toolkit.studies.tradeoff.settings.setting import EVERY_ELEMENT
+    from toolkit.studies.tradeoff.frame_axes import framed
+    from toolkit.studies.tradeoff.setting import EVERY_ELEMENT
 
     described = read(scene, changes, quiet)
     names = (design_of(described, variables) if described.design or variables else []) if gradients else []

@@ -36,14 +36,14 @@ def uncertainty(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find mean, spread, shares of variables, quantiles and probabilities of uncertain responses. What was interrupted goes on."""
+    """Find mean, spread, shares of variables, quantiles and probabilities of uncertain responses. Interrupted studies resume."""
     from toolkit.studies.distributions.uncertain_numbers import Uncertainty
-    from toolkit.studies.places.place import Place
+    from toolkit.studies.engine.executor import Executor
     from toolkit.studies.study.study_reader import naming_study_lines, read_study
     from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
     from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
-    place, described = Place(processes=jobs, dask=dask), read_study(study)
+    executor, described = Executor(processes=jobs, dask=dask), read_study(study)
     given = {key: value for key, value in {"runs": runs, "monte_carlo": monte_carlo}.items() if value is not None}
     if given:
         wanted = {**described.uncertainty.model_dump(), **given}
@@ -53,7 +53,7 @@ def uncertainty(
     folder = prepare_folder(output, "uncertainty.json", "uncertainty.png", "uncertainty.svg")
     compile_before(checked.problem.scene, checked.problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
-        found = found_uncertainty(checked, folder, place, progress)
+        found = found_uncertainty(checked, folder, executor, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
     print_answer(lambda: record, lambda: _print(found), found.verdict, as_json, quiet)

@@ -10,7 +10,7 @@ from rich.console import Console
 from toolkit.command_line.printed.printing import WIDE, finite_or_none, table
 
 if TYPE_CHECKING:
-    from toolkit.studies.tradeoff.errors.judged import Judged
+    from toolkit.studies.tradeoff.judgement import JudgedSetting
     from toolkit.studies.tradeoff.tradeoff import Tradeoff
 
 DISTURBED, BUSY = 1.5, ": the machine is busy with something else, and times that differ by less say nothing"
@@ -33,7 +33,7 @@ def failures(found: Tradeoff) -> list[str]:
     """One line for every reason why settings failed, with what these have in common."""
     reasons: dict[str, list[dict[str, str]]] = {}
     for each in found.failed:
-        reasons.setdefault(each.record.failure, []).append(each.setting.labels)
+        reasons.setdefault(each.outcome.reason, []).append(each.setting.labels)
     lines = []
     for reason, all_labels in reasons.items():
         shared = {axis: label for axis, label in all_labels[0].items() if all(labels[axis] == label for labels in all_labels)}
@@ -43,7 +43,7 @@ def failures(found: Tradeoff) -> list[str]:
 
 
 def _print_reference(console: Console, found: Tradeoff) -> None:
-    from toolkit.studies.tradeoff.errors.reference import described
+    from toolkit.studies.tradeoff.reference import described
 
     for line in described(found.reference):
         console.print(line, markup=False)
@@ -80,7 +80,7 @@ def _print_settings(console: Console, found: Tradeoff) -> None:
         "of gradients",
         "of budget",
     )
-    best, worked = {id(each) for each in found.pareto}, [each for each in found.settings if not each.record.failure]
+    best, worked = {id(each) for each in found.pareto}, [each for each in found.settings if not each.outcome.failed]
     chosen = sorted(worked, key=lambda each: not (id(each) in best or each.setting.own or each is found.recommended))[:SHOWN]
     for each in [each for each in worked if any(each is other for other in chosen)]:
         rows.add_row(_mark(found, each, id(each) in best), *_cells(each, axes, _reduced(found)))
@@ -92,7 +92,7 @@ def _print_settings(console: Console, found: Tradeoff) -> None:
     if len(chosen) < len(worked):
         note += f"; {len(worked) - len(chosen)} more settings are in the JSON file"
     console.print(f"{note}.", markup=False)
-    repeats = max((len(each.record.whole) for each in worked), default=0)
+    repeats = max((len(each.outcome.whole) for each in worked), default=0)
     if repeats > 1:
         note = (
             f"Times are medians of {repeats} runs, one setting at a time; repeated runs differ by a factor of {found.spread:.2g}"
@@ -100,7 +100,7 @@ def _print_settings(console: Console, found: Tradeoff) -> None:
         console.print(f"{note}{BUSY if found.spread > DISTURBED else ''}.", markup=False)
 
 
-def _mark(found: Tradeoff, each: Judged, best: bool) -> str:
+def _mark(found: Tradeoff, each: JudgedSetting, best: bool) -> str:
     return (">" if each is found.recommended else "") + "*" * best + "o" * each.setting.own
 
 
@@ -109,20 +109,20 @@ def _reduced(found: Tradeoff) -> bool:
     return any(each.setting.skin for each in found.settings)
 
 
-def _cells(each: Judged, axes: list[str], reduced: bool) -> list[str]:
-    record, (primal, whole) = each.record, each.record.seconds
+def _cells(each: JudgedSetting, axes: list[str], reduced: bool) -> list[str]:
+    outcome, (primal, whole) = each.outcome, each.outcome.medians
     errors = [
         f"{each.largest(derived):.1e}" if each.largest(derived) == each.largest(derived) else "-" for derived in (False, True)
     ]
     labels = [each.setting.labels[axis] for axis in axes]
-    counts = [*[str(record.coordinates)] * reduced, str(record.steps), str(record.newton_iterations)]
+    counts = [*[str(outcome.coordinates)] * reduced, str(outcome.steps), str(outcome.newton_iterations)]
     return [*labels, *counts, f"{1e3 * primal:.3g}", f"{1e3 * whole:.3g}", *errors, f"{each.ratio:.2g}"]
 
 
-def _print_recommendation(found: Tradeoff, best: Judged) -> None:
+def _print_recommendation(found: Tradeoff, best: JudgedSetting) -> None:
     from toolkit.studies.tradeoff.recommendation import frames, next_steps, skin_fragments, solver_fragment
 
-    own = next((each for each in found.settings if each.setting.own and not each.record.failure), None)
+    own = next((each for each in found.settings if each.setting.own and not each.outcome.failed), None)
     gain = f", {own.price / best.price:.2g} times the speed of the scene as it stands" if own and own is not best else ""
     typer.echo(
         f"Cheapest within the budget: {best.setting} ({1e3 * best.price:.3g} ms{gain}). In place of the scene's [solver]:\n"
@@ -167,19 +167,19 @@ def record_of(found: Tradeoff) -> dict[str, Any]:
     }
 
 
-def _record(each: Judged, best: bool) -> dict[str, Any]:
-    record, (primal, whole) = each.record, each.record.seconds
+def _record(each: JudgedSetting, best: bool) -> dict[str, Any]:
+    outcome, (primal, whole) = each.outcome, each.outcome.medians
     return {
         "setting": each.setting.labels,
         "own": each.setting.own,
-        "failure": record.failure or None,
+        "failure": outcome.reason or None,
         "pareto": best,
         "within_budget": each.kept,
         "part_of_budget": finite_or_none(each.ratio),
         "relative_errors": {str(quantity): finite_or_none(error) for quantity, error in each.errors.items()},
         "median_s": {"values": finite_or_none(primal), "with_gradients": finite_or_none(whole)},
-        "repeats": len(record.whole),
-        "steps": record.steps,
-        "newton_iterations": record.newton_iterations,
-        "coordinates": record.coordinates,
+        "repeats": len(outcome.whole),
+        "steps": outcome.steps,
+        "newton_iterations": outcome.newton_iterations,
+        "coordinates": outcome.coordinates,
     }

@@ -9,7 +9,7 @@ from toolkit.foundation.errors import ModelFileError
 from toolkit.reduced_model.checks.attributes import check_attributes
 from toolkit.reduced_model.checks.dependences import check_affine, check_derivatives
 from toolkit.reduced_model.checks.indices import check_indices
-from toolkit.reduced_model.checks.matrices import check_left_out, check_matrices, check_spin
+from toolkit.reduced_model.checks.matrices import check_left_out, check_matrices, check_sections, check_spin
 from toolkit.reduced_model.checks.refusal import refuse
 from toolkit.reduced_model.checks.shapes import Sizes, fit_all
 from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL
@@ -35,6 +35,9 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
     fit_all(path, "invariants", model.invariants, sizes)
     if "invariants" not in before:
         check_matrices(model.invariants, path)
+    if model.sections is not None:
+        fit_all(path, "sections", model.sections, sizes)
+        check_sections(model, path)
     check_derivatives(model, path, sizes)
     check_affine(model, path, sizes)
     for name, point in (model.interfaces or {}).items():

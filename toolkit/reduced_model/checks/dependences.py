@@ -10,21 +10,22 @@ from toolkit.reduced_model.checks.matrices import ROUND_OFF, entry_sizes, larges
 from toolkit.reduced_model.checks.refusal import numbers_below, refuse
 from toolkit.reduced_model.checks.shapes import SHAPES, Sizes, fit_all
 from toolkit.reduced_model.elements import Elements, SpatialElements
-from toolkit.reduced_model.model import ReducedModel, of_elements
+from toolkit.reduced_model.model import ReducedModel, dependence_group
+from toolkit.reduced_model.parts.sections import BeamSections
 from toolkit.reduced_model.parts.spin import SPIN_STIFFENING
 from toolkit.reduced_model.spatial_model import SURFACE_POSITION
 from toolkit.reduced_model.thin_arrays import places
 
 HIGHEST_POWER = 20
 
-PARTS_WITH_ITEMS = ("interfaces", "shape", "surface", "surface_loads", "elements", "spin", "piece_loads")
+PARTS_WITH_ITEMS = ("interfaces", "shape", "surface", "surface_loads", "elements", "sections", "spin", "piece_loads")
 """Parts of which arrays can depend on parameters, besides the invariants."""
 
 
 def check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     """Derivatives by parameters that exist, of entries that exist."""
-    for item, derivatives in {**(model.derivatives or {}), **(model.element_derivatives or {})}.items():
-        place = f"{'element_' * of_elements(item)}derivatives/{item}"
+    for item, derivatives in model.all_derivatives.items():
+        place = f"{dependence_group(item)}derivatives/{item}"
         fit_all(path, place, derivatives, sizes)
         numbers_below(path, f"{place}/parameter", derivatives.parameter, len(model.nominal), "parameters")
         numbers_below(path, f"{place}/entry", derivatives.entry, _size(model, path, place, item), "entries")
@@ -33,13 +34,14 @@ def check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
 def check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     """Polynomials of the parameters, which give the invariants at the nominal design."""
     p, sizes_of = np.array(list(model.nominal.values())), entry_sizes(model.invariants)
-    for item, polynomial in {**(model.affine or {}), **(model.element_affine or {})}.items():
-        place = f"{'element_' * of_elements(item)}affine/{item}"
+    for item, polynomial in model.all_polynomials.items():
+        place = f"{dependence_group(item)}affine/{item}"
         names = [
             *SHAPES[type(model.invariants)],
             SPIN_STIFFENING,
             SURFACE_POSITION,
             *(f"elements.{name}" for kind in (Elements, SpatialElements) for name in SHAPES[kind]),
+            *(f"sections.{name}" for name in SHAPES[BeamSections]),
         ]
         if item not in names:
             refuse(path, place, f"is the name of no invariant; there are {', '.join(names)}")

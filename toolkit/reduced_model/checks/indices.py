@@ -10,6 +10,9 @@ from toolkit.reduced_model.checks.refusal import numbers_below, refuse
 from toolkit.reduced_model.elements import SpatialElements
 from toolkit.reduced_model.model import ReducedModel
 
+PARALLEL = 1e-6
+"""Sine of the angle between an element and the axis of its section below which they are parallel."""
+
 
 def check_indices(model: ReducedModel, path: Path) -> None:
     """Numbers of nodes, elements, ends and fibres that pictures index with."""
@@ -30,6 +33,7 @@ def check_indices(model: ReducedModel, path: Path) -> None:
         numbers_below(path, "interior/modulus", model.interior.modulus, len(model.nominal), "parameters")
     if mesh is not None and not np.isin(mesh.connectivity, np.arange(len(mesh.nodes))).all():
         refuse(path, "mesh/connectivity", f"names nodes other than 0 to {len(mesh.nodes) - 1}")
+    _check_beams(model, path)
     if stress is None:
         return
     for name, allowed in (("end", (0, 1)), ("fibre", (-1, 1))):
@@ -58,3 +62,17 @@ def _check_pieces(model: ReducedModel, path: Path) -> None:
         refuse(
             path, "pieces/element", f"tells {len(model.pieces.element)} points of {len(model.surface.position)} of the surface"
         )
+
+
+def _check_beams(model: ReducedModel, path: Path) -> None:
+    """As many sections as beams, none of which has its axis along its element."""
+    sections, beams = model.sections, model.mesh or model.elements
+    if sections is None or beams is None:
+        return
+    if len(sections.axis) != len(beams.connectivity):
+        refuse(path, "sections/axis", f"has {len(sections.axis)} elements instead of {len(beams.connectivity)}")
+    sides = np.zeros((len(sections.axis), 3))
+    sides[:, : model.dimension] = beams.nodes[beams.connectivity[:, 1]] - beams.nodes[beams.connectivity[:, 0]]
+    sizes = np.linalg.norm(sides, axis=1) * np.linalg.norm(sections.axis, axis=1)
+    if np.any(np.linalg.norm(np.cross(sides, sections.axis), axis=1) <= PARALLEL * sizes):
+        refuse(path, "sections/axis", "runs along an element, across which it should lie")

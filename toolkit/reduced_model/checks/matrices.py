@@ -73,6 +73,22 @@ def check_left_out(model: ReducedModel, path: Path) -> None:
         refuse(path, "left_out_shapes/compliance", "is not symmetric")
 
 
+def check_sections(model: ReducedModel, path: Path) -> None:
+    """Sections of positive stiffness and mass, in as many planes as the beams bend in."""
+    found = model.sections
+    assert found is not None
+    for name in ("stress_per_strain", "axial_stiffness", "bending_stiffness", "mass_per_length"):
+        if not (getattr(found, name) > 0).all():
+            refuse(path, f"sections/{name}", "holds numbers that are not positive")
+    for name in ("torsional_stiffness", "shear_stiffness"):
+        if not (getattr(found, name) >= 0).all():
+            refuse(path, f"sections/{name}", "holds negative numbers")
+    if found.bending_stiffness.shape[1] != model.dimension - 1:
+        refuse(
+            path, "sections/bending_stiffness", f"has {found.bending_stiffness.shape[1]} columns instead of {model.dimension - 1}"
+        )
+
+
 def entry_sizes(inv: Invariants | SpatialInvariants) -> dict[str, EntryScale]:
     """What a difference in every entry of the invariants is compared with.
 

@@ -15,6 +15,7 @@ from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outlin
 from toolkit.reduced_model.parts.interior import Interior
 from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
+from toolkit.reduced_model.parts.sections import BeamSections
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -41,6 +42,10 @@ SHAPES: dict[Any, dict[str, str]] = {
     SpatialElements: {
         "nodes": "k3", "connectivity": "e2", "held": "h", "mass": "e", "first_moment": "e3y", "second_moment": "e6yy",
         "stiffness": "evv", "damping": "evv", "stress_operator": "nv",
+    },
+    BeamSections: {
+        "axis": "e3", "stress_per_strain": "e", "axial_stiffness": "e", "bending_stiffness": "ep", "torsional_stiffness": "e",
+        "shear_stiffness": "e", "mass_per_length": "e", "fibre_distance": "sp",
     },
     SpatialInvariants: {
         "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "3z", "second_moment": "6zz", "stress_operator": "scf",

@@ -15,13 +15,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy
 
 from toolkit.foundation.errors import InputError
-from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope
 from toolkit.reduced_model.cut.chain import Place, nodes_of_part
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.thin_arrays import is_sparse, sparing
@@ -139,29 +138,6 @@ class Sums:
         """Z on the nodal coordinates."""
         turns = np.zeros((len(self.nodes), self.per_node - self.nodes.shape[1]))
         return np.column_stack([np.column_stack([self.nodes, turns]).ravel(), self.psi])
-
-
-class Curve(NamedTuple):
-    """The functions of an element of cubic deflection at one place along it."""
-
-    axis: np.ndarray  # (d,) unit vector along the element
-    length: Any
-    axial: np.ndarray  # (2,) of displacements along it at both ends
-    bend: np.ndarray  # (4,) of displacement and slope at both ends
-    turn: np.ndarray  # (4,) its derivative along the element
-
-    @property
-    def dtype(self) -> np.dtype:
-        """Of all that is made of it."""
-        return np.result_type(self.axis, self.axial)
-
-
-def curve_at(ends: np.ndarray, ratio: Any) -> Curve:
-    """At a part of the way from the first of the ends (2, d) to the last."""
-    side = ends[1] - ends[0]
-    length = np.sqrt(side @ side)
-    powers = ratio ** np.arange(4)
-    return Curve(side / length, length, powers @ AXIAL, powers @ HERMITE, powers @ slope(HERMITE) / length)
 
 
 def chord_of_part(nodes: np.ndarray, first: int, last: int) -> np.ndarray:

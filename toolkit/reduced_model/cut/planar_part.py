@@ -10,8 +10,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from toolkit.kinematics.beam_elements import BeamElements, at_place
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
-from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, curve_at, part_nodes, symmetric
+from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, part_nodes, symmetric
 from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import Invariants, Mesh
 
@@ -30,17 +31,8 @@ class PlanarPart(Part):
     @staticmethod
     def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (2, 6) and rotation (6,)."""
-        curve = curve_at(ends, ratio)
-        e, length, axial, across, turn = curve
-        n = np.array([-e[1], e[0]])
-        scale = np.array([1.0, length, 1.0, length])
-        shape, rotation = np.zeros((2, 6), curve.dtype), np.zeros(6, curve.dtype)
-        for end, node in enumerate((slice(0, 2), slice(3, 5))):
-            shape[:, node] = axial[end] * np.outer(e, e) + across[2 * end] * np.outer(n, n)
-            rotation[node] = turn[2 * end] * n
-        shape[:, [2, 5]] = np.outer(n, (across * scale)[[1, 3]])
-        rotation[[2, 5]] = (turn * scale)[[1, 3]]
-        return shape, rotation
+        own = BeamElements.in_plane(ends[None])
+        return at_place(own.shape[0], ratio), at_place(own.rotation[0], ratio)
 
     def picture(self, whole: Any) -> dict[str, Any]:
         """The mesh."""

@@ -11,9 +11,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from toolkit.kinematics.spatial import axes_along, skew
+from toolkit.kinematics.beam_elements import BeamElements, at_place
+from toolkit.kinematics.spatial import axes_along
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
-from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, curve_at, part_nodes, symmetric
+from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, part_nodes, symmetric
 from toolkit.reduced_model.elements import SpatialElements
 from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
 from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface, SurfaceLoad
@@ -32,18 +33,9 @@ class SpatialPart(Part):
     @staticmethod
     def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (3, 12) and rotation (3, 12)."""
-        curve = curve_at(ends, ratio)
-        e, length, axial, bend, turn = curve
-        along, turned = np.outer(e, e), skew(e)
-        across = np.eye(3) - along
-        shape, rotation = np.zeros((2, 3, 12), curve.dtype)
-        for end in range(2):
-            moves, turns = slice(6 * end, 6 * end + 3), slice(6 * end + 3, 6 * end + 6)
-            shape[:, moves] = axial[end] * along + bend[2 * end] * across
-            shape[:, turns] = -length * bend[2 * end + 1] * turned
-            rotation[:, moves] = turn[2 * end] * turned
-            rotation[:, turns] = axial[end] * along + length * turn[2 * end + 1] * across
-        return shape, rotation
+        across = axes_along(chord_of_part(ends, 0, 1))[:, 0]  # bending is alike about all axes across the element
+        own = BeamElements.in_space(ends[None], across[None])
+        return at_place(own.shape[0], ratio), at_place(own.rotation[0], ratio)
 
     def picture(self, whole: Any) -> dict[str, Any]:
         """The points of the surface of pieces, or the fibres whose stress is told, each as far from its node as in the whole."""

@@ -15,14 +15,30 @@ from toolkit.foundation.files.own_files import own_set, refuse_foreign
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.units import unit
 from toolkit.render.paraview.mechanism_lines import lifted, mechanism
-from toolkit.render.paraview.plane_solids import plane_solid
+from toolkit.render.paraview.solid_stress import add_stress
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import choose_look
 from toolkit.render.plane.skin_shape import SkinShape, drawn_model, fibre_values, skin_shape
+from toolkit.render.plane.solid_shape import solid_shape
 from toolkit.responses.stress.stress import stress_field
 from toolkit.results.csv_tables import safe_name
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution
+
+
+def plane_solid(moment: Configuration, body: str) -> Any:
+    """Its section with the point data "von Mises stress in <unit>" and "stress in <unit>", six components in the body's own axes.
+
+    None where its model does not tell the stress inside.
+    """
+    shape = solid_shape(moment, body)
+    if shape is None or shape.inside is None:
+        return None
+    corners = shape.inside.triangles
+    faces = np.column_stack([np.full(len(corners), 3), corners])
+    mesh = pyvista.PolyData(lifted(shape.inside.points), faces=faces.ravel())
+    add_stress(mesh, shape.inside.components, f"stress in {unit(moment.scene.units, 'stress')}")
+    return mesh
 
 
 def export_paraview(solution: Solution, directory: str | Path) -> Path:

@@ -19,14 +19,30 @@ from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.curves import shape_errors
 from toolkit.render.plane.look import Look, shown_stress
 from toolkit.render.plane.names import write_names
-from toolkit.render.plane.parts import outlines
-from toolkit.render.plane.scene_drawing import draw_scene
+from toolkit.render.plane.parts import draw_band, draw_mechanism, draw_outlines, draw_solid, draw_symbols, outlines
+from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.render.plane.solid_shape import solid_shape
 from toolkit.render.plane.window import aspect, drawn_thickness, open_windows, panel_height, shown, window
 from toolkit.render.readable_units import readable, readable_stress
 from toolkit.render.round_numbers import MINUS, even
 from toolkit.render.sheet import SIGNED, WIDE, sheet
 from toolkit.render.stress_told import round_off, told
+
+
+def draw_scene(axes: Axes, moment: Configuration, look: Look) -> None:
+    """Skins with their stress, outlines, mechanism, joints and supports in a window that is open; names come when the figure is settled."""
+    draw_mechanism(axes, moment, but=look.solids)
+    for body in look.solids:
+        solid = solid_shape(moment, body)
+        assert solid is not None
+        draw_solid(axes, solid, look.colors)
+    for body, thickness in look.thickness.items():
+        shape = skin_shape(moment, body)
+        assert shape is not None
+        draw_band(axes, moment, body, shape.stress, look.colors, thickness)
+        draw_outlines(axes, moment, body, look)
+    draw_symbols(axes, moment)
+
 
 COLUMNS, _TALLEST = 2, 5.0
 """Panels beside each other in an overview; height of a panel at most, in inches."""

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.errors import InputError
-from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope, values
+from toolkit.kinematics.beam_elements import POWERS, BeamElements
 from toolkit.reduced_model.model import Mesh, ReducedModel
 from toolkit.render.plane.configuration import Configuration
 from toolkit.responses.stress.stress import stress_operator
@@ -121,16 +121,10 @@ def _undeformed(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
 
 def _displacement(mesh: Mesh, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Displacement u(r) (n_e, POINTS, 2) and rotation w'(r) / L (n_e, POINTS) from nodal displacements and rotations (n, 3)."""
-    start, end = mesh.connectivity.T
-    chord = mesh.nodes[end] - mesh.nodes[start]
-    length = np.linalg.norm(chord, axis=1)
-    e = chord / length[:, None]
-    n = np.column_stack([-e[:, 1], e[:, 0]])
-    r = _ratios()
-    across = np.stack([_dot(n, nodal[start]), length * nodal[start, 2], _dot(n, nodal[end]), length * nodal[end, 2]], axis=1)
-    along = np.stack([_dot(e, nodal[start]), _dot(e, nodal[end])], axis=1) @ values(AXIAL, r)
-    moved = along[:, :, None] * e[:, None] + (across @ values(HERMITE, r))[:, :, None] * n[:, None]
-    return moved, (across @ values(slope(HERMITE), r)) / length[:, None]
+    own, of_ends = BeamElements.in_plane(mesh.nodes[mesh.connectivity]), nodal[mesh.connectivity].reshape(-1, 6)
+    powers = _ratios()[:, None] ** POWERS
+    moved = np.einsum("rk,ekdp,ep->erd", powers, own.shape, of_ends, optimize=True)
+    return moved, np.einsum("rk,ekp,ep->er", powers, own.rotation, of_ends, optimize=True)
 
 
 def _stress(configuration: Configuration, body: str, model: ReducedModel) -> np.ndarray:
@@ -153,7 +147,3 @@ def fibre_values(model: ReducedModel, values: np.ndarray) -> np.ndarray:
 
 def _ratios() -> np.ndarray:
     return np.linspace(0, 1, POINTS)
-
-
-def _dot(direction: np.ndarray, nodal: np.ndarray) -> np.ndarray:
-    return np.sum(direction * nodal[:, :2], axis=1)

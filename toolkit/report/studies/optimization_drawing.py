@@ -6,10 +6,10 @@ import numpy as np
 
 from toolkit.render.sheet import sheet, style
 from toolkit.report.drawing import Drawing
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.optimum import Optimum
 from toolkit.studies.optimization.prices import objective_of
-from toolkit.studies.optimization.search.found import Found
+from toolkit.studies.optimization.search.search_result import SearchResult
 
 WIDE = 30.0
 """Largest objective over the least from where on the axis is logarithmic."""
@@ -38,7 +38,7 @@ def history(found: Optimum) -> Drawing:
     return Drawing("history", "Designs of the optimisation", caption, figure)
 
 
-def _search(panels: np.ndarray, found: Optimum, search: Found, number: int, label: str) -> None:
+def _search(panels: np.ndarray, found: Optimum, search: SearchResult, number: int, label: str) -> None:
     """Curves of one search, with crosses at the foot of the first panel for what failed."""
     mine, look = _designs(found, search), style(number)
     good = [k for k, each in enumerate(mine) if not each.failed]
@@ -56,11 +56,11 @@ def _ranges_widely(found: Optimum) -> bool:
     return min(values) > 0 and max(values) > WIDE * min(values)
 
 
-def _designs(found: Optimum, search: Found) -> list[Evaluation]:
+def _designs(found: Optimum, search: SearchResult) -> list[DesignOutcome]:
     return [each for each in found.solved if each.lane == search.lane]
 
 
-def _violation(search: Found, design: Evaluation) -> float:
+def _violation(search: SearchResult, design: DesignOutcome) -> float:
     """Largest violation of a design, or LEAST: also where it has failed, or nothing is limited."""
     if design.failed or not search.program.rows:
         return LEAST

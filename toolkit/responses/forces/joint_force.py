@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Literal
 
@@ -13,13 +13,16 @@ from toolkit.foundation.errors import InputError
 from toolkit.joints.kernels.planar.joint_kernel import change_number, evaluate_planar_joint
 from toolkit.joints.kernels.records import CURVED, DESIGN
 from toolkit.responses.forces.least_squares_forces import least_squares_forces, lengths_of_joints
-from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
+from toolkit.responses.forces.spatial_joint_force import Force, SpatialJointForce
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
 from toolkit.scene.space import PLANE, SPACE, Space
-from toolkit.system.marker_states import marker_states
+from toolkit.system.marker_states import MarkerStates
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
+
+Wrench = Callable[[np.ndarray, np.ndarray], Force]
+"""Force and torque of a joint by coordinates (n_q,) and multipliers (n_lam,)."""
 
 
 class JointForce(Instant):
@@ -63,7 +66,15 @@ class JointForce(Instant):
 
     def at(self, solution: Solution, step: int) -> Partials:
         """Value, and derivatives by coordinates, multipliers and design."""
-        force, force_q, force_lam, force_x = self.force(solution, step)
+        return self.instants(solution)(step)
+
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """The same, step by step."""
+        wrench = self.wrench(solution.system)
+        return lambda step: self._component(solution, step, wrench(solution.q[step], solution.multipliers[step]))
+
+    def _component(self, solution: Solution, step: int, found: Force) -> Partials:
+        force, force_q, force_lam, force_x = found
         d = solution.system.scene.dimension
         if self.component == "magnitude":
 
@@ -77,22 +88,24 @@ class JointForce(Instant):
         k = solution.system.scene.space.wrench.index(self.component)
         return Partials(force[k], q=force_q[k], multipliers=force_lam[k], design=force_x[k])
 
-    def force(self, solution: Solution, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Its components and their derivatives by q, by the multipliers and by the design."""
-        system, q = solution.system, solution.q[step]
-        j = list(system.scene.joints).index(self.joint)
-        of_joint = _WRENCH[system.scene.space]
+    def wrench(self, system: System) -> Wrench:
+        """Its components and their derivatives, by the coordinates and multipliers of one state after the other."""
+        of_joint, j = _WRENCH[system.scene.space], list(system.scene.joints).index(self.joint)
         if not len(system.plan.dropped):
-            return of_joint(system, j, q, solution.multipliers[step])
-        forces = least_squares_forces(system, q, solution.multipliers[step], partial(_wrenches, system, q))
-        value, by_q, by_lam, by_x = of_joint(system, j, q, forces.value)
-        return value, by_q + by_lam @ forces.by_q, by_lam @ forces.by_lam, by_x + np.real(by_lam @ forces.by_x)
+            return of_joint(system, j)
+        return partial(_of_least_squares, system, [of_joint(system, k) for k in range(len(system.scene.joints))], j)
 
 
-def _wrenches(system: System, q: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, ...]:
+def _of_least_squares(system: System, of_joints: Sequence[Wrench], j: int, q: np.ndarray, lam: np.ndarray) -> Force:
+    """The force of joint number j, with multipliers of least squares."""
+    forces = least_squares_forces(system, q, lam, partial(_wrenches, system, of_joints, q))
+    value, by_q, by_lam, by_x = of_joints[j](q, forces.value)
+    return value, by_q + by_lam @ forces.by_q, by_lam @ forces.by_lam, by_x + np.real(by_lam @ forces.by_x)
+
+
+def _wrenches(system: System, of_joints: Sequence[Wrench], q: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, ...]:
     """Forces, times the size of what its joints connect, and torques of all joints, with their derivatives."""
-    of_joint, d = _WRENCH[system.scene.space], system.scene.dimension
-    found = [of_joint(system, j, q, lam) for j in range(len(system.scene.joints))]
+    d, found = system.scene.dimension, [of_joint(q, lam) for of_joint in of_joints]
     lengths, lengths_x = lengths_of_joints(system)
     force = np.concatenate([np.arange(len(each[0])) < d for each in found])
     joint = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
@@ -102,34 +115,47 @@ def _wrenches(system: System, q: np.ndarray, lam: np.ndarray) -> tuple[np.ndarra
     return scale * value, column * by_q, column * by_lam, column * by_x + scale_x * value[:, None]
 
 
-def _planar_force(
-    system: System, j: int, q: np.ndarray, lam: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(f_x, f_y, torque) of joint number j and its derivatives (3, n_q), (3, n_lam), (3, n_x)."""
-    plan = system.plan
-    work, markers, state = allocate_work(plan, system.dtype), plan.markers, marker_states(system, q)
-    acc: np.ndarray = np.concatenate([np.zeros(system.n_q, system.dtype), lam])
-    system.run(evaluate_planar_joint, system.functions[0], plan.joints, j, state, acc, work.joint)
-    rows = slice(plan.joints.row[j] - system.n_q, plan.joints.row[j] - system.n_q + plan.joints.n_rows[j])
-    force_lam: np.ndarray = np.zeros((3, system.n - system.n_q), system.dtype)
-    force_lam[:, rows] = -work.joint.slope[: plan.joints.n_rows[j], 0, :3].T
-    force_q: np.ndarray = np.zeros((3, system.n_q), system.dtype)
-    force_x = np.zeros((3, system.n_x))
-    stiffness = -work.joint.stiffness[:3] if plan.joints.of[j, CURVED] else 0 * work.joint.stiffness[:3]
-    for side in range(2):
-        m = plan.joints.marker[j, side]
-        by_pose = stiffness[:, 3 * side : 3 * side + 3]
-        for k in range(markers.start[m], markers.start[m + 1]):
-            force_q[:, markers.coordinate[k]] += by_pose @ state.B[k]
-        for d in range(markers.design_start[m], markers.design_start[m + 1]):
-            force_x[:, markers.design_variable[d]] += np.real(by_pose @ state.y_x[d])
-    for d in range(plan.joints.of[j, DESIGN], plan.joints.of[j, DESIGN + 1]):
-        of_row = acc[plan.joints.row[j] + plan.joints.design[d, 1]]
-        system.run(change_number, plan.joints, j, d, of_row, np.zeros(3), work.joint)
-        force_x[:, plan.joints.design[d, 0]] -= np.real(work.joint.force[1, :3])
-    return -work.joint.force[0, :3], force_q, force_lam, force_x
+class PlanarJointForce:
+    """(f_x, f_y, torque) of joint number j and its derivatives (3, n_q), (3, n_lam), (3, n_x), of one state after the other."""
+
+    def __init__(self, system: System, j: int) -> None:
+        self.system, self.j, self._markers = system, j, MarkerStates(system)
+        self._joint = allocate_work(system.plan, system.dtype).joint
+        self._acc: np.ndarray = np.zeros(system.n, system.dtype)
+        given = system.functions[0], system.plan.joints, j, self._markers.found, self._acc, self._joint
+        self._evaluate = system.prepared(evaluate_planar_joint, *given)
+
+    def __call__(self, q: np.ndarray, lam: np.ndarray) -> Force:
+        """At coordinates (n_q,) and multipliers (n_lam,)."""
+        system, j, joint, joints = self.system, self.j, self._joint, self.system.plan.joints
+        state = self._markers.at(q)
+        self._acc[system.n_q :] = lam
+        self._evaluate()
+        force: np.ndarray = -joint.force[0, :3]
+        rows = slice(joints.row[j] - system.n_q, joints.row[j] - system.n_q + joints.n_rows[j])
+        force_lam: np.ndarray = np.zeros((3, system.n - system.n_q), system.dtype)
+        force_lam[:, rows] = -joint.slope[: joints.n_rows[j], 0, :3].T
+        force_q: np.ndarray = np.zeros((3, system.n_q), system.dtype)
+        force_x = np.zeros((3, system.n_x))
+        if joints.of[j, CURVED]:
+            self._add_by_pose(state, force_q, force_x)
+        for d in range(joints.of[j, DESIGN], joints.of[j, DESIGN + 1]):
+            of_row = self._acc[joints.row[j] + joints.design[d, 1]]
+            system.run(change_number, joints, j, d, of_row, np.zeros(3), joint)
+            force_x[:, joints.design[d, 0]] -= np.real(joint.force[1, :3])
+        return force, force_q, force_lam, force_x
+
+    def _add_by_pose(self, state: Any, force_q: np.ndarray, force_x: np.ndarray) -> None:
+        """What the poses of both markers do to it."""
+        markers, stiffness = self.system.plan.markers, -self._joint.stiffness[:3]
+        for side in range(2):
+            m = self.system.plan.joints.marker[self.j, side]
+            by_pose = stiffness[:, 3 * side : 3 * side + 3]
+            for k in range(markers.start[m], markers.start[m + 1]):
+                force_q[:, markers.coordinate[k]] += by_pose @ state.B[k]
+            for d in range(markers.design_start[m], markers.design_start[m + 1]):
+                force_x[:, markers.design_variable[d]] += np.real(by_pose @ state.y_x[d])
 
 
-Wrench = Callable[[System, int, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]
-_WRENCH: dict[Space, Wrench] = {PLANE: _planar_force, SPACE: spatial_joint_force}
-"""Force and torque of a joint by its number, q and multipliers, and their derivatives by q, multipliers and design."""
+_WRENCH: dict[Space, Callable[[System, int], Wrench]] = {PLANE: PlanarJointForce, SPACE: SpatialJointForce}
+"""Force and torque of a joint by its number."""

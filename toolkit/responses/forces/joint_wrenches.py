@@ -18,6 +18,14 @@ from toolkit.system.solution import Solution
 KERNELS = {PLANE: evaluate_planar_joint, SPACE: evaluate_spatial_joint}
 
 
+def wrenches_of_joints(solution: Solution) -> JointWrenches:
+    """Those of a run, of which each state is evaluated once, whoever asks for it."""
+    if JointWrenches not in solution.known:
+        solution.known[JointWrenches] = JointWrenches(solution)
+    found: JointWrenches = solution.known[JointWrenches]
+    return found
+
+
 class JointWrenches:
     """Those of a run, with memory to evaluate one state after the other."""
 
@@ -25,6 +33,7 @@ class JointWrenches:
         self.solution, self.system = solution, solution.system
         self._markers, self._work = MarkerStates(self.system), allocate_work(self.system.plan, self.system.dtype)
         self._acc: np.ndarray = np.zeros(self.system.n, self.system.dtype)
+        self._kept: dict[int, np.ndarray] = {}
         system, kernel, work = self.system, KERNELS[self.system.scene.space], self._work.joint
         given = system.functions[0], system.plan.joints
         self._formulas = [
@@ -33,6 +42,11 @@ class JointWrenches:
 
     def at(self, step: int) -> np.ndarray:
         """On the first and on the second body of every joint, about the point that it grips there, (n_j, 2, 3 or 6)."""
+        if step not in self._kept:
+            self._kept[step] = self._evaluated(step)
+        return self._kept[step]
+
+    def _evaluated(self, step: int) -> np.ndarray:
         system, lam = self.system, self.solution.multipliers[step]
         self._markers.at(self.solution.q[step])
         if len(system.plan.dropped):

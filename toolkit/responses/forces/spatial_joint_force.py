@@ -16,44 +16,60 @@ from toolkit.equations.equations import Work, allocate_work
 from toolkit.foundation.compiled.calls import in_memory
 from toolkit.joints.kernels.records import DESIGN
 from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, change_spatial_number, evaluate_spatial_joint
-from toolkit.system.marker_states import marker_states
+from toolkit.system.marker_states import MarkerStates
 from toolkit.system.system import System
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 """Of every component the two others, in the order of a vector product."""
 
 
-def spatial_joint_force(
-    system: System, j: int, q: np.ndarray, lam: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(F, M) of joint number j (6,), and its derivatives (6, n_q), (6, n_lam), (6, n_x); q (n_q,), lam (n_lam,)."""
-    plan, work, state = system.plan, allocate_work(system.plan, system.dtype), marker_states(system, q)
-    joints, markers = plan.joints, plan.markers
-    acc: np.ndarray = np.concatenate([np.zeros(system.n_q, system.dtype), lam])
-    evaluate = system.prepared(evaluate_spatial_joint, system.functions[0], joints, j, state, acc, work.joint)
-    evaluate()
-    value = _wrench(work.joint.pose[0], work.joint.force[0])
-    rows, count = joints.row[j] - system.n_q, joints.n_rows[j]
-    by_lam: np.ndarray = np.zeros((6, system.n - system.n_q), system.dtype)
-    by_lam[:, rows : rows + count] = np.stack([_wrench(work.joint.pose[0], row) for row in work.joint.slope[:count, 0]], axis=1)
-    by_q: np.ndarray = np.zeros((6, system.n_q), system.dtype)
-    by_x = np.zeros((6, system.n_x))
-    _add_number_designs(system, j, work, lam[rows : rows + count], by_x)
-    for side in range(2):
-        m, other = joints.marker[j, side], joints.marker[j, 1 - side]
-        state.rate[other] = 0
-        by_pose = _by_pose(evaluate, state.rate[m], side, lam[rows : rows + count], work.joint)
-        own, moved = slice(*markers.start[m : m + 2]), slice(*markers.design_start[m : m + 2])
-        by_q[:, markers.coordinate[own]] += by_pose @ state.B[own].T
-        by_x[:, markers.design_variable[moved]] += np.real(by_pose @ state.y_x[moved].T)
-    return value, by_q, by_lam, by_x
+Force = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""Force and torque of a joint (3,) or (6,), and their derivatives by coordinates, multipliers and design."""
+
+
+class SpatialJointForce:
+    """(F, M) of joint number j (6,), and its derivatives (6, n_q), (6, n_lam), (6, n_x), with memory for one state after the other."""
+
+    def __init__(self, system: System, j: int) -> None:
+        self.system, self.j, self._markers = system, j, MarkerStates(system)
+        self._work = allocate_work(system.plan, system.dtype)
+        self._acc: np.ndarray = np.zeros(system.n, system.dtype)
+        given = system.functions[0], system.plan.joints, j, self._markers.found, self._acc, self._work.joint
+        self._evaluate = system.prepared(evaluate_spatial_joint, *given)
+
+    def __call__(self, q: np.ndarray, lam: np.ndarray) -> Force:
+        """At coordinates (n_q,) and multipliers (n_lam,)."""
+        system, j, work, joints, markers = self.system, self.j, self._work, self.system.plan.joints, self.system.plan.markers
+        state = self._markers.at(q)
+        self._acc[system.n_q :] = lam
+        self._evaluate()
+        value = _wrench(work.joint.pose[0], work.joint.force[0])
+        rows, count = joints.row[j] - system.n_q, joints.n_rows[j]
+        by_lam: np.ndarray = np.zeros((6, system.n - system.n_q), system.dtype)
+        by_lam[:, rows : rows + count] = _wrench(work.joint.pose[0], work.joint.slope[:count, 0]).T
+        by_q: np.ndarray = np.zeros((6, system.n_q), system.dtype)
+        by_x = np.zeros((6, system.n_x))
+        _add_number_designs(system, j, work, lam[rows : rows + count], by_x)
+        for side in range(2):
+            m, other = joints.marker[j, side], joints.marker[j, 1 - side]
+            state.rate[other] = 0
+            by_pose = _by_pose(self._evaluate, state.rate[m], side, lam[rows : rows + count], work.joint)
+            own, moved = slice(*markers.start[m : m + 2]), slice(*markers.design_start[m : m + 2])
+            by_q[:, markers.coordinate[own]] += by_pose @ state.B[own].T
+            by_x[:, markers.design_variable[moved]] += np.real(by_pose @ state.y_x[moved].T)
+        return value, by_q, by_lam, by_x
 
 
 def _wrench(z: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """(F, M) of f (24,) at the poses z (24,)."""
-    e, g = z[3:12].reshape(3, 3), f[3:12].reshape(3, 3)
-    torque = (e[:, _NEXT] * g[:, _LAST] - e[:, _LAST] * g[:, _NEXT]).sum(axis=0)
-    return -np.concatenate([f[:3], torque])
+    """(F, M) (..., 6) of f (..., 24) at the poses z (24,)."""
+    return np.concatenate([-f[..., :3], _moment(z, f)], axis=-1)
+
+
+def _moment(z: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """M (..., 3) of f (..., 24) at poses z (..., 12 or 24), of which one or the other may be several."""
+    e, g = (each[..., 3:12].reshape(*each.shape[:-1], 3, 3) for each in (z, f))
+    moment: np.ndarray = (e[..., _LAST] * g[..., _NEXT] - e[..., _NEXT] * g[..., _LAST]).sum(axis=-2)
+    return moment
 
 
 def _by_pose(evaluate: Callable[[], Any], rate: np.ndarray, side: int, lam: np.ndarray, joint: Any) -> np.ndarray:
@@ -61,14 +77,15 @@ def _by_pose(evaluate: Callable[[], Any], rate: np.ndarray, side: int, lam: np.n
 
     There are as many directions as a pose has numbers, however many coordinates and variables move it.
     """
-    found = []
-    for y in np.eye(NUMBERS // 2, dtype=rate.dtype):
+    directions, slopes = np.eye(NUMBERS // 2, dtype=rate.dtype), []
+    for y in directions:
         rate[:] = y
         evaluate()
-        found.append(_wrench(joint.pose[0], lam @ joint.slope[: len(lam), 1]))
-        if side == 0:
-            found[-1][3:] += _wrench(np.concatenate([y, 0 * y]), joint.force[0])[3:]
-    return np.stack(found, axis=1)
+        slopes.append(lam @ joint.slope[: len(lam), 1])
+    found = _wrench(joint.pose[0], np.stack(slopes))
+    if side == 0:
+        found[:, 3:] += _moment(directions, joint.force[0])
+    return found.T
 
 
 def _add_number_designs(system: System, j: int, work: Work, lam: np.ndarray, by_x: np.ndarray) -> None:

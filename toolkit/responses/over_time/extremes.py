@@ -26,6 +26,10 @@ class Extreme(OfTable):
 
     measure: Literal["signed", "absolute"] = "signed"
 
+    def of_slopes(self, _size: float, slopes: np.ndarray, _duration: float) -> np.ndarray:
+        """None: an extreme's derivative is that of one instant, and does not swing with those of the others."""
+        return np.zeros_like(slopes)
+
     def considered(self, values: np.ndarray) -> np.ndarray:
         """Values that count (n_t,), or (2 n_t,) with the opposite sign too."""
         return np.concatenate([values, -values]) if self.measure == "absolute" else values
@@ -55,6 +59,10 @@ class TimeMin(OfTable):
     """Smallest value of a quantity at the steps of a run; its derivative is that of the first step where it occurs. `of` is its table."""
 
     kind = "time-min"
+
+    def of_slopes(self, _size: float, slopes: np.ndarray, _duration: float) -> np.ndarray:
+        """None: an extreme's derivative is that of one instant, and does not swing with those of the others."""
+        return np.zeros_like(slopes)
 
     def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Any, np.ndarray]:
         """One step of all."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.over_time.extremes import TimeKS
+from toolkit.responses.over_time.over_time import over_all_steps
 from toolkit.responses.stress.stress import KSStress
 from toolkit.system.solution import Solution
 
@@ -43,5 +44,4 @@ def _values(response: KSStress | TimeKS, solution: Solution) -> np.ndarray:
     """Values that count, (n,)."""
     if isinstance(response, KSStress):
         return np.real(response.considered(solution)).ravel()
-    look = response.source.instants(solution)
-    return np.real(response.considered(np.array([look(step).value for step in range(len(solution.times))])))
+    return np.real(response.considered(over_all_steps(response.source, solution)))

@@ -13,6 +13,7 @@ import numpy as np
 
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.responses.over_time.over_time import over_all_steps
 from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.system.solution import Solution
 
@@ -43,6 +44,16 @@ def missed_part(times: np.ndarray, curves: np.ndarray) -> float:
     return beyond / size if size > 0 else 0.0
 
 
+def peaks(solution: Solution) -> Iterator[tuple[int, float]]:
+    """Step of the largest value of each curve that a response looks for peaks in, and by how many steps its vertex is later."""
+    for response in solution.system.scene.responses.values():
+        for values in _curves(response, solution):
+            step = int(np.argmax(values))
+            before, at, after = values[step - 1 : step + 2] if 0 < step < len(values) - 1 else (0.0, 0.0, 0.0)
+            bend = before - 2 * at + after
+            yield step, (before - after) / (2 * bend) if bend < 0 else 0.0
+
+
 def _vertices(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Vertices of the parabolas through three values in a row, (n - 2,), which are maxima in the second and in the first of both steps."""
     left, right = np.diff(times)[:-1], np.diff(times)[1:]
@@ -59,8 +70,7 @@ def _vertices(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nda
 def _curves(response: object, solution: Solution) -> Iterator[np.ndarray]:
     """Values at all steps (n_t,) whose largest, or smooth largest, the response is, of an absolute one those of both signs."""
     if isinstance(response, TimeMax | TimeMin | TimeKS):
-        look = response.source.instants(solution)
-        values = np.array([float(np.real(look(step).value)) for step in range(len(solution.times))])
+        values = np.real(over_all_steps(response.source, solution))
         absolute = isinstance(response, TimeMax | TimeKS) and response.measure == "absolute"
         yield from (values, -values) if absolute else (-values if isinstance(response, TimeMin) else values,)
     elif isinstance(response, MaxStress | KSStress) and response.when == "all":

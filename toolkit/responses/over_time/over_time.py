@@ -10,6 +10,7 @@ from pydantic import field_validator
 
 from toolkit.foundation.dimensions import Dimension
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.itself import Itself
 from toolkit.responses.instant import Instant, weighted
 from toolkit.responses.response import Partials, Response
 from toolkit.system.solution import Solution
@@ -80,7 +81,8 @@ class OverTime(Response):
         """
         look, shares = self.source.instants(solution), time_shares(solution)
         parts = [look(step) for step in range(len(solution.times))]
-        value, weights = self.reduced(np.array([part.value for part in parts]), shares)
+        values = solution.known[over_all_steps, Itself(self.source)] = np.array([part.value for part in parts])
+        value, weights = self.reduced(values, shares)
         return weighted(parts.__getitem__, solution, np.real(weights))._replace(value=value)
 
 
@@ -118,6 +120,16 @@ def _over_all_times(quantity: Instant) -> Instant:
     if quantity.time is not None:
         raise ValueError("a response over time looks at all times; leave `time` out of `of`")
     return quantity
+
+
+def over_all_steps(quantity: Instant, solution: Solution) -> np.ndarray:
+    """Values of a quantity at all steps (n_t,), looked at once."""
+    key = over_all_steps, Itself(quantity)
+    if key not in solution.known:
+        look = quantity.instants(solution)
+        solution.known[key] = np.array([look(step).value for step in range(len(solution.times))])
+    found: np.ndarray = solution.known[key]
+    return found
 
 
 def time_shares(solution: Solution) -> np.ndarray:

@@ -157,7 +157,14 @@ class StressResponse(Response):
 
     def considered(self, solution: Solution) -> np.ndarray:
         """Stress values that count, shape (n_t, n_s), or (n_t, 2 n_s) with the opposite sign too."""
-        return self.signed(self.components(solution))
+        known, key = solution.known, (StressResponse.considered, self.body, self.when, self.measure)
+        if key in known:
+            kept: np.ndarray = known[key]
+            return kept
+        found = self.signed(self.components(solution))
+        if found.size <= KEPT:
+            known[key] = found
+        return found
 
     def signed(self, components: np.ndarray) -> np.ndarray:
         """The same from the components of stress that count."""
@@ -232,7 +239,7 @@ class KSStress(StressResponse):
     def partials(self, solution: Solution) -> Partials:
         """Value and softmax weights."""
         components = self.components(solution)
-        return self.chain(solution, components, *kreisselmeier_steinhauser(self.signed(components), self.sharpness))
+        return self.chain(solution, components, *kreisselmeier_steinhauser(self.considered(solution), self.sharpness))
 
     def remark(self, solution: Solution) -> str:
         """How far the smooth maximum is from the true one, and how far it could be."""
@@ -248,13 +255,9 @@ class MaxStress(StressResponse):
 
     def partials(self, solution: Solution) -> Partials:
         """Value, and weight one at the place of the maximum."""
-        stress = self.considered(solution)
-        return self.of_place(solution, first_largest(stress.real.ravel(), SAME))
-
-    def of_place(self, solution: Solution, place: int) -> Partials:
-        """Of one of the stress values that count, by its number among all of them."""
         components = self.components(solution)
-        stress = self.signed(components)
+        stress = self.considered(solution)
         weights = np.zeros(stress.shape)
-        weights.flat[place] = 1
-        return self.chain(solution, components, stress.flat[place], weights)
+        place = np.unravel_index(first_largest(stress.real.ravel(), SAME), stress.shape)
+        weights[place] = 1
+        return self.chain(solution, components, stress[place], weights)

@@ -18,7 +18,8 @@ def point_stress(components: np.ndarray) -> np.ndarray:
     """Stress of every point (...,) from its components (..., 1 or 6); complex-safe."""
     if components.shape[-1] == 1:
         return components[..., 0]
-    return np.sqrt(np.einsum("...c,cd,...d->...", components, V, components))
+    xx, yy, zz, yz, xz, xy = np.moveaxis(components, -1, 0)
+    return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (yz**2 + xz**2 + xy**2))
 
 
 def point_slope(components: np.ndarray) -> np.ndarray:

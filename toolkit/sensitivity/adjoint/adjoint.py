@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.analyses.run_start import known_start
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NeedsDirectError
@@ -27,6 +28,7 @@ from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, moving, responses_of, solve
 from toolkit.sensitivity.result import Result, result
 from toolkit.solvers.spin.steady_state import steady_adjoint
+from toolkit.solvers.start.initial_conditions import Motion, State
 from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.static.stability.critical_state import refuse_gradients_of_critical
 from toolkit.solvers.static.static_change import static_change
@@ -61,13 +63,16 @@ def by_adjoint(compiled: Compiled, kind: Kind, progress: Progress | None = None,
     primal, solution = clock(partial(solve, compiled.primal, kind), progress)
     extra, (found, gradient) = clock(partial(adjoint_gradients, compiled.full, solution), progress)
     values, gradients = _named(compiled.full, found, gradient)
-    repeat = partial(again_backwards, compiled.primal, compiled.full)
+    repeat = partial(again_backwards, compiled.primal, compiled.full, known_start(solution))
     return result(scene, solution, values, gradients, "adjoint", primal, extra, repeat)
 
 
-def again_backwards(primal: System, system: System, options: RunOptions) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
-    """Values of a motion and gradients by the adjoint with other options, of a scene compiled without and with design variables."""
-    return _named(system, *adjoint_gradients(system, simulate(primal, options)))
+def again_backwards(
+    primal: System, system: System, known: Motion | State | None, options: RunOptions
+) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+    """Values of a motion and gradients by the adjoint with other options, of a scene compiled without and with design variables; `known`
+    as of `simulate`."""
+    return _named(system, *adjoint_gradients(system, simulate(primal, options, known=known)))
 
 
 def _named(

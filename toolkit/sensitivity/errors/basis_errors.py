@@ -1,7 +1,7 @@
 """What frozen reduced bases do to values and gradients away from their design: the same analysis with more shapes, compared.
 
 The shapes of a frozen basis are those of one design. Its file holds the body in so many more shapes that these can follow any design,
-see `preprocessing.reduction.richer_basis`; with numbers f, and f' in more shapes,
+see `preprocessing.reduction.reduced`; with numbers f, and f' in more shapes,
 
     error of f  =  f - f'
 """

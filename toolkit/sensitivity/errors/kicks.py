@@ -98,7 +98,7 @@ def _of_curves(solution: Solution) -> Iterator[Kick]:
         numbers = np.real(curve.evaluate(times))
         for column in (0, 2):
             history = History(times, numbers[:, column])
-            if shakes(solution, history) and (kick := _kick(solution, c, column, history)) is not None:
+            if np.ptp(history.values) > 0 and (kick := _kick(solution, c, column, history)) is not None:
                 yield kick
 
 
@@ -114,19 +114,19 @@ def _instants(solution: Solution, curve: Curve) -> np.ndarray:
 
 
 def _kick(solution: Solution, curve: int, column: int, history: History) -> Kick | None:
-    """Accelerations by a curve that grows by one, about where it changes most in a step; None if there are none."""
+    """Accelerations by a curve that grows by one, about where it changes most in a step; None if they excite nothing."""
     system, times = solution.system, solution.times
     in_step = np.abs(np.diff(np.interp(times, *history)))
     state = int(np.argmax(in_step))
     q, v, _ = padded(solution, state)
     inputs, rest = system.inputs(times[state], ACCELERATIONS), np.zeros(system.n)
-    mass = system.evaluate(inputs, q, v, rest).I_acc + system.unit_of_states
     size, moved = float(np.ptp(history.values)), inputs.curves.copy()
     moved[curve, column] += size
     there = inputs._replace(curves=moved)
     (before, before_x), (after, _) = (_residual(solution, each, q, v, rest) for each in (inputs, there))
-    if np.array_equal(before, after):
+    if np.array_equal(before, after) or not shakes(solution, history):
         return None
+    mass = system.evaluate(inputs, q, v, rest).I_acc + system.unit_of_states
     acceleration = _accelerated(solution, mass, (after - before)[:, None])
     changes = np.zeros((2, system.n, system.n_x))
     if system.n_x:

@@ -10,10 +10,9 @@ from toolkit.solvers.transient.scheme import Scheme
 
 
 def part_kept(scheme: Scheme, rates: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-    """Part of the complex amplitude of modes (m,) that each step of some lengths (n,) keeps, (n, m), its phase behind the true one."""
-    different, which = np.unique(lengths.round(15), return_inverse=True)
-    phases = np.multiply.outer(different, rates)
-    found: np.ndarray = (root(scheme, phases) * np.exp(-1j * phases))[which]
+    """Part of the complex amplitude of modes (m,) that steps of some lengths (n,) keep, (n, m), its phase behind the true one."""
+    phases = np.multiply.outer(lengths, rates)
+    found: np.ndarray = root(scheme, phases) * np.exp(-1j * phases)
     return found
 
 

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from toolkit.analyses.run_start import known_start
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
@@ -72,9 +73,9 @@ def unless_it_converges(
     yield from (each for each in told if each.code != "energy")
     yield Caution(
         "energy",
-        f"{max(balance.values()):.1%} of the largest energy or work came from nowhere or vanished (limit {ENERGY:.0%}), which the "
-        f"responses do not feel: with steps half as long this falls as the order of the scheme says, and they are right to "
-        f"{max(error.values.values()):.1e} of the largest that they are in the motion.",
+        f"energy balance: {max(balance.values()):.1%} of the largest energy or work is gained or lost (limit {ENERGY:.0%}). The responses "
+        "are not affected: with steps half as long this falls with the order of the scheme, and their estimated time-step error is "
+        f"{max(error.values.values()):.1e} of their peaks.",
         doubt=False,
     )
 
@@ -85,7 +86,9 @@ def _converges(solution: Solution, error: StepError, balance: Mapping[str, float
         return False
     options = solution.options or solution.system.scene.solver
     try:
-        halved = energy_defects(simulate(solution.system, shorter_steps(options, solution.whole_run, 2)))
+        halved = energy_defects(
+            simulate(solution.system, shorter_steps(options, solution.whole_run, 2), known=known_start(solution))
+        )
     except ToolkitError:
         return False
     allowed = SLOWER / 2 ** (1 if first_order(options) else 2)

@@ -8,8 +8,8 @@ With every part cut in half, the error is a quarter of what it was. So of number
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -24,7 +24,9 @@ from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
-from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
+from toolkit.validity.bodies.tension.pulled_joints import STEEP, lacking_joints
+from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
 
 SMALL, SMALL_OF_PARTS = 2e-3, 5e-4
 """Geometric error by the meter up to which gradients are not looked at, of a body with one frame and with several: of a wing whose parts
@@ -33,6 +35,10 @@ UNIMPORTANT = 0.02
 """A gradient that changes its response by less than this part of what the most important one does is not worth a word."""
 NAMED = 6
 """So many gradients are named one by one."""
+WEIGHED = ("large-deformation", "critical-load", "tension", "reference-condition")
+"""Codes of doubts about what linear bodies do not know in their frames, and do between them."""
+BENT = 1e-3
+"""Rotation, rad, from which something turns a body aside that may buckle, so that a run with more frames shows it."""
 NONE = Largest(0.0, np.zeros(0))
 UNCERTAIN = 2.0
 """The estimate of an error may be too small by this factor."""
@@ -62,9 +68,9 @@ class FrameErrors:
         factor = np.sqrt(worst / LIMIT) if worst < 1 else 4.0
         return {body: min(int(np.ceil(now * factor)), self.most[body]) for body, (now, _) in self.frames.items()}
 
-    def record(self, gradients: Slopes, sizes: Mapping[str, float]) -> dict[str, object]:
+    def record(self, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes) -> dict[str, object]:
         """Part of a JSON object, which says of the gradients of the run whose signs are in doubt."""
-        doubtful = [{"response": f, "variable": x} for f, x in _signs(self, gradients, sizes)]
+        doubtful = [{"response": f, "variable": x} for f, x in _signs(self, gradients, sizes, scales)]
         return {
             "how": f"the same run with {_others(self.frames)}",
             "responses": dict(self.values),
@@ -78,13 +84,12 @@ UNFELT = 1e-3
 """Part of a value by which a variable has to change it, if it changes by all of itself, for a derivative to be worth a word."""
 
 
-def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed) -> FrameErrors | None:
-    """Errors of values and gradients; None where no body is deformed so far that its frames matter, or can be given more."""
-    more = {
-        body: _more(solution, body)
-        for body, each in geometric_errors(solution).items()
-        if each is not None and each.relative > _small(solution, body) and _can_have_more(solution, body)
-    }
+def frame_errors(
+    solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed, doubted: Collection[str] = ()
+) -> FrameErrors | None:
+    """Errors of values and gradients; None where no body is deformed so far that its frames matter, or is doubted, or can be given more."""
+    bodies = [body for body in whole_bodies(solution.system.scene) if body in {*bodies_with_more(solution), *doubted}]
+    more = {body: _more(solution, body) for body in bodies if _can_have_more(solution, body)}
     if not more:
         return None
     counts = {body: (_count(solution, body), each if isinstance(each, int) else len(each) + 1) for body, each in more.items()}
@@ -108,8 +113,62 @@ def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slo
     )
 
 
-def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapping[str, float]) -> Iterator[Caution]:
-    """Gradients whose sign or size is in doubt."""
+def bodies_with_more(solution: Solution) -> list[str]:
+    """Bodies that are deformed so far that gradients may feel it, or whose deflection pulls at joints whose forces are asked for."""
+    pulls = any(abs(each.missing) > STEEP * each.counts > 0 for each in lacking_joints(solution).values())
+    pulling = {most_pulled(solution)} if pulls else set()
+    return [
+        body
+        for body, each in geometric_errors(solution).items()
+        if body in pulling or (each is not None and each.relative > _small(solution, body))
+    ]
+
+
+def framed_doubts(cautions: Iterable[Caution]) -> set[str]:
+    """Bodies with doubts that more frames can weigh."""
+    return {each.body for each in cautions if each.doubt and each.body and each.code in WEIGHED}
+
+
+def unless_frames_deny(
+    cautions: Iterable[Caution],
+    solution: Solution,
+    found: FrameErrors,
+    scales: Mapping[str, float],
+    gradients: Slopes,
+    sizes: Mapping[str, float],
+    slope_scales: Slopes,
+) -> Iterator[Caution]:
+    """The cautions, with those about what more frames know as remarks where no answer feels them."""
+    values = [abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]]
+    felt = max([*values, *_parts(found, gradients, sizes, slope_scales).values()], default=0.0)
+    unfelt = not found.failure and felt * UNCERTAIN <= LIMIT
+    for each in cautions:
+        if unfelt and each.doubt and each.code in WEIGHED and each.body in found.frames and _moves(solution, each):
+            said = (
+                f" The responses hardly feel it: they change by {felt:.1e} at most by the same run with {_others(found.frames)}."
+            )
+            yield replace(each, text=each.text + said, doubt=False)
+        else:
+            yield each
+
+
+def _moves(solution: Solution, doubt: Caution) -> bool:
+    """Whether a run with more frames would show what is doubted: not a loss of stability in an equilibrium, or of what is straight."""
+    if np.isfinite(doubt.part):
+        return True
+    bent = geometric_errors(solution).get(doubt.body)
+    return moving(solution) and not solution.system.scene.solver.quasi_static and bent is not None and bent.rotation > BENT
+
+
+def doubtful_gradients(
+    found: FrameErrors | None, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes
+) -> Iterator[Caution]:
+    """Gradients whose sign or size is in doubt.
+
+    Parameters
+    ----------
+    scales : response -> variable -> the largest gradient in a motion, which errors are compared with; empty without one
+    """
     if found is None:
         return
     if found.failure:
@@ -119,40 +178,64 @@ def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapp
             doubt=False,
         )
         return
-    parts = _parts(found, gradients, sizes)
-    signs = _signs(found, gradients, sizes)
+    parts = _parts(found, gradients, sizes, scales)
+    signs = _signs(found, gradients, sizes, scales)
     off = {pair: part for pair, part in parts.items() if part > LIMIT and pair not in signs}
     if not signs and not off:
         return
     said = [f"the sign of the gradient of {_listed(signs)} is in doubt"] if signs else []
+    in_motion = ", in parts of the largest in the motion" if scales else ""
     if off:
         worst = max(off, key=lambda pair: off[pair])
-        said.append(f"{'other ' if signs else ''}gradients are off by up to {off[worst]:.0%} ({' by '.join(worst)})")
+        said.append(f"{'other ' if signs else ''}gradients are off by up to {off[worst]:.0%} ({' by '.join(worst)}{in_motion})")
     yield Caution(
         "geometric-gradients",
-        f"{'; '.join(said)}: so says the same run with {_others(found.frames)}, the price of this check. Gradients of bodies that "
+        f"{'; '.join(said)}: found by repeating the run with {_others(found.frames)}. Gradients of bodies that "
         f"deform far need more frames than their values: write {_written(found.advised(max(parts.values())))} in the scene.",
     )
 
 
-def _parts(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float]) -> dict[tuple[str, str], float]:
-    """Response and variable -> error in parts of the gradient, of those that count."""
+def doubtful_values(found: FrameErrors, scales: Mapping[str, float]) -> Iterator[Caution]:
+    """Values that the run with other frames finds elsewhere: it was made for the gradients, and tells these as well.
+
+    Parameters
+    ----------
+    scales : response -> what an error of its value is compared with
+    """
+    parts = {f: abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]}
+    off = sorted((f for f, part in parts.items() if part > LIMIT), key=lambda f: -parts[f])
+    if off:
+        told = ", ".join(f"{f} by about {parts[f]:.1%}" for f in off[:NAMED])
+        more = f" and {len(off) - NAMED} more" if len(off) > NAMED else ""
+        yield Caution(
+            "large-deformation",
+            f"values are off where elements turn with the body: {told}{more}, in parts of the largest that "
+            f"they are. So says the same run with {_others(found.frames)}. Write "
+            f"{_written(found.advised(max(parts.values())))} in the scene.",
+        )
+
+
+def _parts(
+    found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes | None = None
+) -> dict[tuple[str, str], float]:
+    """Response and variable -> error in parts of the gradient, or of the largest in a motion, of those that count."""
     parts: dict[tuple[str, str], float] = {}
     for f, errors in found.gradients.items():
         most = max((abs(slope) * sizes[x] for x, slope in gradients[f].items()), default=0.0)
         counts = max(UNIMPORTANT * most, found.undecided[f])
         for x, error in errors.items():
             if error and max(abs(error), abs(gradients[f][x])) * sizes[x] > counts:
-                parts[f, x] = abs(error / gradients[f][x]) if gradients[f][x] else np.inf
+                scale = max(abs(gradients[f][x]), scales[f][x] if scales else 0.0)
+                parts[f, x] = abs(error) / scale if scale else np.inf
     return parts
 
 
-def _signs(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float]) -> list[tuple[str, str]]:
+def _signs(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes) -> list[tuple[str, str]]:
     """Of these, those that the error leads to the other side of zero, or would if it were twice as large."""
     return [
         (f, x)
-        for f, x in _parts(found, gradients, sizes)
-        if gradients[f][x] * (gradients[f][x] + UNCERTAIN * found.gradients[f][x]) <= 0
+        for (f, x), part in _parts(found, gradients, sizes, scales).items()
+        if part > LIMIT and gradients[f][x] * (gradients[f][x] + UNCERTAIN * found.gradients[f][x]) <= 0
     ]
 
 

@@ -1,1 +1,1 @@
-"""Many designs of a study, solved apart from each other at any place, and kept in one store."""
+"""Designs of a study: each solved in all cases, many side by side, and judged."""

@@ -16,8 +16,8 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.scene.scene import Scene
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.designs.solved_design import solve_design
+from toolkit.studies.engine.outcome import DesignKey, DesignOutcome
 from toolkit.studies.study.problem import Problem
 
 WITH, WITHOUT = 0, 1
@@ -25,8 +25,8 @@ WITH, WITHOUT = 0, 1
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A design, and what is wanted of it.
+class DesignJob:
+    """A design that is to be solved, and what is wanted of it.
 
     Attributes
     ----------
@@ -42,6 +42,11 @@ class Asked:
     design: np.ndarray
     gradients: bool = True
 
+    @property
+    def key(self) -> DesignKey:
+        """What its outcome is kept under."""
+        return self.lane, self.design.tobytes()
+
 
 @dataclass(frozen=True)
 class DesignWork:
@@ -56,18 +61,18 @@ class DesignWork:
     """
 
     problem: Problem
-    start: Evaluation | None = None
+    start: DesignOutcome | None = None
 
-    def __call__(self, asked: Asked) -> Evaluation:
+    def __call__(self, job: DesignJob) -> DesignOutcome:
         """The design, without the equilibria that it was solved by."""
-        return replace(solved(self.problem, asked.lane, asked.design, self.start, asked.gradients), states=())
+        return replace(solve_design(self.problem, job.lane, job.design, self.start, job.gradients), states=())
 
     def __reduce__(self) -> tuple[Any, ...]:
         problem = self.problem
         return _made, (self.start, *(getattr(problem, each.name) for each in fields(problem)))
 
 
-def _made(start: Evaluation | None, *parts: Any) -> DesignWork:
+def _made(start: DesignOutcome | None, *parts: Any) -> DesignWork:
     return DesignWork(Problem(*parts), start)
 
 
@@ -91,9 +96,9 @@ class WithFiles:
         """The work with its files as they are now."""
         return cls(work, tuple(path.read_bytes() for path in work.problem.scene.read_files()))
 
-    def __call__(self, asked: Asked) -> Evaluation:
+    def __call__(self, job: DesignJob) -> DesignOutcome:
         """The design, in this process."""
-        return self.work(asked)
+        return self.work(job)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _unpacked, (self.work, self.files)

@@ -9,8 +9,8 @@ import numpy as np
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.sensitivity.direct import direct
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.solved_design import scene_at
+from toolkit.studies.designs.solved_design import scene_at
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.problem import FURTHER, Problem
 from toolkit.studies.study.study_file import LOAD_MARGIN
 
@@ -18,7 +18,7 @@ MOST = 4
 """Most designs that are looked at: a judgement of a motion takes some more runs."""
 
 
-def extremes(found: Iterable[Evaluation]) -> list[Evaluation]:
+def extremes(found: Iterable[DesignOutcome]) -> list[DesignOutcome]:
     """Designs of the least and the largest values of the responses, the first ones first; not more than are to be looked at."""
     good = [each for each in found if not each.failed]
     if not good:
@@ -28,7 +28,7 @@ def extremes(found: Iterable[Evaluation]) -> list[Evaluation]:
     return [good[k] for k in list(places)[:MOST]]
 
 
-def cut_off(problem: Problem, found: Evaluation, place: tuple[int, int]) -> bool:
+def cut_off(problem: Problem, found: DesignOutcome, place: tuple[int, int]) -> bool:
     """Whether a response of a design, by the places of case and response, is a load margin whose limit point was not reached."""
     up_to = problem.margin_up_to
     if found.failed or up_to is None or problem.responses[place[1]] != LOAD_MARGIN:
@@ -36,7 +36,7 @@ def cut_off(problem: Problem, found: Evaluation, place: tuple[int, int]) -> bool
     return bool(found.values[place] >= up_to)
 
 
-def margins_cut_off(problem: Problem, found: Sequence[Evaluation], statistics: bool, doubt: bool) -> Iterator[Caution]:
+def margins_cut_off(problem: Problem, found: Sequence[DesignOutcome], statistics: bool, doubt: bool) -> Iterator[Caution]:
     """Load margins of which only the least value is known: right as such, but of no use for statistics."""
     if problem.margin_up_to is None:
         return
@@ -52,7 +52,7 @@ def margins_cut_off(problem: Problem, found: Sequence[Evaluation], statistics: b
         )
 
 
-def said_at(problem: Problem, named: Mapping[str, Evaluation]) -> Iterator[Caution]:
+def said_at(problem: Problem, named: Mapping[str, DesignOutcome]) -> Iterator[Caution]:
     """Cautions of the runs at some designs in all cases: what several say is told of the first, with the name of its design."""
     told = set()
     for name, found in named.items():

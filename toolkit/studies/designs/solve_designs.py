@@ -1,57 +1,51 @@
-"""Designs in, evaluations out: what a store holds already is not solved again, and what fails is kept with its reason."""
+"""Many designs of a study solved side by side, and what is said where some could not be."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 
-from toolkit.studies.designs.design_work import Asked, DesignWork, WithFiles
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.store import Store
-from toolkit.studies.places.place import HERE, Place, Progress, done_at
-
-REMEDY = "What was finished is kept: run the same command again, with --jobs 1."
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.verdict import Caution
+from toolkit.studies.designs.design_work import DesignJob, DesignWork, WithFiles
+from toolkit.studies.engine.executor import SERIAL, Executor, Progress
+from toolkit.studies.engine.jobs import run_jobs
+from toolkit.studies.engine.outcome import DesignOutcome
+from toolkit.studies.engine.store import DesignStore
 
 
 def solve_designs(
-    work: DesignWork, asked: Sequence[Asked], store: Store, place: Place = HERE, progress: Progress | None = None
-) -> list[Evaluation]:
-    """Evaluations in the order of the designs; equal ones are solved once.
+    work: DesignWork, jobs: Sequence[DesignJob], store: DesignStore, executor: Executor = SERIAL, progress: Progress | None = None
+) -> list[DesignOutcome]:
+    """Outcomes in the order of the designs; equal ones are solved once, and those that the store has are not solved again.
 
-    Every design is solved apart from all others, so that neither their order nor the place changes a bit of it.
-
-    Parameters
-    ----------
-    work
-        The checked study.
-    asked
-        Designs.
-    store
-        What is known, opened; it is written while designs are solved.
-    place
-        Where they are solved.
-    progress
-        Called with the designs known and the designs in all.
-
-    Raises
-    ------
-    StudyError
-        A process or the cluster ended; what was finished is kept.
+    Parameters and errors are those of `run_jobs`; to a Dask cluster the files that the scene reads are sent too.
     """
-    wanted = {(each.lane, each.design.tobytes()): each for each in asked}
-    missing = {key: each for key, each in wanted.items() if store.find(each.lane, each.design) is None}
-    done = len(wanted) - len(missing)
-    if progress:
-        progress(done, len(wanted))
-    sent = WithFiles.of(work) if place.dask else work
-    for _, found in done_at(place, sent, missing, REMEDY):
-        store.keep(found)
-        done += 1
-        if progress:
-            progress(done, len(wanted))
-    return [_known(store, each) for each in asked]
+    sent = WithFiles.of(work) if executor.dask else work
+    found = run_jobs(sent, {job.key: job for job in jobs}, store, executor, progress)
+    return [found[job.key] for job in jobs]
 
 
-def _known(store: Store, asked: Asked) -> Evaluation:
-    found = store.find(asked.lane, asked.design)
-    assert found is not None
-    return found
+class NoDesignError(ToolkitError, ArithmeticError):
+    """Not one design of a study could be solved."""
+
+
+def refuse_all_failed(found: Sequence[DesignOutcome]) -> None:
+    """Raise `NoDesignError` with the reasons, if all designs failed."""
+    if any(not each.failed for each in found):
+        return
+    reasons = Counter(each.reason for each in found).most_common(3)
+    raise NoDesignError(
+        f"not one of {len(found)} designs could be solved.\n"
+        + "\n".join(f"{count} times: {reason}" for reason, count in reasons)
+        + "\nMend the scene until `ffrf statics` or `ffrf simulate` solves it, or choose other designs."
+    )
+
+
+def failed_designs(found: Sequence[DesignOutcome], meaning: str, doubt: bool) -> Iterator[Caution]:
+    """That some designs could not be solved, what that means, and the most frequent reason."""
+    reasons = Counter(each.reason for each in found if each.failed)
+    if reasons:
+        reason, count = reasons.most_common(1)[0]
+        text = f"{sum(reasons.values())} of {len(found)} designs could not be solved{meaning} {count} of them: {reason}"
+        yield Caution("failed-designs", text, doubt=doubt)

@@ -10,19 +10,17 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.studies.designs.evaluator import Evaluator
 from toolkit.studies.designs.judged_runs import cut_off
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.evaluator import Evaluator
-from toolkit.studies.evaluation.fingerprint import fingerprint
-from toolkit.studies.evaluation.store import Store, opened_store
+from toolkit.studies.engine.outcome import DesignOutcome
+from toolkit.studies.engine.store import DesignStore, opened_store
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.prices import Price, dependent, objective_of, prices
 from toolkit.studies.optimization.program import Program
-from toolkit.studies.optimization.robustness import Compared, compared
-from toolkit.studies.optimization.search.found import Found
-from toolkit.studies.optimization.search.search import Search
-from toolkit.studies.optimization.search.starts import starts_of
-from toolkit.studies.optimization.verification import Again, certified, said_of_norms, said_of_runs, solved_again
+from toolkit.studies.optimization.robustness import RobustnessCheck, compared
+from toolkit.studies.optimization.search.search import Search, starts_of
+from toolkit.studies.optimization.search.search_result import SearchResult
+from toolkit.studies.optimization.verification import Verification, certified, said_of_norms, said_of_runs, solved_again
 from toolkit.studies.study.problem import ONLY, Problem
 from toolkit.studies.study.study_file import LOAD_MARGIN
 
@@ -61,18 +59,18 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
     options = problem.study.search
     count, asked = options.starts * options.evaluations, 0
 
-    def tell(_: Evaluation) -> None:
+    def tell(_: DesignOutcome) -> None:
         nonlocal asked
         asked += 1
         if progress:
             progress(min(asked, count), count)
 
-    with opened_store(None if folder is None else folder / STORE, fingerprint(problem)) as store:
+    with opened_store(None if folder is None else folder / STORE, problem.fingerprint) as store:
         evaluator = Evaluator(problem, store)
-        known_wall = sum(each.wall for each in store)
+        known_wall = sum(each.seconds for each in store)
         starts = starts_of(problem, options.starts)
         _refuse_idle_objective(problem, evaluator, starts[0])
-        searches: list[Found] = []
+        searches: list[SearchResult] = []
         for k, start in enumerate(starts):
             known = next((each.best.design for each in searches if each.best is not None), None)
             searches.append(Search(Program(problem), evaluator, 2 * k, options.warm_starts, tell).run(start, known))
@@ -91,7 +89,7 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
         cautions += said_of_runs(problem, chosen.best, again)
     if options.certify and not again.refusal and chosen.best is not None:
         cautions += certified(problem, chosen.best, again)
-    robust: list[Compared] = []
+    robust: list[RobustnessCheck] = []
     if chosen.best is not None and not again.refusal:
         robust, doubts = compared(problem, chosen.best)
         cautions += [*doubts, *said_of_norms(problem, chosen.best)]
@@ -101,7 +99,7 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
     return Optimum(problem, chosen, tuple(searches), again, costs, Verdict.of(cautions), good, tuple(store), wall, tuple(robust))
 
 
-def _rank(found: Found) -> tuple[bool, bool, float]:
+def _rank(found: SearchResult) -> tuple[bool, bool, float]:
     """The order in which designs of searches are tried: optima by their objective, then feasible ones, then the least violated."""
     assert found.best is not None
     assert found.optimality is not None
@@ -111,7 +109,9 @@ def _rank(found: Found) -> tuple[bool, bool, float]:
     return (not found.arrived, not feasible, value if feasible else found.optimality.violation)
 
 
-def _verified(problem: Problem, evaluator: Evaluator, found: Found, tell: Callable[[Evaluation], None]) -> tuple[Found, Again]:
+def _verified(
+    problem: Problem, evaluator: Evaluator, found: SearchResult, tell: Callable[[DesignOutcome], None]
+) -> tuple[SearchResult, Verification]:
     """A search's design solved again; where that fails after warm starts, the search is repeated without them."""
     assert found.best is not None
     again = solved_again(problem, found.best)
@@ -141,14 +141,14 @@ def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.nda
     )
 
 
-def _undecided(problem: Problem, found: Evaluation) -> float:
+def _undecided(problem: Problem, found: DesignOutcome) -> float:
     """How much of the objective round-off may decide."""
     weights = problem.weights
     left = ((name, problem.undecided(name, found.values[:, k])) for k, name in enumerate(problem.responses))
     return sum(abs(weights.get(name, 0.0)) * each for name, each in left)
 
 
-def _refuse_all_failed(problem: Problem, store: Store, searches: list[Found]) -> None:
+def _refuse_all_failed(problem: Problem, store: DesignStore, searches: list[SearchResult]) -> None:
     if any(each.best is not None for each in searches):
         return
     reasons = []
@@ -162,13 +162,13 @@ def _refuse_all_failed(problem: Problem, store: Store, searches: list[Found]) ->
     )
 
 
-def _prices(found: Found) -> tuple[Price, ...]:
+def _prices(found: SearchResult) -> tuple[Price, ...]:
     assert found.best is not None
     assert found.optimality is not None
     return tuple(prices(found.program, found.best, found.optimality))
 
 
-def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found]) -> Iterator[Caution]:
+def _cautions(problem: Problem, found: SearchResult, again: Verification, searches: list[SearchResult]) -> Iterator[Caution]:
     """What speaks against the design being the optimum."""
     assert found.best is not None
     assert found.optimality is not None
@@ -201,7 +201,7 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
         yield Caution("failed-designs", f"{failed} of {count} designs could not be solved; none counts.", doubt=False)
 
 
-def _margins(problem: Problem, best: Evaluation) -> Iterator[Caution]:
+def _margins(problem: Problem, best: DesignOutcome) -> Iterator[Caution]:
     """Load margins at the design of which only the least value is known; of no slope, they may look like an optimum themselves."""
     cut = [case for k, case in enumerate(problem.cases) if cut_off(problem, best, (k, len(problem.responses) - 1))]
     if cut:
@@ -217,7 +217,7 @@ def _margins(problem: Problem, best: Evaluation) -> Iterator[Caution]:
         yield Caution("margin-cut-off", text, doubt=asked)
 
 
-def _idle(problem: Problem, store: Store) -> Iterator[Caution]:
+def _idle(problem: Problem, store: DesignStore) -> Iterator[Caution]:
     """Variables that have moved nothing at any design."""
     slopes = [each.gradients for each in store if not each.failed]
     idle = [name for k, name in enumerate(problem.variables) if not any(np.any(each[:, :, k]) for each in slopes)]
@@ -237,7 +237,7 @@ def _cases(problem: Problem) -> Iterator[Caution]:
         )
 
 
-def _flat(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:
+def _flat(problem: Problem, found: SearchResult, searches: list[SearchResult]) -> Iterator[Caution]:
     """That searches have ended at the same objective with other designs: the optimum is no point."""
     ended = [each for each in searches if each.arrived and each.best is not None]
     values = np.array([float(each.program.objective(each.best.values)[0]) for each in ended if each.best is not None])
@@ -259,7 +259,7 @@ def _flat(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Cau
         )
 
 
-def _unfinished(found: Found, searches: list[Found]) -> Iterator[Caution]:
+def _unfinished(found: SearchResult, searches: list[SearchResult]) -> Iterator[Caution]:
     """That other searches have ended before they were anywhere: what was found is the best of fewer than were asked for."""
     left = [each for each in searches if not each.arrived]
     if found.arrived and left:
@@ -272,7 +272,7 @@ def _unfinished(found: Found, searches: list[Found]) -> Iterator[Caution]:
         )
 
 
-def _other_optima(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:
+def _other_optima(problem: Problem, found: SearchResult, searches: list[SearchResult]) -> Iterator[Caution]:
     """That other searches have ended elsewhere, or on their way to something better."""
     assert found.best is not None
     mine = float(found.program.objective(found.best.values)[0])

@@ -9,11 +9,11 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.prices import Price, objective_of
-from toolkit.studies.optimization.robustness import Compared
-from toolkit.studies.optimization.search.found import Found
-from toolkit.studies.optimization.verification import Again, scene_at
+from toolkit.studies.optimization.robustness import RobustnessCheck
+from toolkit.studies.optimization.search.search_result import SearchResult
+from toolkit.studies.optimization.verification import Verification, scene_at
 from toolkit.studies.study.problem import Problem, by_case
 from toolkit.system.solution import Solution
 
@@ -51,18 +51,18 @@ class Optimum:
     """
 
     problem: Problem
-    search: Found
-    searches: tuple[Found, ...]
-    again: Again
+    search: SearchResult
+    searches: tuple[SearchResult, ...]
+    again: Verification
     prices: tuple[Price, ...]
     verdict: Verdict
-    first: Evaluation | None
-    solved: tuple[Evaluation, ...]
+    first: DesignOutcome | None
+    solved: tuple[DesignOutcome, ...]
     wall: float
-    robust: tuple[Compared, ...] = ()
+    robust: tuple[RobustnessCheck, ...] = ()
 
     @property
-    def design(self) -> Evaluation:
+    def design(self) -> DesignOutcome:
         """The design as the search had it."""
         assert self.search.best is not None
         return self.search.best
@@ -183,8 +183,8 @@ class Optimum:
         """Whether it is an optimum: feasible, stationary, and found again along the path from the unloaded state."""
         return not set(self.verdict.codes) & {"not-optimal", "infeasible", "not-found-again"}
 
-    def _wall_of(self, search: Found) -> float:
-        return sum(each.wall for each in self.solved if each.lane == search.lane)
+    def _wall_of(self, search: SearchResult) -> float:
+        return sum(each.seconds for each in self.solved if each.lane == search.lane)
 
     def check(self) -> None:
         """Raise what is to be said if it is no optimum.
@@ -225,7 +225,7 @@ class Optimum:
         }
 
 
-def _search_record(problem: Problem, found: Found) -> dict[str, Any]:
+def _search_record(problem: Problem, found: SearchResult) -> dict[str, Any]:
     best, left = found.best, found.optimality
     return {
         "start": dict(zip(problem.variables, map(float, found.start), strict=True)),
@@ -241,5 +241,5 @@ def _search_record(problem: Problem, found: Found) -> dict[str, Any]:
     }
 
 
-def _gain(problem: Problem, found: Found) -> float | None:
+def _gain(problem: Problem, found: SearchResult) -> float | None:
     return found.optimality.gain if problem.curved and found.optimality else None

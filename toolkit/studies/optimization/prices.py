@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.optimality import Optimality
 from toolkit.studies.optimization.program import Program
 
@@ -60,7 +60,7 @@ class Price:
         }
 
 
-def prices(program: Program, best: Evaluation, left: Optimality) -> Iterator[Price]:
+def prices(program: Program, best: DesignOutcome, left: Optimality) -> Iterator[Price]:
     """Prices of all constraints, and of the bounds of variables that cost something."""
     problem = program.problem
     of_rows, of_bounds = _active(program, best, left)
@@ -75,7 +75,7 @@ def prices(program: Program, best: Evaluation, left: Optimality) -> Iterator[Pri
             )
 
 
-def _active(program: Program, best: Evaluation, left: Optimality) -> tuple[np.ndarray, np.ndarray]:
+def _active(program: Program, best: DesignOutcome, left: Optimality) -> tuple[np.ndarray, np.ndarray]:
     """Which constraints (m,) and bounds (2, n) cost something: their multiplier, in parts of the largest slope, is larger than what is left
     to them. One of the two is zero at an optimum, and this tells which of them is on its way there."""
     values, z = program.values(best), program.scaled(best.design)
@@ -114,7 +114,7 @@ def objective_of(program: Program) -> tuple[str, str]:
     return "the objective", ""
 
 
-def dependent(program: Program, best: Evaluation, left: Optimality) -> bool:
+def dependent(program: Program, best: DesignOutcome, left: Optimality) -> bool:
     """Whether active constraints depend on each other, so that prices can be shared between them in many ways."""
     of_rows, of_bounds = _active(program, best, left)
     identity = np.eye(len(best.design))

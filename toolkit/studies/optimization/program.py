@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.problem import Problem, by_case
 
 
@@ -92,7 +92,7 @@ class Program:
         total = np.sum(shares)
         return (peak + np.log(total)) / sharp, (shares / total)[:, None] * weights
 
-    def values(self, found: Evaluation) -> Values:
+    def values(self, found: DesignOutcome) -> Values:
         """F, c and their derivatives for a design that did not fail."""
         scales, study = self.problem.scales, self.problem.study
         value, weights = self.objective(found.values)
@@ -104,7 +104,7 @@ class Program:
         curved = factor * self._curvature(weights, found) if self.problem.curved else None
         return Values(factor * float(value), factor * slope, c, np.array(dc).reshape(len(rows), len(scales)), curved)
 
-    def _curvature(self, weights: np.ndarray, found: Evaluation) -> np.ndarray:
+    def _curvature(self, weights: np.ndarray, found: DesignOutcome) -> np.ndarray:
         """Second derivative of the objective by z, for its derivatives by the responses (cases, responses)."""
         scales, places = self.problem.scales, [self.problem.responses.index(name) for name in self.problem.curved]
         total: np.ndarray = np.einsum("cr,crxy->xy", weights[:, places], found.curvatures)

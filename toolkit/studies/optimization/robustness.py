@@ -12,7 +12,7 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.studies.distributions.sobol_points import scrambled
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.problem import Problem, by_case
 from toolkit.studies.study.study_file import LOAD_MARGIN
 from toolkit.studies.study.wanted import Statistic
@@ -27,7 +27,7 @@ SETTLED = 0.05
 
 
 @dataclass(frozen=True)
-class Compared:
+class RobustnessCheck:
     """Mean and standard deviation of what is to be robust, in one case.
 
     Attributes
@@ -56,7 +56,7 @@ class Compared:
         return {way: dict(zip(("mean", "sigma"), found, strict=True)) for way, found in both.items()}
 
 
-def compared(problem: Problem, found: Evaluation) -> tuple[list[Compared], list[Caution]]:
+def compared(problem: Problem, found: DesignOutcome) -> tuple[list[RobustnessCheck], list[Caution]]:
     """What a design's means and deviations are by another way, and what there is to say about that."""
     if problem.points is None or found.failed:
         return [], []
@@ -68,7 +68,7 @@ def compared(problem: Problem, found: Evaluation) -> tuple[list[Compared], list[
     return each, [*_unsettled(each), *_doubts(judge)]
 
 
-def _judge(problem: Problem, found: Evaluation) -> UncertainResult:
+def _judge(problem: Problem, found: DesignOutcome) -> UncertainResult:
     """The study's uncertain numbers at a design, with as many designs and random designs as [uncertainty] says."""
     study, scene = problem.study, with_numbers(problem.scene, problem.numbers(found.design))[0]
     named = {name: each for name, each in scene.design.items() if not (name in study.uncertain and study.uncertain[name].of)}
@@ -80,7 +80,7 @@ def _judge(problem: Problem, found: Evaluation) -> UncertainResult:
     return found_uncertainty(uncertain_study(study, scene.model_copy(update={"design": named})))
 
 
-def _compared(problem: Problem, found: Evaluation, judge: UncertainResult) -> Iterator[Compared]:
+def _compared(problem: Problem, found: DesignOutcome, judge: UncertainResult) -> Iterator[RobustnessCheck]:
     joint, options = judge.study.joint, judge.study.options
     germs = joint.germs_of(scrambled(SAMPLES, len(joint.marginals), options.seed))
     several = {each.of: each for each in problem.statistics.values()}
@@ -88,7 +88,7 @@ def _compared(problem: Problem, found: Evaluation, judge: UncertainResult) -> It
         mean, sigma = (problem.responses.index(f"{word} of {of}") for word in ("mean", "sigma"))
         for row, (case, label) in enumerate(zip(problem.cases, by_case(problem.cases, of), strict=True)):
             searched = float(found.values[row, mean]), float(found.values[row, sigma])
-            yield Compared(label, searched, _by_polynomials(judge, each, case, germs))
+            yield RobustnessCheck(label, searched, _by_polynomials(judge, each, case, germs))
 
 
 def _by_polynomials(judge: UncertainResult, each: Statistic, case: str, germs: np.ndarray) -> tuple[float, float]:
@@ -101,7 +101,7 @@ def _by_polynomials(judge: UncertainResult, each: Statistic, case: str, germs: n
     return float(np.mean(values)), float(np.std(values))
 
 
-def _unsettled(compared: list[Compared]) -> Iterator[Caution]:
+def _unsettled(compared: list[RobustnessCheck]) -> Iterator[Caution]:
     for each in compared:
         if not each.settled:
             (mean, sigma), (other_mean, other_sigma) = each.searched, each.judged

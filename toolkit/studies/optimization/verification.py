@@ -16,10 +16,10 @@ from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import direct, values_alone
 from toolkit.sensitivity.result import Result
-from toolkit.studies.evaluation.case_run import CaseRun
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.gradient_norms import norms
-from toolkit.studies.evaluation.solved_design import load_margin, scene_at, solved
+from toolkit.studies.designs.case_run import CaseRun
+from toolkit.studies.designs.gradient_norms import norms
+from toolkit.studies.designs.solved_design import load_margin, scene_at, solve_design
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.problem import FAR, Problem, by_case
 from toolkit.studies.study.study_file import LOAD_MARGIN
 from toolkit.studies.study.wanted import norm_of
@@ -38,7 +38,7 @@ them has few digits."""
 
 
 @dataclass(frozen=True)
-class Again:
+class Verification:
     """What came of solving a design again.
 
     Attributes
@@ -60,7 +60,7 @@ class Again:
     cautions: tuple[Caution, ...] = ()
 
 
-def solved_again(problem: Problem, found: Evaluation) -> Again:
+def solved_again(problem: Problem, found: DesignOutcome) -> Verification:
     """Solve a design of a search anew in all cases, without anything that the search knew."""
     results: dict[str, Result] = {}
     margins: dict[str, tuple[float, bool]] = {}
@@ -68,7 +68,7 @@ def solved_again(problem: Problem, found: Evaluation) -> Again:
     cautions: list[Caution] = []
     derived = _derived(problem, found)
     if derived is not None and derived.failed:
-        return Again(results, derived.reason, changes, margins)
+        return Verification(results, derived.reason, changes, margins)
     for k, case in enumerate(problem.cases):
         where = f"{case}: " if case else ""
         try:
@@ -76,7 +76,7 @@ def solved_again(problem: Problem, found: Evaluation) -> Again:
             if _has_margin(problem):
                 margins[case] = _margin(problem, results[case], where, cautions)
         except ToolkitError as error:
-            return Again(results, f"{where}{error}", changes, margins)
+            return Verification(results, f"{where}{error}", changes, margins)
         values = {**results[case].values, **({LOAD_MARGIN: margins[case][0]} if case in margins else {})}
         if derived is not None:
             names = (*map(norm_of, problem.norms), *problem.statistics)
@@ -85,7 +85,7 @@ def solved_again(problem: Problem, found: Evaluation) -> Again:
             after = min(values[name], problem.margin_up_to or FAR) if name == LOAD_MARGIN else values[name]
             size = max([abs(before), *(abs(each.bound) for each in problem.limits if each.response == name)])
             changes[by_case([case], name)[0]] = abs(after - before) / (size or 1.0)
-    return Again(results, _changed(problem, changes), changes, margins, tuple(cautions))
+    return Verification(results, _changed(problem, changes), changes, margins, tuple(cautions))
 
 
 def _changed(problem: Problem, changes: dict[str, float]) -> str:
@@ -100,14 +100,16 @@ def _changed(problem: Problem, changes: dict[str, float]) -> str:
     return ""
 
 
-def _derived(problem: Problem, found: Evaluation) -> Evaluation | None:
+def _derived(problem: Problem, found: DesignOutcome) -> DesignOutcome | None:
     """The design with finer steps at all points of uncertain numbers and beside it, without load margins, which are found apart; None
     if nothing asks for these."""
     if problem.points is None and not problem.norms:
         return None
     constraints = {name: each for name, each in problem.study.constraints.items() if name != LOAD_MARGIN}
     study = problem.study.model_copy(update={"constraints": constraints})
-    return solved(replace(problem, study=study, scene=finer(problem.scene)), found.lane, found.design, None, gradients=False)
+    return solve_design(
+        replace(problem, study=study, scene=finer(problem.scene)), found.lane, found.design, None, gradients=False
+    )
 
 
 def _has_margin(problem: Problem) -> bool:
@@ -144,7 +146,7 @@ def finer(scene: Scene) -> Scene:
     return scene.model_copy(update={"solver": options.model_copy(update=halved)})
 
 
-def certified(problem: Problem, found: Evaluation, again: Again) -> Iterator[Caution]:
+def certified(problem: Problem, found: DesignOutcome, again: Verification) -> Iterator[Caution]:
     """What independent methods have against the gradients at a design; nothing if they agree."""
     for k, case in enumerate(problem.cases):
         where = f"{case}: " if case else ""
@@ -164,7 +166,7 @@ def certified(problem: Problem, found: Evaluation, again: Again) -> Iterator[Cau
         yield from (_in(where, each) for each in certificate.verdict.warnings if each not in known and each.code == "differences")
 
 
-def said_of_norms(problem: Problem, found: Evaluation) -> Iterator[Caution]:
+def said_of_norms(problem: Problem, found: DesignOutcome) -> Iterator[Caution]:
     """By how much the derivatives of norms of gradients may be off: they alone are differences."""
     for case in problem.cases if problem.norms else ():
         where, run = f"{case}: " if case else "", CaseRun(problem, case, None, gradients=True)
@@ -182,7 +184,7 @@ def _in(where: str, caution: Caution) -> Caution:
     return Caution(caution.code, f"{where}{caution.text}", caution.doubt)
 
 
-def said_of_runs(problem: Problem, found: Evaluation, again: Again) -> Iterator[Caution]:
+def said_of_runs(problem: Problem, found: DesignOutcome, again: Verification) -> Iterator[Caution]:
     """What runs at the optimum say about themselves: that which an analysis of its scene is, and the one with finer steps where that says
     something else."""
     for case, finer_run in again.results.items():
@@ -193,7 +195,7 @@ def said_of_runs(problem: Problem, found: Evaluation, again: Again) -> Iterator[
         yield from (_in(where, each) for each in finer_run.verdict.warnings if each.code not in told)
 
 
-def _said_as_it_stands(problem: Problem, case: str, found: Evaluation) -> Iterator[Caution]:
+def _said_as_it_stands(problem: Problem, case: str, found: DesignOutcome) -> Iterator[Caution]:
     """What `statics` or `simulate` says of the scene at a design; load margins, which stand beside it here, feel what bends it, too."""
     try:
         run = values_alone(Compiled(scene_at(problem, case, found.design)), problem.kind)

@@ -6,14 +6,14 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-from toolkit.studies.stability.found import Cell, Mapped, Study
-from toolkit.studies.stability.limits_found import breakdowns, mapped_range, stable_where
+from toolkit.studies.stability.cell_outcome import CellOutcome
+from toolkit.studies.stability.classifier import CellClass, Limits
 from toolkit.studies.stability.map import Axis
-from toolkit.studies.stability.measure import Measured
-from toolkit.studies.stability.verdict import Limits, Verdict
+from toolkit.studies.stability.map_limits import breakdowns, mapped_range, stable_where
+from toolkit.studies.stability.map_result import Cell, MapResult, StabilityResult
 
 
-def record_of(study: Study) -> dict[str, Any]:
+def record_of(study: StabilityResult) -> dict[str, Any]:
     """Everything that was found; numbers that are not finite are None."""
     best = study.reference
     return {
@@ -40,14 +40,14 @@ def criteria(limits: Limits) -> list[str]:
     ]
 
 
-def _map(each: Mapped) -> dict[str, Any]:
+def _map(each: MapResult) -> dict[str, Any]:
     return {
         "title": each.map.title,
         "compared_with": each.map.judge,
         "axes": [_axis(axis) for axis in each.map.axes],
         "mapped": mapped_range(each),
         "stable": {"run": stable_where(each, "run"), "gradient": stable_where(each, "gradient")},
-        "beyond": [{"at": b.place, "of": b.of, **_verdict(b.verdict)} for b in breakdowns(each)],
+        "beyond": [{"at": b.place, "of": b.of, **_class(b.verdict)} for b in breakdowns(each)],
         "cells": [{"at": list(at), **_cell(cell)} for at, cell in each.cells.items()],
     }
 
@@ -57,15 +57,15 @@ def _axis(axis: Axis) -> dict[str, Any]:
 
 
 def _cell(cell: Cell) -> dict[str, Any]:
-    gradient = None if cell.gradient is None else _verdict(cell.gradient)
-    return {"run": _verdict(cell.run), "gradient": gradient, **({} if cell.measured is None else _measured(cell.measured))}
+    gradient = None if cell.gradient is None else _class(cell.gradient)
+    return {"run": _class(cell.run), "gradient": gradient, **({} if cell.outcome is None else _outcome(cell.outcome))}
 
 
-def _verdict(verdict: Verdict) -> dict[str, str]:
-    return {"class": verdict.name, "reason": verdict.reason}
+def _class(found: CellClass) -> dict[str, str]:
+    return {"class": found.name, "reason": found.reason}
 
 
-def _measured(found: Measured) -> dict[str, Any]:
+def _outcome(found: CellOutcome) -> dict[str, Any]:
     numbers = {
         "drift": found.drift,
         "energy_created": found.created,

@@ -2,32 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import number_factor, response_factor
 from toolkit.sensitivity.numerical import typical_size
-from toolkit.studies.places.place import Progress
+from toolkit.studies.engine.executor import Executor, Progress
+from toolkit.studies.engine.jobs import run_jobs
+from toolkit.studies.engine.store import RunFolder
 from toolkit.studies.stability.catalogue import maps_of
-from toolkit.studies.stability.doubts import verdict_of
-from toolkit.studies.stability.found import Cell, Mapped, Reference, Study
+from toolkit.studies.stability.cell_outcome import CellOutcome, slope_difference, value_difference
+from toolkit.studies.stability.cell_run import CellJob
+from toolkit.studies.stability.classifier import CellClass, Limits, gradient_class, run_class
 from toolkit.studies.stability.map import Map
-from toolkit.studies.stability.measure import Measured, Run, slope_difference, value_difference
-from toolkit.studies.stability.pool import Task, measured
+from toolkit.studies.stability.map_result import Cell, FineReference, MapResult, StabilityResult
 from toolkit.studies.stability.solver_maps import finest_first, refined, steps_needed
-from toolkit.studies.stability.verdict import Limits, Verdict, of_gradient, of_run
+from toolkit.validity.description.scene_cautions import cautions_of_scene
 
 MOST_STEPS = 10_000
 """Cells that need more are not run, unless the scene itself does."""
+REMEDY = "Run it again with --jobs 1 or a smaller --most-steps."
 Key = tuple[str, tuple[int, ...]]
 OWN: Key = ("the scene itself", ())
 FINE, HALF = "its own with another step", " with half the step"
 OWN_HALF: Key = (OWN[0] + HALF, ())
 ROUND_OFF = 1e-6
 """What may differ between unit systems: Newton stops 1e-10 of the scene's size away, and forces magnify that."""
+ENDS = {"failed": "fails", "refused": "is refused", "not run": "is not run"}
+"""Class of the scene itself -> what it does, for those that give no number."""
 
 
 def stability(
@@ -39,7 +45,7 @@ def stability(
     jobs: int = 1,
     progress: Progress | None = None,
     kept: Path | None = None,
-) -> Study:
+) -> StabilityResult:
     """Map where a scene runs stably.
 
     Parameters
@@ -65,21 +71,21 @@ def stability(
     scene.design_variables(design)
     with TemporaryDirectory(prefix="ffrf-stability-") as folder:
         maps, missing = maps_of(scene, names, Path(folder), most_steps)
-        tasks = _tasks(scene, design, maps, most_steps)
-        found = dict(zip(tasks, measured(list(tasks.values()), jobs, progress, kept), strict=True))
+        wanted = _jobs(scene, design, maps, most_steps)
+        found = _run(wanted, Executor(jobs), progress, kept)
     for each in maps:
         if each.judge == "own units":
             cells = {at: changed.units for at, changed in each.scenes.items() if (each.name, at) in found}
             found |= {(each.name, at): _in_own_units(found[each.name, at], scene, units) for at, units in cells.items()}
     reference = _reference(scene, found, limits)
-    own = found.get(OWN) or Measured(Run("refused", _too_long(scene, most_steps)))
-    itself = _cell(own, reference.measured if reference else found.get(OWN_HALF), limits)
-    mapped = [Mapped(m, {at: _judged(m, at, found, reference, limits, most_steps) for at in m.scenes}) for m in maps]
-    verdict = verdict_of(scene, design, limits, itself, reference, mapped, most_steps)
-    return Study(scene, design, limits, itself, reference, mapped, missing, verdict)
+    own = found.get(OWN) or CellOutcome(status="refused", reason=_too_long(scene, most_steps))
+    itself = _cell(own, reference.outcome if reference else found.get(OWN_HALF), limits)
+    mapped = [MapResult(m, {at: _judged(m, at, found, reference, limits, most_steps) for at in m.scenes}) for m in maps]
+    verdict = _verdict(scene, design, limits, itself, reference, mapped, most_steps)
+    return StabilityResult(scene, design, limits, itself, reference, mapped, missing, verdict)
 
 
-def _tasks(scene: Scene, design: list[str], maps: Sequence[Map], most_steps: int) -> dict[Key, Task]:
+def _jobs(scene: Scene, design: list[str], maps: Sequence[Map], most_steps: int) -> dict[Key, CellJob]:
     """Everything that has to run: the scene itself, ever finer or with half the step, every cell, and its half step where that judges."""
     wanted: dict[Key, tuple[Scene, int]] = {OWN: (scene, most_steps)}
     if any(each.judge == "reference" for each in maps):
@@ -92,10 +98,19 @@ def _tasks(scene: Scene, design: list[str], maps: Sequence[Map], most_steps: int
             if each.judge == "half step":
                 wanted[each.name + HALF, at] = (refined(changed, 2), 2 * most_steps)
     return {
-        key: Task(each, design, _sizes(scene, each, design), not key[0].endswith(HALF))
+        key: CellJob(each, design, _sizes(scene, each, design), not key[0].endswith(HALF))
         for key, (each, most) in wanted.items()
         if steps_needed(each) <= most
     }
+
+
+def _run(jobs: Mapping[Key, CellJob], executor: Executor, progress: Progress | None, kept: Path | None) -> dict[Key, CellOutcome]:
+    """Outcomes of all jobs; equal ones run once."""
+    keys = {at: job.key for at, job in jobs.items()}
+    wanted = {keys[at]: job for at, job in jobs.items()}
+    store = RunFolder(kept, CellOutcome)
+    found = run_jobs(CellJob.run, wanted, store, executor, progress, remedy=REMEDY, compile_first=True)
+    return {at: found[key] for at, key in keys.items()}
 
 
 def _sizes(scene: Scene, changed: Scene, design: list[str]) -> dict[str, float] | None:
@@ -110,38 +125,100 @@ def _too_long(scene: Scene, most_steps: int) -> str:
     return f"{steps_needed(scene)} steps, more than {most_steps:g} (--most-steps)"
 
 
-def _in_own_units(found: Measured, scene: Scene, units: str) -> Measured:
+def _in_own_units(found: CellOutcome, scene: Scene, units: str) -> CellOutcome:
     """Responses and slopes of the scene in other units, in those of the scene."""
     by = {f: response_factor(scene, f, units) for f in found.values}
-    slopes = {f: {x: slope / by[f] for x, slope in row.items()} for f, row in found.slopes.items()}
+    slopes = {f: {x: slope / by[f] for x, slope in row.items()} for f, row in found.gradients.items()}
     values, undecided = ({f: value / by[f] for f, value in each.items()} for each in (found.values, found.undecided))
-    return replace(found, values=values, slopes=slopes, undecided=undecided)
+    return replace(found, values=values, gradients=slopes, undecided=undecided)
 
 
-def _reference(scene: Scene, found: Mapping[Key, Measured], limits: Limits) -> Reference | None:
+def _reference(scene: Scene, found: Mapping[Key, CellOutcome], limits: Limits) -> FineReference | None:
     """The two finest runs in good order; None where there is none, or nothing to compare."""
     fine = [(each.solver.step, found.get((FINE, (k,)))) for k, each in enumerate(finest_first(scene))]
-    good = [(step, each) for step, each in fine if each and of_run(each, None, limits).name == "stable" and each.values]
+    good = [(step, each) for step, each in fine if each and run_class(each, None, limits).name == "stable" and each.values]
     if len(good) < 2:
         return None
     (step, best), (_, after) = good[:2]
-    return Reference(step, best, value_difference(after, best), slope_difference(after.slopes, best.slopes, best.undecided))
+    return FineReference(
+        step, best, value_difference(after, best), slope_difference(after.gradients, best.gradients, best.undecided)
+    )
 
 
 def _judged(
-    mapped: Map, at: tuple[int, ...], found: Mapping[Key, Measured], reference: Reference | None, limits: Limits, most_steps: int
+    mapped: Map,
+    at: tuple[int, ...],
+    found: Mapping[Key, CellOutcome],
+    reference: FineReference | None,
+    limits: Limits,
+    most_steps: int,
 ) -> Cell:
     """Name of one cell of a map."""
     here = found.get((mapped.name, at))
     if here is None:
-        skipped = Verdict("not run", _too_long(mapped.scenes[at], most_steps))
+        skipped = CellClass("not run", _too_long(mapped.scenes[at], most_steps))
         return Cell(skipped, skipped)
     if mapped.judge == "own units":
         return _cell(here, found.get(OWN), replace(limits, accuracy=ROUND_OFF))
     if mapped.judge == "half step":
         return _cell(here, found.get((mapped.name + HALF, at)), limits)
-    return _cell(here, reference.measured if reference else None, limits)
+    return _cell(here, reference.outcome if reference else None, limits)
 
 
-def _cell(here: Measured, reference: Measured | None, limits: Limits) -> Cell:
-    return Cell(of_run(here, reference, limits), of_gradient(here, reference, limits), here)
+def _cell(here: CellOutcome, reference: CellOutcome | None, limits: Limits) -> Cell:
+    return Cell(run_class(here, reference, limits), gradient_class(here, reference, limits), here)
+
+
+def _verdict(
+    scene: Scene,
+    design: Sequence[str],
+    limits: Limits,
+    own: Cell,
+    reference: FineReference | None,
+    maps: Sequence[MapResult],
+    most_steps: int,
+) -> Verdict:
+    """Whether the classes of the cells mean what they say, and why not."""
+    cautions = [*_of_the_scene_itself(own, design), *_of_the_reference(scene, design, limits, reference, maps)]
+    if scene.responses and any(each.map.judge == "reference" for each in maps):
+        cautions += _of_what_was_cut_off(scene, reference, most_steps)
+    return Verdict.of([*cautions, *cautions_of_scene(scene)])
+
+
+def _of_the_scene_itself(own: Cell, design: Sequence[str]) -> Iterator[Caution]:
+    if own.run.name in ENDS:
+        yield Caution("as-it-stands", f"the scene {ENDS[own.run.name]} as it stands: {own.run.reason}", doubt=False)
+    if not design:
+        text = "the scene declares no design variables, so no gradient is judged. Name some with --variables."
+        yield Caution("no-gradient", text, doubt=False)
+
+
+def _of_the_reference(
+    scene: Scene, design: Sequence[str], limits: Limits, best: FineReference | None, maps: Sequence[MapResult]
+) -> Iterator[Caution]:
+    if not scene.responses:
+        yield Caution("no-responses", "the scene has no responses, so a wrong motion that ends in good order is not seen.")
+    elif not any(each.map.judge == "reference" for each in maps):
+        return
+    elif best is None:
+        yield Caution("no-reference", "no two steps that were tried run in good order, so maps of the solver have no reference.")
+    elif best.next_values > limits.accuracy or (design and best.next_slopes > limits.accuracy):
+        yield Caution(
+            "coarse-reference",
+            f"the finest step, {best.step:.3g}, differs from the next by {100 * best.next_values:.3g} % in the responses and "
+            f"{100 * best.next_slopes:.3g} % in the gradient, so `inaccurate` means little in maps of the solver: the motion may be "
+            "chaotic, or needs a smaller solver.step.",
+        )
+
+
+def _of_what_was_cut_off(scene: Scene, best: FineReference | None, most_steps: int) -> Iterator[Caution]:
+    """Runs for the reference that were left out because of their steps; a doubt where it is no finer than the scene."""
+    wanted = [each for each in finest_first(scene) if steps_needed(each) > most_steps]
+    if wanted:
+        known = f"so that the reference has the step {best.step:.3g}" if best else "so that there is no reference"
+        yield Caution(
+            "cut-reference",
+            f"steps down to {wanted[0].solver.step:.3g} were wanted for the reference, but those up to {wanted[-1].solver.step:.3g} need "
+            f"more than {most_steps:g} steps (--most-steps), {known}.",
+            doubt=best is None or best.step >= scene.solver.step,
+        )

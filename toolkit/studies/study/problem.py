@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import variable_unit
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind
+from toolkit.studies.engine.fingerprint import scene_fingerprint
 from toolkit.studies.study.study_file import LOAD_MARGIN, Study
 from toolkit.studies.study.uncertain_points import UncertainPoints
 from toolkit.studies.study.wanted import (
@@ -35,6 +37,10 @@ ROUND_OFF = 1e-13
 """Relative change of a response that nothing has to have brought about."""
 ONLY = ""
 """Name of the only case of a study that names none."""
+BUDGET = {"starts", "evaluations"}
+"""Options of a search that change how many designs are solved, and no number of any."""
+ELSEWHERE = {"search", "directory", "responses", "scene", "uncertain", "sweep", "uncertainty"}
+"""Parts of a study that count otherwise in its fingerprint, or say only which designs are solved."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +97,11 @@ class Problem:
         """All that is evaluated for a design, in the order of all arrays; the load margin is the last."""
         known = (*self.asked, *map(norm_of, self.norms), *self.statistics)
         return (*known, LOAD_MARGIN) if self.margin_up_to is not None else known
+
+    @cached_property
+    def labels(self) -> dict[str, tuple[int, int]]:
+        """Response, with its case before it where cases have names -> place of case and response in the values of a design."""
+        return {label: (i, j) for j, name in enumerate(self.responses) for i, label in enumerate(by_case(self.cases, name))}
 
     @cached_property
     def statistics(self) -> dict[str, Statistic]:
@@ -183,6 +194,22 @@ class Problem:
     def unit_of_variable(self, name: str) -> str:
         """Label of the unit of a variable."""
         return variable_unit(self.scene, self.scene.paths_of(name)[0])
+
+    @property
+    def fingerprint(self) -> str:
+        """Hash of study, scene, the files that it reads, and the program; more starts or evaluations leave it as it is.
+
+        The order of variables, cases and responses counts: a store has arrays in that order.
+        """
+        study = self.study
+        search = {key: value for key, value in study.search.model_dump(mode="json").items() if key not in BUDGET}
+        rest = study.model_dump(mode="json", exclude=ELSEWHERE)
+        cases = [(name, list(numbers.items())) for name, numbers in self.cases.items()]
+        parts: list[Any] = [rest, search, self.variables, cases, self.responses]
+        if self.points is not None:
+            options = study.uncertainty.model_dump(mode="json", include={"correlations", "points", "seed"})
+            parts += [[(name, each.model_dump(mode="json")) for name, each in study.uncertain.items()], options]
+        return scene_fingerprint(self.scene, *parts)
 
 
 def by_case(cases: Iterable[str], name: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""A sweep: all designs solved at a place, kept, and judged."""
+"""A sweep: all designs solved, kept, and judged."""
 
 from __future__ import annotations
 
@@ -6,13 +6,11 @@ from pathlib import Path
 
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
-from toolkit.studies.designs.design_work import WITH, WITHOUT, Asked, DesignWork
-from toolkit.studies.designs.failed_designs import failed_designs, refuse_all_failed
+from toolkit.studies.designs.design_work import WITH, WITHOUT, DesignJob, DesignWork
 from toolkit.studies.designs.judged_runs import extremes, margins_cut_off, said_at
-from toolkit.studies.designs.solve_designs import solve_designs
-from toolkit.studies.evaluation.fingerprint import fingerprint
-from toolkit.studies.evaluation.store import opened_store
-from toolkit.studies.places.place import HERE, Place, Progress
+from toolkit.studies.designs.solve_designs import failed_designs, refuse_all_failed, solve_designs
+from toolkit.studies.engine.executor import SERIAL, Executor, Progress
+from toolkit.studies.engine.store import opened_store
 from toolkit.studies.study.checked_problem import problem_of_all
 from toolkit.studies.study.problem import Problem
 from toolkit.studies.study.study_file import Study
@@ -30,7 +28,7 @@ def sweep_problem(study: Study, scene: Scene | None = None) -> Problem:
     return problem
 
 
-def swept(problem: Problem, folder: Path | None = None, place: Place = HERE, progress: Progress | None = None) -> Swept:
+def swept(problem: Problem, folder: Path | None = None, executor: Executor = SERIAL, progress: Progress | None = None) -> Swept:
     """Solve all designs of a sweep.
 
     Parameters
@@ -39,7 +37,7 @@ def swept(problem: Problem, folder: Path | None = None, place: Place = HERE, pro
         The checked study.
     folder
         Where all designs are kept, and found again after an interruption; None keeps nothing.
-    place
+    executor
         Where they are solved.
     progress
         Called with the designs solved and the designs in all.
@@ -47,21 +45,21 @@ def swept(problem: Problem, folder: Path | None = None, place: Place = HERE, pro
     Raises
     ------
     InputError
-        The designs cannot be meant; or the folder holds another study, or another run works in it.
+        The designs are invalid; or the folder holds another study, or another run works in it.
     NoDesignError
         Not one design could be solved.
     StudyError
         A process or the cluster ended; what was finished is kept.
     """
     designs, wanted = points_of(problem), problem.study.sweep.gradients
-    asked = [Asked(WITH if wanted else WITHOUT, each, wanted) for each in designs]
-    with opened_store(None if folder is None else folder / STORE, fingerprint(problem)) as store:
-        found = solve_designs(DesignWork(problem), asked, store, place, progress)
+    asked = [DesignJob(WITH if wanted else WITHOUT, each, wanted) for each in designs]
+    with opened_store(None if folder is None else folder / STORE, problem.fingerprint) as store:
+        found = solve_designs(DesignWork(problem), asked, store, executor, progress)
     refuse_all_failed(found)
     numbers = {id(each): k + 1 for k, each in reversed(list(enumerate(found)))}
     named = {f"design {numbers[id(each)]}": each for each in extremes(found)}
     margins = margins_cut_off(problem, found, statistics=False, doubt=False)
     cautions = [*failed_designs(found, "; their rows say why.", doubt=False), *margins, *said_at(problem, named)]
     return Swept(
-        problem, designs, tuple(found), Verdict.of(cautions), sum(each.wall for each in {id(e): e for e in found}.values())
+        problem, designs, tuple(found), Verdict.of(cautions), sum(each.seconds for each in {id(e): e for e in found}.values())
     )

@@ -10,8 +10,8 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Verdict
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.study.problem import Problem, by_case
+from toolkit.studies.engine.outcome import DesignOutcome
+from toolkit.studies.study.problem import Problem
 
 Cell = int | float | str
 NUMBER, FAILURE = "design", "failure"
@@ -23,11 +23,6 @@ def derivative(label: str, variable: str) -> str:
     return f"d({label})/d({variable})"
 
 
-def places_of(problem: Problem) -> dict[str, tuple[int, int]]:
-    """Response, with its case before it where cases have names -> place of case and response in the values of a design."""
-    return {by_case([case], name)[0]: (i, j) for j, name in enumerate(problem.responses) for i, case in enumerate(problem.cases)}
-
-
 def refuse_equal_columns(problem: Problem) -> None:
     """Refuse names of which two would be the same column of the table.
 
@@ -36,7 +31,7 @@ def refuse_equal_columns(problem: Problem) -> None:
     InputError
         A variable or a response is called like another column.
     """
-    labels = {label: problem.responses[j] for label, (_, j) in places_of(problem).items()}
+    labels = {label: problem.responses[j] for label, (_, j) in problem.labels.items()}
     taken = {NUMBER: "the number of the design", FAILURE: "why a design failed"}
     taken |= {label: f"the response {name!r}" for label, name in labels.items() if label not in taken}
     taken |= {derivative(label, name): "a derivative" for label in labels for name in problem.variables}
@@ -73,14 +68,14 @@ class Swept:
 
     problem: Problem
     designs: np.ndarray
-    solved: tuple[Evaluation, ...]
+    solved: tuple[DesignOutcome, ...]
     verdict: Verdict
     wall: float
 
     @property
     def responses(self) -> dict[str, tuple[int, int]]:
         """Response, with its case before it where cases have names -> place of case and response in the values of a design."""
-        return places_of(self.problem)
+        return self.problem.labels
 
     @property
     def units(self) -> dict[str, str]:

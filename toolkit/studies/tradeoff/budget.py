@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.listed_names import meant
-from toolkit.studies.tradeoff.errors.studied import Studied
 
 DEFAULT = 1e-3
 GRADIENT_SHARE = 10.0
 """A gradient's budget by default, in units of that of its response: an optimiser needs its direction, a reader all digits of the value."""
 EVERY = "all"
+
+
+class ErrorQuantity(NamedTuple):
+    """What has a budget and an error: a response, or its gradient."""
+
+    response: str
+    derived: bool
+
+    def __str__(self) -> str:
+        return f"d({self.response})" if self.derived else self.response
 
 
 class BudgetError(ToolkitError, ArithmeticError):
@@ -21,8 +31,8 @@ class BudgetError(ToolkitError, ArithmeticError):
 
 def read_budget(
     responses: Sequence[str], values: Iterable[str], gradients: Iterable[str], differentiated: bool
-) -> dict[Studied, float]:
-    """Studied number -> largest relative error, from `RESPONSE=1e-3` and `all=1e-3`; what is not named has no limit.
+) -> dict[ErrorQuantity, float]:
+    """Quantity -> largest relative error, from `RESPONSE=1e-3` and `all=1e-3`; what is not named has no limit.
 
     Nothing named means all responses. `d(RESPONSE)` among the values is the gradient, as among the gradients themselves.
 
@@ -43,8 +53,8 @@ def read_budget(
             "budgets of gradients need design variables: name some with --variables, or in the scene's table [design]."
         )
     slopes = _limits(responses, named) if named else {name: GRADIENT_SHARE * limit for name, limit in own.items()}
-    found = {Studied(name, False): limit for name, limit in own.items()}
-    return found | ({Studied(name, True): limit for name, limit in slopes.items()} if differentiated else {})
+    found = {ErrorQuantity(name, False): limit for name, limit in own.items()}
+    return found | ({ErrorQuantity(name, True): limit for name, limit in slopes.items()} if differentiated else {})
 
 
 def _split(text: str) -> tuple[str, float]:

@@ -7,10 +7,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from toolkit.description.run_options import RunOptions
-from toolkit.studies.tradeoff.runs.worker import Case, model_bodies
-from toolkit.studies.tradeoff.settings.frame_axes import framed
-from toolkit.studies.tradeoff.settings.setting import Setting, options_with
-from toolkit.studies.tradeoff.settings.skin_models import model_file, tables_file
+from toolkit.studies.tradeoff.case import Case, model_bodies, tables_file
+from toolkit.studies.tradeoff.frame_axes import framed
+from toolkit.studies.tradeoff.setting import Setting, options_with
 
 EVERY_SHAPE = 10_000
 """Modes of a part that no part has: it keeps all its coordinates."""
@@ -49,7 +48,7 @@ def skin_fragments(case: Case, setting: Setting) -> dict[str, str]:
     """Body -> the tables of its skin file that take the place of those that are there."""
     found = {}
     for body in model_bodies(case.scene(), setting):
-        tables = json.loads(tables_file(model_file(case.models, case.identity, body, setting.skin)).read_text(encoding="utf-8"))
+        tables = json.loads(tables_file(case.model_file(body, setting.skin)).read_text(encoding="utf-8"))
         if tables:
             found[body] = "\n\n".join(toml_table(name, table) for name, table in tables.items())
     return found

@@ -13,19 +13,14 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.frames.chosen_frames import automatic
 from toolkit.sensitivity.preparation import responses_of
-from toolkit.studies.places.place import Progress
-from toolkit.studies.tradeoff.budget import BudgetError, read_budget
-from toolkit.studies.tradeoff.errors.judged import Judged, cheapest, judge
-from toolkit.studies.tradeoff.errors.reference import Reference, find_reference
-from toolkit.studies.tradeoff.errors.studied import Studied
-from toolkit.studies.tradeoff.pareto import pareto
-from toolkit.studies.tradeoff.runs.pool import measured
-from toolkit.studies.tradeoff.runs.timing import timed
-from toolkit.studies.tradeoff.runs.worker import Case
-from toolkit.studies.tradeoff.settings.axes import read_axes
-from toolkit.studies.tradeoff.settings.grid import grid
-from toolkit.studies.tradeoff.settings.setting import Choice, Setting
-from toolkit.studies.tradeoff.settings.store import fingerprint
+from toolkit.studies.engine.executor import Progress
+from toolkit.studies.tradeoff.axes import read_axes
+from toolkit.studies.tradeoff.budget import BudgetError, ErrorQuantity, read_budget
+from toolkit.studies.tradeoff.case import Case, fingerprint
+from toolkit.studies.tradeoff.judgement import JudgedSetting, cheapest, judge, pareto
+from toolkit.studies.tradeoff.reference import Reference, find_reference
+from toolkit.studies.tradeoff.setting import Choice, Setting, grid
+from toolkit.studies.tradeoff.setting_run import run_settings, time_settings
 
 Stage = Callable[[str], AbstractContextManager[Progress]]
 REPEATS = 5
@@ -39,7 +34,7 @@ class Plan:
     scene: Scene
     axes: dict[str, list[Choice]]
     settings: list[Setting]
-    budget: dict[Studied, float]
+    budget: dict[ErrorQuantity, float]
 
 
 @dataclass(frozen=True)
@@ -48,19 +43,21 @@ class Tradeoff:
 
     plan: Plan
     reference: Reference
-    settings: list[Judged]
-    pareto: list[Judged]
-    recommended: Judged | None
+    settings: list[JudgedSetting]
+    pareto: list[JudgedSetting]
+    recommended: JudgedSetting | None
 
     @property
-    def failed(self) -> list[Judged]:
+    def failed(self) -> list[JudgedSetting]:
         """Settings that the solver or the preprocessing refused."""
-        return [each for each in self.settings if each.record.failure]
+        return [each for each in self.settings if each.outcome.failed]
 
     @property
     def spread(self) -> float:
         """Factor by which repeated runs of a setting differ, the median of all settings: 1 on a machine with nothing else to do."""
-        return median([max(each.record.whole) / min(each.record.whole) for each in self.settings if each.record.whole] or [1.0])
+        return median(
+            [max(each.outcome.whole) / min(each.outcome.whole) for each in self.settings if each.outcome.whole] or [1.0]
+        )
 
     def check(self) -> None:
         """Raise what is to be said if no setting keeps the budget.
@@ -101,7 +98,7 @@ def plan(
     Raises
     ------
     InputError
-        An axis, a response or a number cannot be meant.
+        An axis, a response or a number is invalid.
     """
     changes = changes or {}
     scene = read_scene(path, changes)
@@ -113,7 +110,7 @@ def plan(
     names = list(scene.design if names is None else names)
     read = read_axes(scene, axes)
     budget = read_budget(list(responses_of(scene)), budgets, gradient_budgets, bool(names))
-    case = Case(path.resolve(), changes, tuple(names), folder.resolve(), fingerprint(path, scene, changes, names))
+    case = Case(path.resolve(), changes, tuple(names), folder.resolve(), fingerprint(scene, names))
     return Plan(case, scene, read, grid(scene, read), budget)
 
 
@@ -145,14 +142,14 @@ def tradeoff(planned: Plan, stage: Stage = silent, jobs: int = 1, repeats: int =
     case, settings = planned.case, planned.settings
     with stage("reference") as progress:
         reference = find_reference(
-            planned.scene, planned.axes, planned.budget, lambda wanted: measured(case, wanted, jobs, progress)
+            planned.scene, planned.axes, planned.budget, lambda wanted: run_settings(case, wanted, jobs, progress)
         )
     with stage("settings") as progress:
-        records = measured(case, settings, jobs, progress)
+        outcomes = run_settings(case, settings, jobs, progress)
     with stage("times") as progress:
-        records = timed(case, settings, records, repeats, progress)
-    judged = [judge(setting, record, reference, planned.budget) for setting, record in zip(settings, records, strict=True)]
-    judged.sort(key=lambda each: (bool(each.record.failure), each.price))
+        outcomes = time_settings(case, settings, outcomes, repeats, progress)
+    judged = [judge(setting, each, reference, planned.budget) for setting, each in zip(settings, outcomes, strict=True)]
+    judged.sort(key=lambda each: (each.outcome.failed, each.price))
     best = pareto([(each.price, each.ratio) for each in judged])
     return Tradeoff(planned, reference, judged, [judged[k] for k in best], cheapest(judged))
 
@@ -160,7 +157,7 @@ def tradeoff(planned: Plan, stage: Stage = silent, jobs: int = 1, repeats: int =
 def _why_none(found: Tradeoff) -> str:
     budget, worked = found.plan.budget, [each for each in found.settings if each.worst is not None]
     if not worked:
-        return f"no setting could be run; the first one: {found.failed[0].record.failure}"
+        return f"no setting could be run; the first one: {found.failed[0].outcome.reason}"
     best = min(worked, key=lambda each: each.ratio)
     quantity = best.worst
     assert quantity is not None

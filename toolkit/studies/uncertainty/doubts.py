@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.studies.designs.failed_designs import failed_designs
 from toolkit.studies.designs.judged_runs import extremes, margins_cut_off, said_at
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.designs.solve_designs import failed_designs
+from toolkit.studies.designs.solved_design import solve_design
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.study_file import LOAD_MARGIN
 from toolkit.studies.uncertainty.spread import Spread
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
@@ -32,7 +32,11 @@ ANOTHER = 1e-5
 
 
 def doubts(
-    study: UncertainStudy, spreads: Mapping[str, Spread], exact: Sequence[Evaluation], random: Sequence[Evaluation], warm: bool
+    study: UncertainStudy,
+    spreads: Mapping[str, Spread],
+    exact: Sequence[DesignOutcome],
+    random: Sequence[DesignOutcome],
+    warm: bool,
 ) -> Iterator[Caution]:
     """Cautions of failed designs, of polynomials, and of runs at the means and at extreme designs."""
     yield from failed_designs([*exact, *random], OTHERS_ALONE, doubt=True)
@@ -127,10 +131,10 @@ def _samples(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
             )
 
 
-def _elsewhere(study: UncertainStudy, ends: Sequence[Evaluation]) -> Iterator[Caution]:
+def _elsewhere(study: UncertainStudy, ends: Sequence[DesignOutcome]) -> Iterator[Caution]:
     """That the path from the unloaded state leads elsewhere than the warm start."""
     for end in ends:
-        cold = solved(study.problem, end.lane, end.design, None, False)
+        cold = solve_design(study.problem, end.lane, end.design, None, False)
         if cold.failed or not np.allclose(cold.values, end.values, rtol=ANOTHER, atol=0):
             yield Caution(
                 "beyond-snap-through",

@@ -8,18 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from toolkit.foundation.verdict import Verdict
-from toolkit.studies.designs.design_work import WITH, WITHOUT, Asked, DesignWork
-from toolkit.studies.designs.failed_designs import refuse_all_failed
+from toolkit.studies.designs.design_work import WITH, WITHOUT, DesignJob, DesignWork
 from toolkit.studies.designs.judged_runs import cut_off
-from toolkit.studies.designs.solve_designs import solve_designs
+from toolkit.studies.designs.solve_designs import refuse_all_failed, solve_designs
+from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.distributions.sobol_points import scrambled
-from toolkit.studies.evaluation.evaluation import Evaluation
-from toolkit.studies.evaluation.fingerprint import fingerprint
-from toolkit.studies.evaluation.solved_design import solved
-from toolkit.studies.evaluation.store import opened_store
-from toolkit.studies.identity import hashed
-from toolkit.studies.places.place import HERE, Place, Progress
-from toolkit.studies.study.problem import by_case
+from toolkit.studies.engine.executor import SERIAL, Executor, Progress
+from toolkit.studies.engine.fingerprint import hashed
+from toolkit.studies.engine.outcome import DesignOutcome
+from toolkit.studies.engine.store import opened_store
 from toolkit.studies.uncertainty.doubts import doubts
 from toolkit.studies.uncertainty.expansion import EXACT, Expansion, fitted
 from toolkit.studies.uncertainty.spread import Neighbour, Spread, beyond, quantiles_of, sampled, without_statistics
@@ -35,7 +32,7 @@ TAILS = 2**13
 
 
 def found_uncertainty(
-    study: UncertainStudy, folder: Path | None = None, place: Place = HERE, progress: Progress | None = None
+    study: UncertainStudy, folder: Path | None = None, executor: Executor = SERIAL, progress: Progress | None = None
 ) -> UncertainResult:
     """Find out what follows from uncertain numbers.
 
@@ -45,7 +42,7 @@ def found_uncertainty(
         The checked study.
     folder
         Where all designs are kept, and found again after an interruption; None keeps nothing.
-    place
+    executor
         Where they are solved.
     progress
         Called with the designs solved and the designs in all.
@@ -60,31 +57,25 @@ def found_uncertainty(
         A process or the cluster ended; what was finished is kept.
     """
     problem, options = study.problem, study.options
-    start = solved(problem, WITH, study.designs[0], None) if options.warm_starts and problem.kind == "static" else None
+    start = solve_design(problem, WITH, study.designs[0], None) if options.warm_starts and problem.kind == "static" else None
     start = None if start is None or start.failed else start
-    key = fingerprint(problem) if start is None else hashed(fingerprint(problem), study.designs[0].tolist())
-    asked = [Asked(WITH, each) for each in study.designs]
-    asked += [Asked(WITHOUT, each, False) for each in study.random_designs]
+    key = problem.fingerprint if start is None else hashed(problem.fingerprint, study.designs[0].tolist())
+    asked = [DesignJob(WITH, each) for each in study.designs]
+    asked += [DesignJob(WITHOUT, each, False) for each in study.random_designs]
     with opened_store(None if folder is None else folder / STORE, key) as store:
-        found = solve_designs(DesignWork(problem, start), asked, store, place, progress)
+        found = solve_designs(DesignWork(problem, start), asked, store, executor, progress)
     exact, random = found[: len(study.designs)], found[len(study.designs) :]
     refuse_all_failed(exact)
     expansions = _expansions(study, exact)
     spreads = _spreads(study, expansions, exact, random)
     verdict = Verdict.of(doubts(study, spreads, exact, random, start is not None))
-    wall = sum(each.wall for each in found)
+    wall = sum(each.seconds for each in found)
     return UncertainResult(study, spreads, expansions, tuple(exact), tuple(random), verdict, wall)
 
 
-def _places(study: UncertainStudy) -> dict[str, tuple[int, int]]:
-    """Response, with its case -> place of case and response."""
-    cases, names = study.problem.cases, study.problem.responses
-    return {label: (i, j) for j, name in enumerate(names) for i, label in enumerate(by_case(cases, name))}
-
-
-def _expansions(study: UncertainStudy, exact: Sequence[Evaluation]) -> dict[str, Expansion]:
+def _expansions(study: UncertainStudy, exact: Sequence[DesignOutcome]) -> dict[str, Expansion]:
     good = [k for k, each in enumerate(exact) if not each.failed]
-    germs, places = study.germs[good], _places(study)
+    germs, places = study.germs[good], study.problem.labels
     values = np.array([[exact[k].values[place] for place in places.values()] for k in good])
     by_numbers = np.array([[exact[k].gradients[place] for place in places.values()] for k in good])
     slopes = np.einsum("krx,kxg->krg", by_numbers, study.joint.slopes(germs))
@@ -95,13 +86,13 @@ def _expansions(study: UncertainStudy, exact: Sequence[Evaluation]) -> dict[str,
 
 
 def _spreads(
-    study: UncertainStudy, expansions: dict[str, Expansion], exact: Sequence[Evaluation], random: Sequence[Evaluation]
+    study: UncertainStudy, expansions: dict[str, Expansion], exact: Sequence[DesignOutcome], random: Sequence[DesignOutcome]
 ) -> dict[str, Spread]:
     problem, options, joint = study.problem, study.options, study.joint
     known = [k for k, each in enumerate(exact) if not each.failed]
     germs = joint.germs_of(scrambled(SAMPLES, len(joint.marginals), options.seed))
     good, found = [k for k, each in enumerate(random) if not each.failed], {}
-    for label, place in _places(study).items():
+    for label, place in study.problem.labels.items():
         each, name = expansions[label], problem.responses[place[1]]
         values, limit = each.values(germs), problem.study.constraints.get(name)
         alone, together = each.shares()
@@ -143,7 +134,7 @@ def _neighbour(each: Expansion, germs: np.ndarray, shares: tuple[float, ...]) ->
     return None if other is None else Neighbour(other.degree, other.mean, other.sigma, quantiles_of(other.values(germs), shares))
 
 
-def _first_order(study: UncertainStudy, first: Evaluation, place: tuple[int, int]) -> tuple[float, float] | None:
+def _first_order(study: UncertainStudy, first: DesignOutcome, place: tuple[int, int]) -> tuple[float, float] | None:
     """Mean and standard deviation by the value and the derivatives at the means; None if that design could not be solved."""
     if first.failed:
         return None

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.verdict import Verdict, finite
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.uncertainty.expansion import Expansion
 from toolkit.studies.uncertainty.spread import Spread
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
@@ -40,8 +40,8 @@ class UncertainResult:
     study: UncertainStudy
     responses: Mapping[str, Spread]
     expansions: Mapping[str, Expansion]
-    solved: tuple[Evaluation, ...]
-    sampled: tuple[Evaluation, ...]
+    solved: tuple[DesignOutcome, ...]
+    sampled: tuple[DesignOutcome, ...]
     verdict: Verdict
     wall: float
 

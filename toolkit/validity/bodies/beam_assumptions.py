@@ -14,13 +14,15 @@ A basis of few shapes lacks besides what p moves the nodes by and no shape knows
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
+from toolkit.responses.energy import StrainEnergy
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.stress.local_stress import LocalStress
 from toolkit.scene.scene import Scene
@@ -36,6 +38,8 @@ from toolkit.validity.bodies.pressed_pieces import is_pressed, pressure_on_eleme
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
+INSTANTS = 24
+"""Among so many the largest strain energy is looked for."""
 FIBRE = np.sqrt(3.0)
 """Distance of the outer fibre of a rectangle in radii of gyration."""
 
@@ -53,18 +57,24 @@ class Beams(NamedTuple):
 def beams_of(behind: Chain) -> Beams:
     """What the elements are, from how they deform; the radius is that of bending about the stiffer axis."""
     law, (ends, lengths, along) = behind.forms.law, sides_of(behind)
+    stiffest = np.linalg.eigvalsh(_bending(behind))[:, -1] / 2
+    return Beams(ends, lengths, along, law[:, 0, 0] * lengths, stiffest / law[:, 0, 0])
+
+
+def _bending(behind: Chain) -> np.ndarray:
+    """2 E I / L of the elements about the axes across them, (n_e, 1, 1) or (n_e, 3, 3)."""
+    law, along = behind.forms.law, sides_of(behind)[2]
     turns = (law.shape[1] - 1) // 2
-    bending = law[:, 1 : 1 + turns, 1 : 1 + turns] - law[:, 1 : 1 + turns, 1 + turns :]  # 2 E I / L
+    bending: np.ndarray = law[:, 1 : 1 + turns, 1 : 1 + turns] - law[:, 1 : 1 + turns, 1 + turns :]
     if turns > 1:
         aside = np.eye(turns) - along[:, :, None] * along[:, None, :]
         bending = aside @ bending @ aside
-    stiffest = np.linalg.eigvalsh(bending)[:, -1] / 2
-    return Beams(ends, lengths, along, law[:, 0, 0] * lengths, stiffest / law[:, 0, 0])
+    return bending
 
 
 def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
     """Bodies of whose stress, where it is asked for, weight and inertia between their nodes are a part that counts."""
-    scene, moving = solution.system.scene, has_inertia(solution)
+    scene, moving = solution.system.placed, has_inertia(solution)
     pressed, heavy = is_pressed(scene), moving or bool(np.real(scene.gravity).any())
     for body in whole_bodies(scene) if pressed or heavy else ():
         parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
@@ -84,6 +94,56 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
                 f"off by some {part:.0%} of the largest, while interface points are where they should be. Build the model with "
                 f"{times_as_many(factor)} as many {elements_of(scene, body)}, or with more modes.",
             )
+
+
+def energy_between_nodes(solution: Solution) -> Iterator[Caution]:
+    """Strain energies that are asked for at an instant, of which weight and inertia between nodes are a part that counts."""
+    scene, last = solution.system.scene, len(solution.times) - 1
+    if not has_inertia(solution) and not np.real(scene.gravity).any():
+        return
+    for name, response in scene.responses.items():
+        if isinstance(response, StrainEnergy) and (solution.steps or not response.needs_motion):
+            step = response.step(solution)
+            missing = _energy_missed(solution, response.body, step)
+            largest = (
+                max(float(np.real(response.at(solution, n).value)) for n in {step, *spread(last, INSTANTS)}) if missing else 0.0
+            )
+            if missing > LIMIT * (largest + missing):
+                part = missing / (largest + missing)
+                yield Caution(
+                    "weight-between-nodes",
+                    f"{name} lacks what weight and forces of inertia bend and stretch elements by between their nodes: some {part:.0%} of "
+                    "the largest that it is, while interface points are where they should be. Build the model with "
+                    f"{times_as_many((part / LIMIT) ** 0.25)} as many elements.",
+                )
+
+
+def _energy_missed(solution: Solution, asked: str | None, step: int) -> float:
+    """What elements miss of the strain energy of one body, or of all, at one state.
+
+    Of an element of length l that a force per length p bends and stretches between nodes that are right,
+
+        (e x p)^2 l^5 / (1440 E I) + (e . p)^2 l^3 / (24 E A)
+    """
+    scene, total = solution.system.scene, 0.0
+    for name in deforming(scene):
+        behind, body = chain(scene, name), scene.body(name)
+        if behind is None or asked not in (None, name, getattr(body, "whole", None)):
+            continue
+        found, bending = beams_of(behind), _bending(behind)
+        pull = _density(scene, body, found)[:, None] * pull_on_elements(solution, name, behind, np.array([step]))[0]
+        across = _across(found.along, pull[None])[0]
+        along = np.einsum("ei,ei->e", pull, found.along)
+        bent = np.einsum("ei,eij,ej->e", across, np.linalg.pinv(bending, hermitian=True), across)
+        total += float(np.sum(bent * found.lengths**4 / 720 + along**2 * found.lengths**3 / (24 * found.axial)))
+    return total
+
+
+def _density(scene: Scene, body: Any, found: Beams) -> np.ndarray:
+    """Mass per length of the elements (n_e,), as of one material."""
+    (mass,) = body.some_invariants(scene, "mass")
+    per_length: np.ndarray = float(np.real(mass)) * found.axial / (found.axial @ found.lengths)
+    return per_length
 
 
 ALMOST = 1e-3
@@ -131,15 +191,13 @@ def _looks_anywhere(scene: Scene, body: str) -> bool:
 
 def _strains(solution: Solution, name: str) -> Strains | None:
     """Those of a part at its largest deformations; None where these are not known."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     behind, body = chain(scene, name), scene.body(name)
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
         return None
     found, elastic = beams_of(behind), np.real(solution.q[:, elastic_coordinates(solution, name)])
     instants = largest_instants(elastic)
-    (mass,) = body.some_invariants(scene, "mass")
-    density = float(np.real(mass)) * found.axial / (found.axial @ found.lengths)
-    pull = density[:, None] * pull_on_elements(solution, name, behind, instants)
+    pull = _density(scene, body, found)[:, None] * pull_on_elements(solution, name, behind, instants)
     pull = pull + pressure_on_elements(solution, name, behind, instants)
     along = np.einsum("tei,ei->te", pull, found.along)
     normal = pull - along[:, :, None] * found.along

@@ -25,7 +25,7 @@ from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_b
 
 def bent_pieces(solution: Solution) -> Iterator[Caution]:
     """Solids whose pieces bend so far that more of them are needed, whatever the number of frames."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     for body in whole_bodies(scene):
         if not is_in_pieces(scene, body):
             continue
@@ -42,7 +42,7 @@ def bent_pieces(solution: Solution) -> Iterator[Caution]:
 def shortening(solution: Solution, body: str) -> tuple[float, float, int]:
     """By how much the pieces of a body shorten at the worst instant, in parts of its largest displacement then; the largest angle of an
     end in rad, and the number of pieces."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
     bows, turns = [], []
     for name, part in deforming(scene).items():

@@ -93,7 +93,7 @@ def flexible_bodies(scene: Scene) -> list[str]:
 def deformations(solution: Solution) -> dict[str, Deformation | None]:
     """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements."""
     if Deformation not in solution.known:
-        solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
+        solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.placed)}
     found: dict[str, Deformation | None] = solution.known[Deformation]
     return found
 
@@ -105,16 +105,16 @@ def whole_bodies(scene: Scene) -> list[str]:
 
 def deformation(solution: Solution, body: str) -> Deformation | None:
     """The meter's numbers for one body."""
-    written = solution.system.scene.bodies.get(body)
+    written = solution.system.placed.bodies.get(body)
     if isinstance(written, CutBody):
         return _of_parts(solution, body, written)
-    behind = chain(solution.system.scene, body)
+    behind = chain(solution.system.placed, body)
     return None if behind is None else deformation_of(behind, solution, body)
 
 
 def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | None:
     """Of a cut body: the errors of its parts, each in its own frame, add up to one of the whole, which the whole is measured by."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
     found = [_bent_part(solution, name, instants) for name in written.parts(body)]
     parts = [each[0] for each in found if each is not None]
@@ -131,7 +131,7 @@ def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | 
 
 def _bent_part(solution: Solution, name: str, instants: np.ndarray) -> tuple[BentPart, np.ndarray] | None:
     """A part where it is, and the largest rotation of its nodes in its frame, (n_t,); None where its elements are not known."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     part: Any = scene.body(name)
     behind = chain(scene, name)
     if behind is None:

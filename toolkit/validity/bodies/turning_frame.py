@@ -18,9 +18,9 @@ import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.chord_condition import Chord
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
 from toolkit.system.flexible_bodies import design_point
-from toolkit.system.marker_states import marker_states
+from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.frame_choice import frame_choices
@@ -50,11 +50,11 @@ class TurningFrame(NamedTuple):
 
 def turning_frames(solution: Solution) -> Iterator[TurningFrame]:
     """Bodies that two joints hold and whose frame is tied to one end."""
-    for body, choice in frame_choices(solution.system.scene).items():
+    for body, choice in frame_choices(solution.system.placed).items():
         if choice.chord is not None and choice.advice:
             compliance = lateral_compliance(solution, body, choice.chord)
             steps = np.arange(len(solution.times))[:: -(-len(solution.times) // INSTANTS)]
-            forces = np.array([_along(solution, body, choice.chord, int(step)) for step in steps])
+            forces = _along(solution, body, choice.chord, steps)
             errors = np.array([_error(force * compliance) for force in forces])
             worst = first_largest(errors)
             yield TurningFrame(
@@ -70,7 +70,7 @@ def _error(mu: float) -> float:
 
 def lateral_compliance(solution: Solution, body: str, chord: Chord) -> float:
     """mu for a unit force: the most that c K^-1 c^T / L can be across the chord."""
-    one, other = (np.real(design_point(solution.system.scene, body).interface(name).here[0]) for name in chord)
+    one, other = (np.real(design_point(solution.system.placed, body).interface(name).here[0]) for name in chord)
     return _largest(compliance_across(solution, body, other - one))
 
 
@@ -81,7 +81,7 @@ def bending_compliance(solution: Solution, body: str, chord: Chord) -> float:
 
 def motion_against_tangent(solution: Solution, body: str, chord: Chord) -> np.ndarray:
     """The line of a chord and how each elastic coordinate moves its second end against the tangent at the first, (d, 1 + n_f)."""
-    (one, turn), (other, _) = (design_point(solution.system.scene, body).interface(name).here for name in chord)
+    (one, turn), (other, _) = (design_point(solution.system.placed, body).interface(name).here for name in chord)
     found = np.real(other - one)
     side, turned = found[:, 0], np.real(turn)[..., 1:]
     found[:, 1:] -= np.outer([-side[1], side[0]], turned) if turned.ndim == 1 else np.cross(turned, side, axisa=0, axisc=0)
@@ -90,7 +90,7 @@ def motion_against_tangent(solution: Solution, body: str, chord: Chord) -> np.nd
 
 def compliance_across(solution: Solution, body: str, motion: np.ndarray) -> np.ndarray:
     """c K^-1 c^T / L (d, d) across a line, of its own vector and displacements per elastic coordinate (d, 1 + n_f)."""
-    stiffness, side, moved = np.real(design_point(solution.system.scene, body).value("stiffness")), motion[:, 0], motion[:, 1:]
+    stiffness, side, moved = np.real(design_point(solution.system.placed, body).value("stiffness")), motion[:, 0], motion[:, 1:]
     length = np.linalg.norm(side)
     across = moved - np.outer(side, side @ moved) / length**2
     found = across @ static_deflection(stiffness, across.T)
@@ -102,20 +102,22 @@ def _largest(compliance: np.ndarray) -> float:
     return float(np.linalg.eigvalsh(compliance)[-1])
 
 
-def _along(solution: Solution, body: str, chord: Chord, step: int) -> float:
-    """The larger of the forces that joints exert at both ends, along the line through them: loads and inertia take up the rest."""
+def _along(solution: Solution, body: str, chord: Chord, steps: np.ndarray) -> np.ndarray:
+    """The larger of the forces that joints exert at both ends, along the line through them, (n_t,): loads and inertia take up the rest."""
     system, d = solution.system, solution.system.scene.dimension
-    states, forces, places = marker_states(system, solution.q[step]), np.zeros((2, d)), np.zeros((2, d))
-    for name, joint in system.scene.joints.items():
-        for sign, (gripped, point) in zip((1, -1), joint.grips, strict=True):
+    forces, places = np.zeros((2, 2, len(steps), d))
+    poses, of_joints = poses_at(system, solution.q[steps]), wrenches_of_joints(solution)
+    wrenches = np.array([of_joints.at(int(step)) for step in steps])
+    for j, joint in enumerate(system.scene.joints.values()):
+        for side, (gripped, point) in enumerate(joint.grips):
             interface = getattr(system.scene.interface(point), "interface", None)
             if gripped == body and interface in chord:
                 end = chord.index(interface)
-                forces[end] += sign * np.real(JointForce(joint=name, component="x").force(solution, step)[0][:d])
+                forces[end] += (1, -1)[side] * wrenches[:, j, 0, :d]
                 grip = next(
                     n for n, marker in enumerate(system.numbering.markers) if marker[:2] == (body, point)
                 )  # with axes in space
-                places[end] = np.real(states.y[grip][:d])
-    side = places[1] - places[0]
-    pulls = np.array([-forces[0] @ side, forces[1] @ side]) / np.linalg.norm(side)
-    return float(pulls[first_largest(np.abs(pulls))])
+                places[end] = poses[:, grip, :d]
+    line = places[1] - places[0]
+    pulls = np.stack([-(forces[0] * line).sum(axis=1), (forces[1] * line).sum(axis=1)]) / np.linalg.norm(line, axis=1)
+    return np.array([pair[first_largest(np.abs(pair))] for pair in pulls.T])

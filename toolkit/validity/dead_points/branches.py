@@ -63,8 +63,8 @@ def dead_points(solution: Solution) -> list[DeadPoint]:
 
 def _changes(solution: Solution, joints: JointsAlone, states: Sequence[int]) -> list[tuple[int, int, np.ndarray]]:
     """Neighbours among some states between which the sign changes, and the free motions (f, n_q) of the first."""
-    arrays = np.array([joints.jacobian(q) for q in np.real(solution.q[list(states)])])
-    free = np.linalg.svd(arrays)[2][:, arrays.shape[1] :]
+    arrays = joints.jacobians(np.real(solution.q[list(states)]))
+    free = np.linalg.qr(arrays.transpose(0, 2, 1), mode="complete")[0][:, :, arrays.shape[1] :].transpose(0, 2, 1)
     changed = _sides(arrays[1:], free[:-1]) * _sides(arrays[:-1], free[:-1]) < 0
     found = changed & _alike(free[1:], free[:-1])
     return [(*pair, free[n]) for n, pair in enumerate(pairwise(states)) if found[n]]

@@ -9,6 +9,7 @@ import numpy as np
 
 from toolkit.equations.equations import Terms
 from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.solvers.static.stability.many_states import StaticEntries
 from toolkit.system.system import System
 
 CORRECTIONS = 6
@@ -40,9 +41,19 @@ class JointsAlone:
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """J (n_lam, n_q), which knows no time."""
-        weights = self.system.weights
-        array = np.real(self.system.dense(self._terms(0.0, q).I_acc))[: self.system.n_q, self._kept].T
-        return array * weights[self._kept, None] / weights[: self.system.n_q]
+        return self.jacobians(q[None])[0]
+
+    def jacobians(self, states: np.ndarray) -> np.ndarray:
+        """The same of several states (k, n_q), (k, n_lam, n_q)."""
+        system, weights = self.system, self.system.weights
+        q, rest = np.zeros((2, len(states), system.n))
+        q[:, : system.n_q] = states
+        curves, curves_x = system.curves(np.zeros(1))
+        always = curves.repeat(len(states), axis=0), curves_x.repeat(len(states), axis=0)
+        found = system.evaluate_states(always, LEVELS, q, rest, rest, joints_only=True)
+        entries = StaticEntries.on_pattern(system, np.stack([each.I_acc for each in found]))
+        arrays = entries.block(np.arange(system.n_q), self._kept).transpose(0, 2, 1)
+        return arrays * weights[self._kept, None] / weights[: system.n_q]
 
     def closed(self, time: float, q: np.ndarray) -> tuple[float, np.ndarray]:
         """Coordinates put back on the joints by the smallest moves."""

@@ -7,9 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.kernels.inertia import add_drag
+from toolkit.bodies.kernels.constant_kernel import ROUGH, constant_residual
+from toolkit.bodies.kernels.inertia import add_drag, moving_residual
 from toolkit.equations.equations import Inputs, Plan, allocate_terms, allocate_work
-from toolkit.foundation.kernel import kernel
+from toolkit.foundation.kernel import inner, kernel
+from toolkit.markers.poses import set_frames
 from toolkit.system.solution import Solution
 
 ONES = (1.0, 1.0, 1.0, 1.0)
@@ -36,26 +38,35 @@ class EnergyBalance(NamedTuple):
         return float(np.abs(self.defect).max() / largest) if largest > 0 else 0.0
 
 
+@inner
+def momentum(plan, q, v, acc, terms, work):
+    """M v of all bodies in `terms.inertial`, where acc is v."""
+    plane, frames = plan.markers.plane, plan.markers.frames
+    terms.inertial[:] = 0
+    set_frames(frames, work.markers, q, v, acc)
+    constant_residual(plan.constant, q, v, acc, 1.0, ROUGH, work.halves, terms.inertial, terms.applied)
+    moving_residual(plane, frames, plan.floating, work.markers, q, v, acc, 1.0, work.floating, terms.inertial, terms.applied)
+
+
 @kernel
 def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, lam, out, acc, terms, work):
-    """T, P = -v . (A - K q) + v . M' v / 2 - v . phi_q^T lam, q . K q / 2 and v . D v at all times: out (n_t, 4).
+    """T, P = -v . (A - K q) - v . phi_q^T lam, q . K q / 2 and v . D v at all times: out (n_t, 4).
 
-    K and D are those of flexible bodies, D with what follows their mass. A is the applied group of the residual; at the acceleration v
-    the inertial group is M v, and its derivative by q along v is M' v.
+    K and D are those of flexible bodies, D with what follows their mass. A is the applied group of the residual of bodies that feel no
+    velocities but by dampers: what their velocities add, v . (M' v / 2 - f_v), is zero for every mass matrix M. At the acceleration v the
+    inertial group is M v.
     """
     n_q, constant = plan.n_q, plan.constant
     for n in range(len(q)):
-        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia, False)
-        for i in range(plan.n):
-            acc[i] = v[n, i] if i < n_q else 0 * v[n, 0]
-        evaluator(plan, functions, inputs, q[n], v[n], acc, True, False, terms, work)
-        for i in range(n_q):
-            out[n, 0] += v[n, i] * terms.inertial[i] / 2
-            for e in range(plan.indptr[i], plan.indptr[i + 1]):
-                if plan.indices[e] < n_q:
-                    out[n, 1] += v[n, i] * terms.I_q[e] * v[n, plan.indices[e]] / 2
+        if inertia:
+            for i in range(plan.n):
+                acc[i] = v[n, i] if i < n_q else 0 * v[n, 0]
+            momentum(plan, q[n], v[n], acc, terms, work)
+            for i in range(n_q):
+                out[n, 0] += v[n, i] * terms.inertial[i] / 2
         for i in range(plan.n):
             acc[i] = lam[n, i]
+        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, False, False)
         evaluator(plan, functions, inputs, q[n], v[n], acc, False, False, terms, work)
         for i in range(n_q):
             out[n, 1] -= v[n, i] * (terms.applied[i] + terms.inertial[i])

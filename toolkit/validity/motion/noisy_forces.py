@@ -74,13 +74,24 @@ def noise_at(joint: JointNoise, step: int) -> float:
     return float(joint.noise[max(min(step - IN_A_ROW, last), 0) : last + 1].max())
 
 
+def noise_of_values(values: np.ndarray, times: np.ndarray, size: float) -> float:
+    """The same of a number that is made of such a force, (n_t,), at states in a row, as a part of a size: of a magnitude it is less than of
+    the components that jump across it."""
+    if len(times) < IN_A_ROW + 2 or not size > 0:
+        return np.inf
+    return float(_amplitudes(values[:, None], np.diff(times)).max()) / size
+
+
 def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     """Amplitude from each inner state and the next three, (n_t - 5, rows), of forces (n_t, rows) after steps (n_t - 1,)."""
     before, after = lengths[:-1, None], lengths[1:, None]
     off = force[1:-1] - (after * force[:-2] + before * force[2:]) / (before + after)
     signs = np.where(np.arange(len(off)) % 2, -1.0, 1.0)[:, None]
-    four = np.stack([(signs * off)[k : len(off) - IN_A_ROW + 1 + k] for k in range(IN_A_ROW)])
-    return np.maximum(four.min(axis=0), (-four).min(axis=0)).clip(min=0) / 2
+    four = [(signs * off)[k : len(off) - IN_A_ROW + 1 + k] for k in range(IN_A_ROW)]
+    least, largest = four[0], four[0]
+    for each in four[1:]:
+        least, largest = np.minimum(least, each), np.maximum(largest, each)
+    return np.maximum(least, -largest).clip(min=0) / 2
 
 
 def noisy_forces(
@@ -98,7 +109,7 @@ def noisy_forces(
         if asked is None
         else f", {', '.join(asked)} among them"
         if asked
-        else f"; {', '.join(quiet)} feel less than {NOISY:.0%} of it, at other times or as means"
+        else f"; {', '.join(quiet)} feel less than {NOISY:.0%} of it, at other times, as means, or along what does not jump"
         if quiet
         else "; no response that was asked for is one of them"
     )

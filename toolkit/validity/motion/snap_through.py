@@ -7,8 +7,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import scipy
 
-from toolkit.equations.equations import Inputs
+from toolkit.foundation.compiled.calls import call
 from toolkit.foundation.errors import SingularSystemError
+from toolkit.foundation.kernel import kernel
 from toolkit.foundation.verdict import Caution
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
@@ -101,11 +102,12 @@ def snap_through(solution: Solution) -> Caution | None:
 
 def _first_unstable(solution: Solution, places: list[float]) -> int | None:
     """Number of the first of some states that is unstable; those of scenes that are not large are looked at together."""
-    system, inputs = solution.system, _inputs(solution, places)
+    system, curves = solution.system, _curves(solution, places)
     together = max(TOGETHER // len(system.plan.indices), 1) if system.n < MANY else 1
     for begin in range(0, len(places), together):
         some = range(begin, min(begin + together, len(places)))
-        states = _at_rest(solution, [places[k] for k in some], [inputs[k] for k in some])
+        part = slice(some.start, some.stop)
+        states = _at_rest(solution, places[part], (curves[0][part], curves[1][part]))
         if len(some) > 1 and states.are_stable():
             continue
         for k in some:
@@ -127,12 +129,25 @@ def _places(solution: Solution) -> list[float]:
 def _different(q: np.ndarray) -> list[int]:
     """Numbers of states (n_t, n_q), the first among them: each was chosen as the one furthest from those before it."""
     stride = -(-len(q) // AMONG)
-    q = q[::stride]
-    distance, chosen = np.full(len(q), np.inf), [0]
-    while len(chosen) < min(LOOKED_AT, len(q)):
-        distance = np.minimum(distance, ((q - q[chosen[-1]]) ** 2).sum(axis=1))
-        chosen.append(int(np.argmax(distance)))
-    return [stride * n for n in chosen]
+    q = np.ascontiguousarray(q[::stride])
+    chosen = np.zeros(min(LOOKED_AT, len(q)), np.int64)
+    call(choose_apart, q, np.full(len(q), np.inf), chosen)
+    return [stride * int(n) for n in chosen]
+
+
+@kernel
+def choose_apart(q, distance, chosen):
+    """Numbers of states q (n_t, n): after the first one each time that which is furthest from all before; `distance` (n_t,) is infinite."""
+    for c in range(1, len(chosen)):
+        last, furthest = chosen[c - 1], 0
+        for n in range(len(q)):
+            square = 0.0
+            for i in range(q.shape[1]):
+                square += (q[n, i] - q[last, i]) ** 2
+            distance[n] = min(distance[n], square)
+            if distance[n] > distance[furthest]:
+                furthest = n
+        chosen[c] = furthest
 
 
 def _begins_at_rest(solution: Solution) -> bool:
@@ -159,26 +174,25 @@ def _begins_at_rest(solution: Solution) -> bool:
     return bool((weights * np.abs(way[:n_b])).max() <= NEAR)
 
 
-def _inputs(solution: Solution, places: list[float]) -> list[Inputs]:
-    """What acts at some states; the curves of all times at once."""
-    curves, curves_x = solution.system.curves(np.array([_state(solution, place)[0] for place in places]))
-    return [Inputs(*each, 1.0, LEVELS, True, False) for each in zip(curves, curves_x, strict=True)]
-
-
 def _one_at_rest(solution: Solution, place: float) -> StatesAtRest:
     """A state as if it were at rest."""
-    return _at_rest(solution, [place], _inputs(solution, [place]))
+    return _at_rest(solution, [place], _curves(solution, [place]))
 
 
-def _at_rest(solution: Solution, places: list[float], inputs: list[Inputs]) -> StatesAtRest:
-    """Several states as if they were at rest, with what acts at each."""
+def _curves(solution: Solution, places: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    """What acts at some states."""
+    return solution.system.curves(np.array([_state(solution, place)[0] for place in places]))
+
+
+def _at_rest(solution: Solution, places: list[float], curves: tuple[np.ndarray, np.ndarray]) -> StatesAtRest:
+    """Several states as if they were at rest, with what acts at them."""
     system, n_q = solution.system, solution.system.n_q
-    q, forces, rest = np.zeros((len(places), system.n)), np.zeros((len(places), system.n)), np.zeros(system.n)
+    q, forces, rest = np.zeros((3, len(places), system.n))
     q[:, :n_q] = [_state(solution, place)[1] for place in places]
-    terms = [system.evaluate(*each, rest, rest) for each in zip(inputs, q, strict=True)]
+    terms = system.evaluate_states(curves, LEVELS, q, rest, rest)
     alone = system.n >= MANY or len(places) == 1
     forces[:, n_q:] = balancing_forces(system, terms[0]) if alone else balancing_forces_of(system, terms)
-    terms = [system.evaluate(each, state, rest, force) for each, state, force in zip(inputs, q, forces, strict=True)]
+    terms = system.evaluate_states(curves, LEVELS, q, rest, forces)
     residuals = np.stack([each.inertial + each.applied for each in terms])
     values = np.stack([np.real(static_matrix(system, each)) for each in terms])
     return StatesAtRest(system, residuals, values, dead_inertia(system, q, residuals), forces)

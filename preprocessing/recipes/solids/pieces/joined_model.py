@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import eigh
 
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.reduction import clamped_in_tangent_frame
+from preprocessing.basis.solids.basis import solid_shapes
+from preprocessing.basis.solids.ties import freedom
+from preprocessing.mesh.faces import BoundaryFaces
+from preprocessing.mesh.solid_mesh import rigid_motions
+from preprocessing.recipes.solids.discrete_body import DiscreteBody
+from preprocessing.recipes.solids.mesh_error import mesh_error
 from preprocessing.recipes.solids.pieces.cut_mesh import CutMesh
-from preprocessing.recipes.solids.pieces.piece_bodies import PieceBodies
-from preprocessing.recipes.solids.pieces.piece_columns import CLAMPED, MOTIONS, columns_of_piece
-from preprocessing.recipes.solids.pieces.piece_ends import (
-    derivatives_of_points,
-    interfaces_of_ends,
-    numbers_of_points,
-    places_of_ends,
-)
+from preprocessing.recipes.solids.pieces.piece_bodies import ENDS, PieceBodies
+from preprocessing.recipes.solids.pieces.piece_columns import CLAMPED, MOTIONS, columns_of_end, columns_of_piece
 from preprocessing.recipes.solids.pieces.piece_pressures import pressed_body
-from preprocessing.recipes.solids.pieces.piece_surface import piece_surface
 from preprocessing.recipes.solids.pieces.placed_items import (
     LEFT_OUT,
     Placed,
@@ -30,10 +30,134 @@ from preprocessing.recipes.solids.pieces.placed_items import (
     placed,
     placement,
 )
-from preprocessing.recipes.solids.pieces.uncut_mesh import judged_by_uncut
 from preprocessing.recipes.solids.reduced_body import reduced_body
+from toolkit.reduced_model.cut.part import symmetric
+from toolkit.reduced_model.dependence import Derivatives
 from toolkit.reduced_model.elements import SPATIAL_LOCAL, SpatialElements
-from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants
+from toolkit.reduced_model.model import InterfacePoint, StressPoints
+from toolkit.reduced_model.parts.pieces import Pieces
+from toolkit.reduced_model.questions.face_questions import EXTREMES
+from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface
+
+ROUND_OFF = 1e-6
+"""Error below which it is round-off of both compliances."""
+
+
+def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.ndarray) -> dict[str, Any]:
+    """Fields of the reduced model: `face_errors`, and those of the mesh.
+
+    Parameters
+    ----------
+    body : uncut
+    ends : interface point -> number of its end, the clamp's is zero
+    stiffness : of the pieces, on the motions of all ends but the clamped one
+    """
+    free = freedom(body.mesh, body.clamped, body.ties)
+    matrices = body.parts.at(body.values)
+    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
+    mass, whole = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
+    motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
+    places = free.places(body.mesh.nodes, body.ties)
+    shapes = solid_shapes(BasisChoice("static"), mass, whole, motions, places, free, body.ties)
+    m = body.mesh.motions
+    here = np.concatenate([m * (ends[name] - 1) + np.arange(m) for name in shapes.points])
+    in_pieces = symmetric(np.linalg.inv(stiffness)[np.ix_(here, here)])
+    uncut = symmetric(np.linalg.inv(shapes.columns.T @ (whole @ shapes.columns)))
+    extremes = eigh(in_pieces, uncut, eigvals_only=True)[[0, -1]] - 1
+    loads = [f"{what} {axis} at {name}" for name in shapes.points for what in ("force", "moment") for axis in "xyz"]
+    found = {
+        **dict(zip(EXTREMES, extremes, strict=True)),
+        **dict(zip(loads, np.diag(in_pieces) / np.diag(uncut) - 1, strict=True)),
+    }
+    errors = {name: float(error) if abs(error) > ROUND_OFF else 0.0 for name, error in found.items()}
+    return {"face_errors": errors, **mesh_error(body.elastic, mass, whole, free, shapes)}
+
+
+class PieceSurface(NamedTuple):
+    """Who tells what."""
+
+    owner: np.ndarray  # (n_points,) number of the piece
+    rows: list[np.ndarray]  # of every point of the surface of each piece its number among those of the body, or `LEFT_OUT`
+    triangles: np.ndarray
+
+    def fields(self, pieces: Sequence[Mapping[str, Any]], width: int, n_stress: int) -> dict[str, Any]:
+        """Of the reduced model: surface, pieces, and the stress points, one to each point of the surface or none."""
+        surface, own = np.zeros((len(self.owner), 3, width)), np.zeros((len(self.owner), 3, 1 + SPATIAL_LOCAL))
+        for k, (piece, rows) in enumerate(zip(pieces, self.rows, strict=True)):
+            here, columns = rows >= 0, columns_of_piece(k)
+            moved, kept = piece["surface"].position[here], columns >= 0
+            own[rows[here]] = moved
+            surface[np.ix_(rows[here], np.arange(3), columns[kept])] = moved[:, :, kept]
+        told = self.owner[:n_stress]
+        return {
+            "surface": Surface(surface, self.triangles, np.zeros((0, 2), int)),
+            "pieces": Pieces(self.owner, own),
+            "stress": StressPoints(told, np.zeros_like(told), np.ones_like(told)),
+        }
+
+
+def piece_surface(found: PieceBodies) -> PieceSurface:
+    """The points of the surface of the uncut body, shared among the pieces."""
+    cut, whole = found.cut, found.cut.named.boundary
+    points = whole.points
+    owner = np.full(len(points), LEFT_OUT)
+    for k, piece in reversed([*enumerate(cut.pieces)]):
+        owner[np.isin(points, piece.nodes)] = k
+    rows = []
+    for k, (piece, body) in enumerate(zip(cut.pieces, found.bodies, strict=True)):
+        assert isinstance(body.boundary, BoundaryFaces)
+        mine = piece.nodes[body.boundary.points]
+        place = np.searchsorted(points, mine).clip(max=len(points) - 1)
+        rows.append(np.where((points[place] == mine) & (owner[place] == k), place, LEFT_OUT))
+    return PieceSurface(owner, rows, whole.triangles)
+
+
+def places_of_ends(pieces: Sequence[Mapping[str, Any]]) -> Placed:
+    """The item `nodes`, (3 n_ends,): each end where the piece behind it has it, the last one where the last piece has it."""
+    places, count = [], len(pieces) + 1
+    for k, piece in enumerate(pieces):
+        own = {}
+        for number, name in zip((k, k + 1), ENDS, strict=True):
+            to = np.full(piece["interfaces"][name].position.shape, LEFT_OUT)
+            if number == k or number == count - 1:
+                to[0, :, 0] = 3 * number + np.arange(3)
+            own[f"interfaces.{name}.position"] = Placement(to.ravel(), 3 * count)
+        places.append(own)
+    found = placed(pieces, places)
+    slopes = [each for each in found.derivatives.values() if len(each.entry)]
+    nodes = np.sum([*found.arrays.values()], axis=0)
+    return Placed({"nodes": nodes}, {"nodes": sum(slopes[1:], slopes[0])} if slopes else {}, {})
+
+
+def numbers_of_points(cut: CutMesh) -> Iterator[tuple[str, int]]:
+    """Interface points in the order of the file, and the numbers of their ends."""
+    numbers = {end.point: k for k, end in enumerate(cut.ends) if end.point}
+    yield from ((name, numbers[name]) for name in cut.named.file.interface_points)
+
+
+def interfaces_of_ends(cut: CutMesh, nodes: np.ndarray, width: int) -> dict[str, InterfacePoint]:
+    """Their motions are coordinates of the body, or none at the clamp."""
+    found = {}
+    for name, number in numbers_of_points(cut):
+        z = np.zeros((MOTIONS, width))
+        z[:3, 0] = nodes.reshape(-1, 3)[number]
+        if number != CLAMPED:
+            z[:, columns_of_end(number)] = np.eye(MOTIONS)
+        found[name] = InterfacePoint(np.zeros(()), np.zeros(2), *z.reshape(2, 1, 3, width))
+    return found
+
+
+def derivatives_of_points(cut: CutMesh, nodes: Placed, width: int) -> dict[str, Derivatives]:
+    """Of the places of interface points, by what moves the ends."""
+    found = {}
+    for name, number in numbers_of_points(cut):
+        for slope in nodes.derivatives.values():
+            here = slope.entry // 3 == number
+            if np.any(here):
+                entry = width * (slope.entry[here] % 3)
+                found[f"interfaces.{name}.position"] = Derivatives(slope.parameter[here], entry, slope.value[here])
+    return found
+
 
 COMPONENTS = 6
 """Of stress at a point."""

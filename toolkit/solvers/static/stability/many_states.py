@@ -41,16 +41,26 @@ class StaticEntries(NamedTuple):
 
     def added(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray) -> StaticEntries:
         """The same with others (k, l) added, each at another place, that may be at known places or at new ones."""
-        n = int(max(self.columns.max(), columns.max())) + 1
-        places, wanted = self.rows * n + self.columns, rows * n + columns
-        order = np.argsort(places)
-        at = order[np.minimum(np.searchsorted(places, wanted, sorter=order), len(places) - 1)]
-        known = places[at] == wanted
+        at, known = self._at(rows, columns)
         summed = self.values.copy()
         summed[:, at[known]] += values[:, known]
         return StaticEntries(
             np.append(self.rows, rows[~known]), np.append(self.columns, columns[~known]), np.hstack([summed, values[:, ~known]])
         )
+
+    def _at(self, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Which entries those at some places are, (l,), and whether they are known at all."""
+        n = int(max(self.columns.max(), self.rows.max(), columns.max(), rows.max())) + 1
+        places, wanted = self.rows * n + self.columns, rows * n + columns
+        order = np.argsort(places)
+        at = order[np.minimum(np.searchsorted(places, wanted, sorter=order), len(places) - 1)]
+        return at, places[at] == wanted
+
+    def asymmetry(self) -> np.ndarray:
+        """How far entries are at most from those across the diagonal, (k,)."""
+        at, known = self._at(self.columns, self.rows)
+        found: np.ndarray = np.abs(self.values - np.where(known, self.values[:, at], 0.0)).max(axis=1, initial=0.0)
+        return found
 
     def block(self, rows: np.ndarray, columns: np.ndarray, states: slice = slice(None)) -> np.ndarray:
         """Some rows and columns of the matrices of some states, (k, rows, columns)."""
@@ -71,21 +81,19 @@ def are_positive(system: System, static: StaticEntries) -> bool:
         return False
     n_b = system.n_b
     scaled = _in_comparable_sizes(system, static)
+    largest = np.abs(scaled.values).max(axis=1)
+    if not np.all(scaled.asymmetry() <= SYMMETRIC * largest):
+        return False
     differing = _differing(n_b, scaled)
     S, N, ties = np.flatnonzero(differing), np.flatnonzero(~differing), np.arange(n_b, system.n)
-    K_NN, K_NS, K_SN, K_SS = scaled.block(N, N, slice(1)), scaled.block(N, S), scaled.block(S, N), scaled.block(S, S)
-    J, G, rest = scaled.block(ties, S), scaled.block(S, ties), scaled.block(ties, ties)
-    largest = np.abs(scaled.values).max(axis=1)
-    pairs = ((K_NN, K_NN), (K_NS, K_SN), (K_SS, K_SS), (J, G), (rest, rest))
-    if not all(np.all(_asymmetry(one, other) <= SYMMETRIC * largest) for one, other in pairs):
-        return False
+    K_NN, K_NS, K_SS, J = scaled.block(N, N, slice(1)), scaled.block(N, S), scaled.block(S, S), scaled.block(ties, S)
     held = K_SS + (HOLD / largest)[:, None, None] * (J.transpose(0, 2, 1) @ J)
     try:
         np.linalg.cholesky(K_NN)
         K_NS = K_NS[:1] if np.all(K_NS[0] == K_NS) else K_NS
         followed = np.linalg.solve(K_NN[0], np.concatenate([*K_NS], axis=1))  # K_NN^-1 K_NS, of all states at once
         followed = followed.reshape(len(N), len(K_NS), len(S)).transpose(1, 0, 2)
-        np.linalg.cholesky(held - K_SN @ followed)
+        np.linalg.cholesky(held - K_NS.transpose(0, 2, 1) @ followed)
     except np.linalg.LinAlgError:
         return False
     return True
@@ -119,9 +127,3 @@ def _differing(n_b: int, static: StaticEntries) -> np.ndarray:
         held[most] = True
         left &= (rows != most) & (columns != most)
     return held
-
-
-def _asymmetry(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """How far matrices (k, r, c) are at most from others (k, c, r) transposed, (k,)."""
-    found: np.ndarray = np.abs(one - other.transpose(0, 2, 1)).max(axis=(1, 2), initial=0.0)
-    return found

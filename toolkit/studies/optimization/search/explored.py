@@ -7,19 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.methods.functions import DesignFailedError
 from toolkit.studies.optimization.optimality import Optimality, optimality_of
 from toolkit.studies.optimization.program import Program, Values
 from toolkit.studies.optimization.promise import promised
 from toolkit.studies.optimization.search.curvature import Known
-from toolkit.studies.optimization.search.found import Spent
+from toolkit.studies.optimization.search.search_result import Spent
 
 FIRST_SLOPE = 0.2
 """Largest derivative of the scaled objective at the first design: a method whose first matrix is the identity goes so far at first."""
 TYPICAL = 0.25
 """Part of the designs whose largest derivative is below what is typical: wild ones from the beginning of a search do not count."""
-Solve = Callable[[np.ndarray], Evaluation]
+Solve = Callable[[np.ndarray], DesignOutcome]
 """Solves a design, or takes it from where it is kept."""
 
 
@@ -37,7 +37,7 @@ class Explored:
     def __init__(self, program: Program, solve: Solve) -> None:
         self.program, self.solve = program, solve
         self.options = program.problem.study.search
-        self.done: dict[bytes, Evaluation] = {}
+        self.done: dict[bytes, DesignOutcome] = {}
         self.passed: set[bytes] = set()
         """Designs that meet the conditions of an optimum and are none."""
 
@@ -66,7 +66,7 @@ class Explored:
         size = float(np.max(np.abs(values.df)))
         self.program = replace(self.program, unit=self.program.unit * (size / FIRST_SLOPE if size > 0 else 1.0))
 
-    def evaluated(self, design: np.ndarray) -> Evaluation:
+    def evaluated(self, design: np.ndarray) -> DesignOutcome:
         """The design, which counts if it is new."""
         key = design.tobytes()
         if key not in self.done:
@@ -90,7 +90,7 @@ class Explored:
         """What is left of the conditions of an optimum."""
         return optimality_of(self.program, z, values, self.typical)
 
-    def best(self) -> tuple[Evaluation | None, Optimality | None]:
+    def best(self) -> tuple[DesignOutcome | None, Optimality | None]:
         """The feasible design of the least objective, else the least violated one; with what is left of the conditions."""
         judged = []
         solved = [each for each in self.done.values() if not each.failed]

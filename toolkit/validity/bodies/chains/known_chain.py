@@ -9,11 +9,15 @@ import numpy as np
 from toolkit.bodies.cut.framed_part import FramedPart, whole_design
 from toolkit.reduced_model.cut.part import Part
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import design_point, flexible_body
+from toolkit.system.flexible_bodies import flexible_body
 from toolkit.validity.bodies.chains.chain import Chain
-from toolkit.validity.bodies.chains.planar_chain import planar_chain
+from toolkit.validity.bodies.chains.chord_rows import chord_rows
+from toolkit.validity.bodies.chains.planar_chain import PlanarChain, planar_chain
 from toolkit.validity.bodies.chains.second_order import clamped_rows
 from toolkit.validity.bodies.chains.spatial_chain import SpatialChain, rows_of_part
+
+SECTIONS = ("sections", "section_derivatives", "section_affine")
+"""Parts of a reduced model that tell what its beams are made of, at every design."""
 
 
 def has_chain(scene: Scene, body: str) -> bool:
@@ -30,7 +34,10 @@ def chain(scene: Scene, body: str) -> Chain | None:
 
 
 def _in_plane(scene: Scene, body: str) -> Chain | None:
-    design = design_point(scene, body, "mesh", "stress", "interfaces")
+    written = flexible_body(scene, body)
+    if isinstance(written, FramedPart):
+        return _of_part(scene, written)
+    design = written.design_point(scene, "mesh", "interfaces", *SECTIONS)
     if Chain not in design.kept:
         design.kept[Chain] = planar_chain(design)
     found: Chain | None = design.kept[Chain]
@@ -54,23 +61,38 @@ def _in_space(scene: Scene, body: str) -> Chain | None:
     return found
 
 
-def _of_part(scene: Scene, written: FramedPart) -> Chain:
+def _of_part(scene: Scene, written: FramedPart) -> Chain | None:
     """Elements of a part of a cut body, numbered from its first node."""
     design, part = whole_design(scene, written.whole), written.part(scene)
     key = (Chain, *written.own)
     if key not in design.kept:
-        design.kept[key] = _chain_of_part(part, np.real(design.value("elements.stiffness")))
-    found: Chain = design.kept[key]
+        design.kept[key] = _CHAINS[scene.dimension](scene, written, part)
+    found: Chain | None = design.kept[key]
     return found
 
 
-def _chain_of_part(part: Part, stiffness: np.ndarray) -> Chain:
+def _spatial_part(scene: Scene, written: FramedPart, part: Part) -> Chain:
+    stiffness = np.real(whole_design(scene, written.whole).value("elements.stiffness"))
+    nodes = np.real(part.nodes)
+    rows, own = rows_of_part(nodes), stiffness[part.first : part.last]
+    return SpatialChain(np.real(part.recovery[:, 1:]), rows, nodes, _one_by_one(part), own)
+
+
+def _planar_part(scene: Scene, written: FramedPart, part: Part) -> Chain | None:
+    made_of = flexible_body(scene, written.whole).design_point(scene, *SECTIONS).sections()
+    if made_of is None:
+        return None
+    nodes, connectivity = np.real(part.nodes), _one_by_one(part)
+    rows, own = chord_rows(nodes, connectivity, nodes[0], nodes[-1]), made_of.of_elements(part.first, part.last).real
+    return PlanarChain(np.real(part.recovery[:, 1:]), rows, nodes, connectivity, own)
+
+
+def _one_by_one(part: Part) -> np.ndarray:
+    """First and second node of every element of a part, (n_e, 2)."""
     first = np.arange(part.last - part.first)
-    connectivity, nodes = np.column_stack([first, first + 1]), np.real(part.nodes)
-    return SpatialChain(
-        np.real(part.recovery[:, 1:]), rows_of_part(nodes), nodes, connectivity, stiffness[part.first : part.last]
-    )
+    return np.column_stack([first, first + 1])
 
 
+_CHAINS: Mapping[int, Callable[[Scene, FramedPart, Part], Chain | None]] = {2: _planar_part, 3: _spatial_part}
 _FINDERS: Mapping[int, Callable[[Scene, str], Chain | None]] = {2: _in_plane, 3: _in_space}
 """By the dimension of space."""

@@ -29,17 +29,23 @@ LEVI_CIVITA = -np.array([skew(axis) for axis in np.eye(3)])
 
 def spatial_forms(nodes: np.ndarray, connectivity: np.ndarray, stiffness: np.ndarray) -> Forms:
     """Of elements with stiffness (n_e, 12, 12) on displacements and rotations x, y, z of both ends."""
+    rows, curved = deformations(nodes, connectivity)
+    e = rows[:, 0, 6:9]
+    still = np.zeros((len(e), 12, DEFORMATIONS))  # a displacement of every deformation
+    still[:, 6:9, 0], still[:, 3:6, 1:4], still[:, 9:, 4:] = e, np.eye(3), np.eye(3)
+    law = np.swapaxes(still, 1, 2) @ stiffness @ still
+    dofs = (6 * connectivity[:, :, None] + np.arange(6)).reshape(-1, 12)
+    return Forms(6 * len(nodes), dofs, rows, law, curved)
+
+
+def deformations(nodes: np.ndarray, connectivity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Elongation and rotations of both ends of elements between nodes (n_nodes, 3), to first order (n_e, 7, 12), and Q (n_e, 7, 12, 12)."""
     sides = nodes[connectivity[:, 1]] - nodes[connectivity[:, 0]]
     lengths = np.linalg.norm(sides, axis=1)
     e = sides / lengths[:, None]
     a, c, r, theta = _linear(e, lengths)
     rows = np.concatenate([a[:, None], theta.reshape(-1, 6, 12)], axis=1)
-    still = np.zeros((len(e), 12, DEFORMATIONS))  # a displacement of every deformation
-    still[:, 6:9, 0], still[:, 3:6, 1:4], still[:, 9:, 4:] = e, np.eye(3), np.eye(3)
-    law = np.swapaxes(still, 1, 2) @ stiffness @ still
-    curved = np.concatenate([_stretch(c, lengths)[:, None], _rotations(e, lengths, a, c, r, theta)], axis=1)
-    dofs = (6 * connectivity[:, :, None] + np.arange(6)).reshape(-1, 12)
-    return Forms(6 * len(nodes), dofs, rows, law, curved)
+    return rows, np.concatenate([_stretch(c, lengths)[:, None], _rotations(e, lengths, a, c, r, theta)], axis=1)
 
 
 def _linear(e: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

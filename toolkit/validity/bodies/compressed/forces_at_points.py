@@ -11,7 +11,7 @@ from toolkit.compilation.numbering import grips_of
 from toolkit.compilation.quantities import named_loads
 from toolkit.description.point import BodyPoint
 from toolkit.responses.balance.power_of_load import law_of_load
-from toolkit.responses.forces.joint_wrenches import JointWrenches
+from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
 from toolkit.responses.kinematics.marker_motion import MarkerMotion
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
@@ -25,7 +25,7 @@ def forces_at_points(solution: Solution, body: str, instants: np.ndarray) -> dic
 
 def wrenches_at_points(solution: Solution, body: str, instants: np.ndarray) -> dict[str, np.ndarray]:
     """Interface point -> force and moment about it on the body at some instants, in the axes of its reduced model; (n_t, 3 or 6)."""
-    scene, where = solution.system.scene, solution.coordinates(body)
+    scene, where = solution.system.placed, solution.coordinates(body)
     written: Any = flexible_body(scene, body)
     axes = written.poses(np.real(solution.q[instants][:, where]))[1]
     found: dict[str, np.ndarray] = {}
@@ -85,7 +85,7 @@ def _of_joints(solution: Solution, body: str, instants: np.ndarray) -> Iterator[
         if gripped == body
     ]
     if holding:
-        joints = JointWrenches(solution)
-        found = np.array([joints.at(n) for n in instants])
+        joints = wrenches_of_joints(solution)
+        found = np.array([joints.at(int(n)) for n in instants])
         for j, side, point in holding:
             yield point, found[:, j, side]

@@ -11,15 +11,17 @@ and von Mises' stress sqrt(sigma^2 + 3 tau^2).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
+from toolkit.reduced_model.parts.sections import BeamSections
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.chains.known_chain import SECTIONS, chain
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
 from toolkit.validity.bodies.fibres.spatial_sections import SAME, sections_of
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
@@ -30,7 +32,7 @@ ROUND_OFF = 1e-9
 
 def fibres_alone(solution: Solution) -> Iterator[Caution]:
     """Doubts about bodies of beams in space whose stress, where it is asked for, lacks a part that counts."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     for body in whole_bodies(scene):
         if body in bodies_of_stress(scene) and not is_in_pieces(scene, body) and is_of_fibres(scene, body):
             yield from _lacking(solution, body)
@@ -43,7 +45,7 @@ def is_of_fibres(scene: Scene, body: str) -> bool:
 
 
 def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
-    scene = solution.system.scene
+    scene = solution.system.placed
     parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
     found = [_stresses(solution, body, name) for name in parts]
     known = [each for each in found if each is not None]
@@ -75,12 +77,15 @@ def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
 def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] | None:
     """The largest stress that fibres tell, and von Mises' largest; None where elements or sections are not known, infinite where a section
     has no fibre but its middle."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     behind = chain(scene, name)
     if behind is None:
         return None
-    operator, owner = _rows(scene, body, name, len(behind.forms.dofs))
-    found = sections_of(behind, operator, owner)
+    fibres = _fibres(scene, body, name, len(behind.forms.dofs))
+    if fibres is None:
+        return None
+    operator, owner = fibres.operator, fibres.owner
+    found = sections_of(behind, fibres.made_of, fibres.distance, owner)
     if np.any(found.radius**2 * found.area < SAME * found.least):
         return np.inf, np.inf
     if np.isnan(found.shear).any():
@@ -99,11 +104,24 @@ def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] |
     return float(told), max(float(told), float(mises))
 
 
-def _rows(scene: Scene, body: str, name: str, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Rows (n_s, 12) of the stress operator on the coordinates of their elements, and the numbers of these among those of a part."""
-    design = flexible_body(scene, body).design_point(scene, "elements", "stress", "element_derivatives", "element_affine")
-    places, first = design.model.stress, getattr(scene.body(name), "first", 0)
-    assert places is not None
+class Fibres(NamedTuple):
+    """Fibres of a part whose stress is told."""
+
+    operator: np.ndarray  # (n_s, 12) rows of their stress on the coordinates of their elements
+    owner: np.ndarray  # (n_s,) numbers of these among those of the part
+    distance: np.ndarray  # (n_s, 2) from the middle of the section, along e_2 and e_3
+    made_of: BeamSections  # of all elements of the part
+
+
+def _fibres(scene: Scene, body: str, name: str, count: int) -> Fibres | None:
+    """Those of a part with so many elements; None where its sections are not known."""
+    design = flexible_body(scene, body).design_point(
+        scene, "stress", "elements", "element_derivatives", "element_affine", *SECTIONS
+    )
+    places, first, made_of = design.model.stress, getattr(scene.body(name), "first", 0), design.sections()
+    if places is None or made_of is None:
+        return None
     owner = places.element.astype(int) - first
     mine = (owner >= 0) & (owner < count)
-    return np.real(design.value("elements.stress_operator"))[mine], owner[mine]
+    operator, distance = np.real(design.value("elements.stress_operator")), np.real(made_of.fibre_distance)
+    return Fibres(operator[mine], owner[mine], distance[mine], made_of.of_elements(first, first + count).real)

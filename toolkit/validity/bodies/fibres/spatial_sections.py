@@ -1,4 +1,4 @@
-"""Sections of the elements of a chain in space, read back from how they deform and where their fibres are: second moments, and shear.
+"""Sections of the elements of a chain in space, from what their reduced model keeps: second moments, and shear.
 
 By Saint-Venant's torsion the largest shear stress is, for a torque T,
 
@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kinematics.spatial import axes_along
+from toolkit.kinematics.beam_elements import BeamElements
+from toolkit.reduced_model.parts.sections import BeamSections
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.sides import sides_of
 
@@ -39,30 +40,25 @@ class Sections(NamedTuple):
     shear: np.ndarray  # nan of sections that are neither
 
 
-def sections_of(behind: Chain, operator: np.ndarray, owner: np.ndarray) -> Sections:
-    """Sections of the elements of a chain in space, from how they deform and where their fibres are.
+def sections_of(behind: Chain, made_of: BeamSections, fibres: np.ndarray, owner: np.ndarray) -> Sections:
+    """Sections of the elements of a chain in space.
 
     Parameters
     ----------
-    operator, owner
-        Rows (n_s, 12) that tell the stress of fibres of their elements, and whose they are (n_s,).
+    made_of
+        What the reduced model keeps of the elements.
+    fibres, owner
+        Distances (n_s, 2) of fibres from the middle along e_2 and e_3, and whose they are (n_s,).
     """
-    law, (_, lengths, along) = behind.forms.law, sides_of(behind)
-    across = np.array([axes_along(each)[:, :2].T for each in along])  # (n_e, 2, 3)
-    stretch, bends = np.zeros((len(along), 12)), np.zeros((len(along), 2, 12))
-    stretch[:, 6:9] = along * lengths[:, None]
-    bends[:, :, 3:6], bends[:, :, 9:] = -across / 2, across / 2  # the ends turn against each other by 1 rad
-    modulus = np.einsum("sp,sp->s", operator, stretch[owner])
-    offset = np.einsum("sp,snp->sn", operator, bends[owner]) * (lengths[owner] / modulus)[:, None]
-    radius, youngs = np.zeros(len(along)), np.zeros(len(along))
-    np.maximum.at(radius, owner, np.linalg.norm(offset, axis=1))
-    youngs[owner] = modulus
-    projection = np.eye(3) - along[:, :, None] * along[:, None, :]
-    bending = projection @ (law[:, 1:4, 1:4] - law[:, 1:4, 4:]) @ projection  # 2 E I / L
-    values, axes = np.linalg.eigh(bending)
-    area, (least, most) = law[:, 0, 0] * lengths / youngs, (values[:, 1:] * lengths[:, None] / (2 * youngs[:, None])).T
-    twisting = np.einsum("ei,eij,ej->e", along, law[:, 4:, 4:], along) * lengths / youngs  # G J / E
-    return Sections(along, area, least, axes[:, :, 1], radius, *_shear(area, least, most, radius, twisting))
+    sides, axes = behind.nodes[sides_of(behind).ends], made_of.axis
+    triads, youngs = BeamElements.in_space(sides, axes).axes, made_of.stress_per_strain
+    radius = np.zeros(len(youngs))
+    np.maximum.at(radius, owner, np.linalg.norm(fibres, axis=1))
+    moments = made_of.bending_stiffness / youngs[:, None]
+    weak = np.where(moments[:, :1] <= moments[:, 1:], triads[:, 2], triads[:, 1])  # what deflects along e_2 bends about e_3
+    area, least, most = made_of.axial_stiffness / youngs, moments.min(axis=1), moments.max(axis=1)
+    shear = _shear(area, least, most, radius, made_of.torsional_stiffness / youngs)
+    return Sections(triads[:, 0], area, least, weak, radius, *shear)
 
 
 def _shear(

@@ -33,7 +33,7 @@ from toolkit.foundation.verdict import Caution
 from toolkit.joints.joint import Joint
 from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.cut.part_model import FIRST, LAST
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
 from toolkit.scene.scene import Scene
 from toolkit.solvers.spin.generator import angular_velocity
 from toolkit.system.flexible_bodies import deforming, design_point, flexible_body, spins_of
@@ -63,13 +63,13 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
         "for it. Or make more bodies in a row of it, which stiffen at the joints between them; with twice as many a quarter of this is "
         "left."
     )
-    if flexible_body(solution.system.scene, worst).spin_stiffening:
+    if flexible_body(solution.system.placed, worst).spin_stiffening:
         text = told(worst, part)
     yield Caution("missing-stiffening", text, doubt=part > DOUBTFUL)
 
 
 def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
-    scene = solution.system.scene
+    scene = solution.system.placed
     for name, body in ((name, body) for name, body in scene.bodies.items() if isinstance(body, CutBody)):
         across, within = lacking(solution, name, body)
         spatial, frames = len(scene.space.axes) > 2, len(body.cuts) - 1  # in the plane nothing vibrates across it
@@ -89,13 +89,13 @@ def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
 
 def lacking(solution: Solution, name: str, body: CutBody) -> tuple[float, float]:
     """Parts by which the lowest frequencies of a cut body across the plane of the spin and in this plane are too low."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     forces: dict[str, dict[str, float]] = {part: {} for part in body.parts(name)}
-    for joint_name, joint in scene.joints.items():
+    of_joints = wrenches_of_joints(solution).at(0)[:, 0, : scene.dimension]
+    for force, joint in zip(of_joints, scene.joints.values(), strict=True):
         for grip, point in joint.grips if isinstance(joint, Joint) else ():
             part = grip if grip in forces else scene.piece(grip, point) if grip == name else ""
             if part in forces:
-                force = np.real(JointForce(joint=joint_name, component="x").force(solution, 0)[0][: scene.dimension])
                 forces[part][point] = max(forces[part].get(point, 0.0), float(np.sqrt(force @ force)))
     carried = np.array([max(each.values(), default=0.0) for each in forces.values()])
     free = [len(forces[part]) < 2 for part in (next(iter(forces)), list(forces)[-1])]
@@ -119,18 +119,18 @@ def _length(scene: Scene, part: str) -> float:
 
 
 def _flexible(solution: Solution) -> list[str]:
-    bodies = deforming(solution.system.scene)
+    bodies = deforming(solution.system.placed)
     return [name for name, body in bodies.items() if body.turns and not isinstance(body, FramedPart)]
 
 
 def _part(solution: Solution, body: str, speed: float) -> float:
-    scene = solution.system.scene
+    scene = solution.system.placed
     gripped: dict[str, float] = {}
-    for name, joint in scene.joints.items():
+    of_joints = wrenches_of_joints(solution).at(0)[:, 0, : scene.dimension]
+    for force, joint in zip(of_joints, scene.joints.values(), strict=True):
         for grip, point in joint.grips if isinstance(joint, Joint) else ():
             interface = getattr(scene.interface(point), "interface", None)
             if grip == body and interface in (design_point(scene, body).model.interfaces or {}):
-                force = np.real(JointForce(joint=name, component="x").force(solution, 0)[0][: scene.dimension])
                 gripped[interface] = max(gripped.get(interface, 0.0), float(np.sqrt(force @ force)))
     if flexible_body(scene, body).spin_stiffening:
         (spin,) = spins_of(solution, body, np.array([-1]))

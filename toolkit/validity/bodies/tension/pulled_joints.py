@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +26,12 @@ from toolkit.validity.bodies.tension.pulled_body import PulledBody
 from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled, pulled_bodies
 from toolkit.validity.bodies.tension.stiffened_state import stiffened_state
 
-FELT = 1e-5
-"""Part of the critical force of a body below which its tension is no twentieth of what joints hold across it."""
+FELT, FELT_BY_GRADIENTS = 1e-5, 1e-6
+"""Part of the critical force of a body below which its tension is no twentieth of what joints hold across it, and changes no gradient of
+that by as much."""
+STEEP = 5e-3
+"""Part of a joint's force that a deflection pulls with from which its gradients are looked at: this part grows with the square of the
+deflection or more, by a thickness with ten times its relative change."""
 MANY = 100.0
 """Times that a force is off above which they are not counted."""
 HARDLY = 0.1
@@ -37,30 +42,50 @@ LOOKED_AT = 24
 """Instants among which the largest force of a joint is looked for."""
 
 
+class Lacking(NamedTuple):
+    """What a joint's force lacks."""
+
+    missing: float
+    size: float  # the largest that it is in the motion
+    counts: float  # the same, but at least a part of the largest force in any joint
+
+
 def pulled_joints(solution: Solution) -> Iterator[Caution]:
     """Responses that are forces of joints, at the end of a motion or over time, which lack what a deflection pulls with."""
-    asked = joint_forces(solution.system.scene)
-    known = pulled_bodies(solution) if asked and not solution.spins else {}
-    grown = _most_grown(solution, known)
-    if grown is None:
-        return
-    low: dict[str, tuple[float, float]] = {}
-    for n in {grown, len(solution.times) - 1}:
-        mine = {name: each for name, (each, at_end) in asked.items() if n == (len(solution.times) - 1 if at_end else grown)}
-        low |= _low(solution, known, n, mine)
+    low = {name: each for name, each in lacking_joints(solution).items() if abs(each.missing) > LIMIT * each.counts > 0}
     if low:
-        body, scene = most_pulled(solution), solution.system.scene
+        body, scene = most_pulled(solution), solution.system.placed
+        asked = joint_forces(scene)
         told = [
-            f"{name} by {missing:.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {size:.3g} at the most"
-            for name, (missing, size) in list(low.items())[:NAMED]
+            f"{name} by {abs(each.missing):.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {each.size:.3g} at the most"
+            for name, each in list(low.items())[:NAMED]
         ]
-        much = max(missing / size if size > 0 else MANY for missing, size in low.values())
+        much = max(abs(each.missing) / each.size if each.size > 0 else MANY for each in low.values())
         yield Caution(
             "tension",
             f"the deflection of {body} pulls at what holds its ends, which these equations do not know: forces of joints are off, "
-            f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. What helps: "
+            f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. Fix: "
             f"{divided(scene, body, min(much, MANY) / LIMIT)}.",
         )
+
+
+def lacking_joints(solution: Solution) -> dict[str, Lacking]:
+    """Responses that are forces of joints, with what each lacks of what deflections pull with; empty where nothing grows."""
+    if Lacking not in solution.known:
+        solution.known[Lacking] = _lacking(solution)
+    found: dict[str, Lacking] = solution.known[Lacking]
+    return found
+
+
+def _lacking(solution: Solution) -> dict[str, Lacking]:
+    asked = joint_forces(solution.system.scene)
+    known = pulled_bodies(solution) if asked and not solution.spins else {}
+    grown = _most_grown(solution, known)
+    found: dict[str, Lacking] = {}
+    for n in set() if grown is None else {grown, len(solution.times) - 1}:
+        mine = {name: each for name, (each, at_end) in asked.items() if n == (len(solution.times) - 1 if at_end else grown)}
+        found |= _low(solution, known, n, mine)
+    return found
 
 
 def joint_forces(scene: Scene) -> dict[str, tuple[JointForce, bool]]:
@@ -79,24 +104,21 @@ def _most_grown(solution: Solution, known: Mapping[str, PulledBody]) -> int | No
         worst = first_largest(grown)
         parts.append((float(grown[worst]), int(instants[worst])))
     part, n = max(parts, default=(0.0, 0))
-    return n if part > FELT else None
+    return n if part > (FELT_BY_GRADIENTS if solution.dq.shape[2] else FELT) else None
 
 
-def _low(
-    solution: Solution, known: Mapping[str, PulledBody], n: int, asked: Mapping[str, JointForce]
-) -> dict[str, tuple[float, float]]:
-    """Responses that lack more than `LIMIT` at a state, what they lack, and the largest that they are in the motion."""
+def _low(solution: Solution, known: Mapping[str, PulledBody], n: int, asked: Mapping[str, JointForce]) -> dict[str, Lacking]:
+    """Of responses at one state."""
     state = stiffened_state(solution, known, n) if asked else None
     if state is None or not np.any(state.growing):
         return {}
     more = np.array(solution.multipliers)
     more[n] = more[n] + state.yields.multipliers(state.growing)
-    pulled, found = replace(solution, multipliers=more), {}
+    pulled, found = replace(solution, multipliers=more), dict[str, Lacking]()
     steps = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
     held = HARDLY * float(np.abs(np.real(solution.multipliers[n])).max(initial=0.0))
     for name, response in asked.items():
         here, there = (float(np.real(response.at(each, n).value)) for each in (solution, pulled))
         size = max([abs(here), *(abs(float(np.real(response.at(solution, int(k)).value))) for k in steps)])
-        if abs(there - here) > LIMIT * max(size, held) > 0:
-            found[name] = (abs(there - here), size)
+        found[name] = Lacking(there - here, size, max(size, held))
     return found

@@ -108,8 +108,8 @@ class Edges(NamedTuple):
 
 def pulled_lines(solution: Solution, body: str) -> PulledLines | None:
     """The lines of a body; None where it shows no edges, or no line in it has a length."""
-    design = design_point(solution.system.scene, body, "surface", "outline", "interfaces")
-    key = (PulledLines, tuple(used_interfaces(solution.system.scene, body)))
+    design = design_point(solution.system.placed, body, "surface", "outline", "interfaces")
+    key = (PulledLines, tuple(used_interfaces(solution.system.placed, body)))
     if key not in design.kept:
         shown = shown_of(design)
         lines = () if shown is None else tuple(_lines(solution, body, design, shown))
@@ -149,7 +149,7 @@ def _lines(solution: Solution, body: str, design: DesignPoint, shown: Shown) -> 
 def _held_around(solution: Solution, body: str, design: DesignPoint, shown: Shown, still: np.ndarray) -> Iterator[Line]:
     """From end to end of what holds the body, through the point that is nearest to its middle."""
     middle, stiffness = still.mean(axis=0), np.real(design.value("stiffness"))
-    motions = [np.real(design.interface(name).here[0]) for name in used_interfaces(solution.system.scene, body)]
+    motions = [np.real(design.interface(name).here[0]) for name in used_interfaces(solution.system.placed, body)]
     motions = [each for each in motions if np.any(each[:, 1:])]
     if not motions:
         return

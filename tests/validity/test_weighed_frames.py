@@ -1,0 +1,71 @@
+"""Doubts about what linear bodies do not know in their frames, weighed by a run with more of them: where answers feel nothing they are
+remarks, where answers feel it, or where it would not show, they stay."""
+
+from __future__ import annotations
+
+import pytest
+
+import ffrf
+from preprocessing import build, save
+
+FRAME = """units = "m-kg-s"
+dimension = 2
+clamp = ["A"]
+nodes = { A = [0.0, 0.0], B = [1.0, 0.0] }
+beams = [ { from = "A", to = "B", section = "s", elements = 4 } ]
+interface_points = { A = { node = "A" }, B = { node = "B" } }
+sections.s = { kind = "rectangle", thickness = 0.02, width = 0.03, material = "m" }
+materials.m = { youngs_modulus = 2e9, density = 1200.0 }
+"""
+BENDING = 2e9 * 0.03 * 0.02**3 / 12
+SCENE = """units = "m-kg-s"
+points.A = {{ body = "beam", interface = "A" }}
+points.B = {{ body = "beam", interface = "B" }}
+bodies.beam = {{ type = "flexible", model = "beam.h5", frame = "moving" }}
+joints.root = {{ type = "rigid", bodies = ["beam", "ground"], point = "A" }}
+loads.F.type = "point-force"
+loads.F.body = "beam"
+loads.F.point = "B"
+loads.F.force = [{along}, {across}]
+loads.F.curve = {{ type = "smooth-step", duration = 0.5 }}
+design = {{ t = "bodies.beam.thickness_s" }}
+responses.held = {{ type = "joint-force", joint = "root", component = "{component}" }}
+solver = {{ end_time = 0.5, step = 0.01 }}
+"""
+TIP = 'responses.tip = { type = "displacement", body = "beam", point = "B", component = "y" }\n'
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """With the beam."""
+    found = tmp_path_factory.mktemp("weighed")
+    (found / "beam.toml").write_text(FRAME)
+    save(build(found / "beam.toml"), found / "beam.h5")
+    return found
+
+
+def model(folder, more: str = "", along: float = 0.0, across: float = 0.0, component: str = "y") -> ffrf.Model:
+    """Pulled or pressed along, and bent, by forces in parts of E I / L^2."""
+    text = SCENE.format(along=along * BENDING, across=across * BENDING, component=component)
+    (folder / "scene.toml").write_text(text + more)
+    return ffrf.compile(ffrf.read_scene(folder / "scene.toml"), variables=["t"])
+
+
+def test_a_force_that_equilibrium_tells_is_right_however_far_the_beam_bends(folder):
+    """A tip that goes aside by a third of the length: the clamp holds what pulls, whatever is in between."""
+    run = model(folder, across=1.0).statics(gradients=True)
+    assert abs(run.values["held"]) == pytest.approx(BENDING, rel=1e-9)
+    assert run.verdict.trusted
+    assert "the responses hardly feel it" in " ".join(each.text for each in run.verdict.warnings).lower()
+
+
+def test_a_displacement_that_feels_it_is_doubted(folder):
+    run = model(folder, TIP, across=1.0).statics(gradients=True)
+    assert "large-deformation" in [each.code for each in run.verdict.warnings if each.doubt]
+
+
+@pytest.mark.parametrize("analysis", ["statics", "simulate"])
+def test_a_column_beyond_its_critical_load_that_nothing_turns_aside_is_doubted(folder, analysis):
+    """Pressed straight with twice pi^2 E I / 4 L^2, it stays straight with any number of frames."""
+    run = getattr(model(folder, along=-4.93, component="x"), analysis)(gradients=True)
+    assert "critical-load" in [each.code for each in run.verdict.warnings if each.doubt]

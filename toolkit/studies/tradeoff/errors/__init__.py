@@ -1,1 +1,0 @@
-"""What settings are measured against, and how far they are off."""

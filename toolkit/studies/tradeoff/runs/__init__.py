@@ -1,1 +1,0 @@
-"""Settings run and timed, one after another or side by side."""

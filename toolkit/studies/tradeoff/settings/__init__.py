@@ -1,1 +1,0 @@
-"""What a study varies, and what it keeps of each setting."""
