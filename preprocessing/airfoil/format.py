@@ -14,7 +14,7 @@ from toolkit.foundation.units import LARGEST
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """Rows (n, 2) from trailing edge to trailing edge, the line of each in the file, and what was done to get there."""
+    """Contour rows (n, 2) from trailing edge to trailing edge, their lines in the file, and the repairs made."""
 
     points: np.ndarray
     lines: np.ndarray
@@ -24,7 +24,7 @@ class Loop:
     warnings: tuple[str, ...] = ()
 
     def take(self, rows, *repairs: str) -> Loop:
-        """The same loop with the selected rows, and the repairs that this means."""
+        """Loop with the selected rows, and the repairs that this means."""
         return replace(self, points=self.points[rows], lines=self.lines[rows], repairs=self.repairs + repairs)
 
 
@@ -72,12 +72,15 @@ def _coordinates(table: Table) -> Loop:
 
 
 def _has_mses_domain(table: Table) -> bool:
-    """The first row of an MSES file is the domain of a grid, four or five numbers ahead of rows of two."""
+    """Whether a table begins with the domain of an MSES file.
+
+    This is a row of four or five numbers, of a grid, ahead of rows of two.
+    """
     return len(table.rows[0]) >= 4 and len(table.rows) > 1 and len(table.rows[1]) == 2
 
 
 def _refuse_counting_column(table: Table) -> None:
-    """A first column 1, 2, 3, ... ahead of x and y."""
+    """Refuse a first column 1, 2, 3, ... ahead of x and y."""
     first = np.array([row[0] for row in table.rows])
     if len(first) > 1 and min(map(len, table.rows)) > 2 and np.all(np.diff(first) == 1):
         raise InputError(
@@ -87,7 +90,7 @@ def _refuse_counting_column(table: Table) -> None:
 
 
 def _refuse_elements(table: Table) -> None:
-    """ISES and MSES files separate their elements by a row `999. 999.`."""
+    """Refuse ISES and MSES files of several elements, which a row `999. 999.` separates."""
     for row, line in zip(table.rows, table.lines, strict=True):
         if row[:2] == (999.0, 999.0):
             raise InputError(

@@ -26,11 +26,16 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity import result
 from toolkit.sensitivity.errors import step_error
+from toolkit.sensitivity.preparation import Kind
 from toolkit.validity import judge
 
 MODELS = Path(__file__).parents[2] / "models"
 REPEATS = 5
-ANALYSES = {"statics": ("static", False), "simulate": ("transient", False), "sensitivity": ("transient", True)}
+ANALYSES: dict[str, tuple[Kind, bool]] = {
+    "statics": ("static", False),
+    "simulate": ("transient", False),
+    "sensitivity": ("transient", True),
+}
 """Command -> analysis, and whether gradients are wanted."""
 ROOMS = ("toolkit.validity.", "toolkit.sensitivity.", "toolkit.responses.")
 """Where checks are defined."""
@@ -55,7 +60,9 @@ class Cost(NamedTuple):
 
 def cost(analyse: Callable[[], Run], repeats: int = REPEATS) -> Cost:
     """What a run of an analysis costs, and to judge it."""
-    runs, verdicts, checks = [], [], {}
+    runs: list[float] = []
+    verdicts: list[float] = []
+    checks: dict[str, list[float]] = {}
     for k in range(repeats + 1):
         begun = time.process_time()
         run = analyse()

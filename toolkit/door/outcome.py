@@ -21,7 +21,7 @@ from toolkit.studies.engine.executor import Executor, completed
 
 @dataclass(frozen=True)
 class Outcome:
-    """One design of `Model.map`.
+    """Result of one design of `Model.map`.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Task(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """What becomes of a task; `answers` and `measured` are what verdicts of other designs can be carried by."""
+    """Solved task; `answers` and `measured` are what verdicts of other designs can be carried by."""
 
     outcome: Outcome
     answers: Answers | None = None
@@ -73,7 +73,7 @@ class Solved(NamedTuple):
 
 @dataclass(frozen=True)
 class Designs:
-    """The work of one design after the other of a compiled scene, which every process compiles once.
+    """Analysis of one design after the other of a compiled scene, which every process compiles once.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Designs:
     runs: dict[int, Run] = field(default_factory=dict)
 
     def __call__(self, task: Task) -> Solved:
-        """What becomes of a design."""
+        """Outcome of a design, with what its verdict is measured or carried by."""
         numbers = dict(task.numbers)
         try:
             run = self.runs.pop(task.number, None)

@@ -66,7 +66,10 @@ def motion_panels(start: Mapping[str, np.ndarray], moments: Sequence[Moment]) ->
 
 
 def told(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Without those that are zero throughout, to a thousandth of the largest value, which a line hides; all where nothing else is left."""
+    """Curves without those that are zero throughout, to a thousandth of the largest value; all curves if no other is left.
+
+    A line that is drawn hides such a curve.
+    """
     size = {name: float(np.abs(values).max(initial=0)) for name, values in curves.items()}
     return {name: values for name, values in curves.items() if size[name] > HIDDEN * max(size.values())} or curves
 

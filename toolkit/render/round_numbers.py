@@ -9,7 +9,7 @@ MINUS = "\N{MINUS SIGN}"
 
 
 def round_up(value: float) -> float:
-    """The next number with a short decimal form that can be halved; zero stays zero."""
+    """Next larger number with a short decimal form that can be halved; zero stays zero."""
     if value == 0:
         return 0.0
     power = 10.0 ** np.floor(np.log10(value))

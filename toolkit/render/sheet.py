@@ -35,7 +35,7 @@ _UNDATED: dict[str, Any] = {"png": {"Software": None}, "svg": {"Date": None}, "p
 
 @contextmanager
 def _settings() -> Iterator[None]:
-    """matplotlib's settings and ours, never those of a file `matplotlibrc` in the current folder, which can start LaTeX."""
+    """Settings of matplotlib and of our own, never those of a `matplotlibrc` in the current folder, which can start LaTeX."""
     with rc_context():
         rcdefaults()
         rcParams.update(_SETTINGS)

@@ -25,7 +25,7 @@ def refuse_foreign_files(folder: Path, own: Path | None = None) -> None:
 
 
 def begin(folder: Path, own: Path | None = None) -> None:
-    """Make the folder that of a report, also if the work is interrupted, and let other commands know what it writes."""
+    """Mark a folder as that of a report, also if the work is interrupted, so that other commands know what it writes."""
     list_own(folder, _names(folder, own))
     write_whole(folder / PAGE, BEGUN.encode())
 

@@ -112,13 +112,13 @@ def _budgets(found: Tradeoff, derived: bool) -> list[float]:
 
 
 def _common(found: Tradeoff, derived: bool) -> float | None:
-    """The budget of all responses, or of all gradients, if it is the same."""
+    """Budget of all responses, or of all gradients, if it is the same."""
     limits = set(_budgets(found, derived))
     return limits.pop() if len(limits) == 1 else None
 
 
 def _limits(panel: Axes, found: Tradeoff, derived: bool) -> None:
-    """The budget, and what the reference cannot tell, if that reaches into the window."""
+    """Draw the budget, and the uncertainty of the reference if that reaches into the window."""
     common, budget = _common(found, derived), found.plan.budget
     panel.axhline(common or 1.0, color=COLORS[1], linestyle="--", linewidth=1, label="budget")
     of = [quantity for quantity in budget if quantity.derived == derived]

@@ -25,19 +25,19 @@ class Energy(Instant):
     body: str | None = None
 
     def counted(self, solution: Solution) -> np.ndarray:
-        """Coordinates that count, (n_q,)."""
+        """Which coordinates belong to the bodies that count, (n_q,)."""
         found = np.zeros(solution.system.n_q, bool)
         found[slice(None) if self.body is None else solution.coordinates(self.body)] = True
         return found
 
 
 class KineticEnergy(Energy):
-    """T = v^T M(q) v / 2, with M v taken from the inertial forces at the acceleration v."""
+    """Kinetic energy T = v^T M(q) v / 2, with M v taken from the inertial forces at the acceleration v."""
 
     kind = "kinetic-energy"
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """Value, and derivatives by q, v and the design."""
+        """Kinetic energy at a step, and its derivatives by q, v and the design."""
         system, pad, counts = solution.system, np.zeros(solution.system.n - solution.system.n_q), self.counted(solution)
         q, v = np.concatenate([solution.q[step], pad]), np.concatenate([np.where(counts, solution.v[step], 0), pad])
         terms = system.evaluate(system.inputs(solution.times[step], np.zeros(3)), q, np.zeros_like(q), v, design=True)
@@ -48,12 +48,12 @@ class KineticEnergy(Energy):
 
 
 class StrainEnergy(Energy):
-    """U = q^T K q / 2 of all flexible bodies, or of one."""
+    """Strain energy U = q^T K q / 2 of all flexible bodies, or of one."""
 
     kind = "strain-energy"
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """Value, and derivatives by q and the design."""
+        """Strain energy at a step, and its derivatives by q and the design."""
         system, part = solution.system, solution.system.plan.constant
         q = np.where(self.counted(solution), solution.q[step], 0)
         by_entries, strains, changes = system.matrix(part.loose)[: system.n_q, : system.n_q] @ q, part.strains, part.design_loose
@@ -69,7 +69,7 @@ class StrainEnergy(Energy):
 
 
 def _add_changes_of_strains(part: Constant, q: np.ndarray, strain: np.ndarray, force: np.ndarray, design: np.ndarray) -> None:
-    """Of the energy, by all variables at a fixed state; with the strains there and their forces."""
+    """Add the energy's derivatives by all design variables at a fixed state, given the strains there and their forces."""
     changes = part.design_strains
     if not len(changes.row):
         return

@@ -14,7 +14,7 @@ from toolkit.reduced_model.chord_condition import Chord
 
 
 def chord_turn(chord: Chord, names: Sequence[str], ties: Mapping[str, Tie]) -> np.ndarray:
-    """T (m n_points, m n_points - m) from the motions that the chord leaves to those of all points; real, or with a complex step.
+    """Matrix T (m n_points, m n_points - m) from motions that the chord leaves to those of all points; real or complex.
 
     Parameters
     ----------

@@ -61,6 +61,6 @@ def _at_corner(part: np.ndarray, z: np.ndarray, slopes: np.ndarray, above: bool)
 
 @dataclass(repr=False)
 class MeshWedge15(skfem.MeshWedge1):
-    """Wedges with curved edges and faces: their map is that of the 15 nodes."""
+    """Mesh of wedges with curved edges and faces: their map is that of the 15 nodes."""
 
     elem: type = ElementWedge15

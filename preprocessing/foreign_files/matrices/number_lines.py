@@ -68,7 +68,7 @@ def line_of(text: bytes, row: int, before: int = 0) -> int:
 
 
 def _first_wrong(text: bytes, widths: Collection[int], separator: str | None, before: int) -> str:
-    """What is wrong with the first line that is wrong, in words that quote nothing of it."""
+    """Complaint about the first wrong line, in words that quote nothing of it."""
     width = 0
     for number, line in enumerate(text.split(b"\n"), before + 1):
         if not line.strip():
@@ -81,7 +81,7 @@ def _first_wrong(text: bytes, widths: Collection[int], separator: str | None, be
 
 
 def _complaint(line: bytes, fields: list[bytes], widths: Collection[int], separator: str | None) -> str:
-    """What is wrong with one line; empty if nothing is."""
+    """Complaint about one line; empty if nothing is wrong."""
     if line.translate(None, PLAIN):
         return "holds characters that are neither digits nor letters of plain text"
     if b";" in line:

@@ -73,7 +73,7 @@ def extrude(path: Path, target: Path, layers: int = 8, remark: Remark | None = N
 
 
 def refuse_what_is_lost(path: Path, file: SkinFile) -> None:
-    """Refuse a skin that one solid of one material and thickness is not.
+    """Refuse a skin that is not one solid of one material and thickness.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def places(path: Path, geometry: Geometry, file: SkinFile) -> dict[str, float]:
 
 
 def _mesh(geometry: Geometry, file: SkinFile, at: dict[str, float], layers: int) -> meshio.Mesh:
-    """The structured mesh, from a grid with two steps for each element along the skin, through it and across it."""
+    """Structured mesh, from a grid with two steps for each element along the skin, through it and across it."""
     ends = np.sort(np.concatenate([geometry.arc_lengths, list(at.values())]))
     stations = ends[np.append(True, np.diff(ends) > ON_NODE * ends[-1])]
     s = np.sort(np.concatenate([stations, (stations[1:] + stations[:-1]) / 2]))

@@ -64,7 +64,7 @@ def monitor_curves(material: Material) -> list[Drawing]:
 
 
 def mechanism(material: Material) -> list[Drawing]:
-    """All bodies in one panel."""
+    """Figure of all bodies in one panel."""
     *ghosts, last = [material.moment(step) for step in material.telling]
     shades = [to_hex(shade) for shade in colormaps["Greys"](np.linspace(0.3, 0.55, max(len(ghosts), 1)))]
     corners = window(material.look.points)

@@ -61,7 +61,7 @@ def _designs(found: Optimum, search: SearchResult) -> list[DesignOutcome]:
 
 
 def _violation(search: SearchResult, design: DesignOutcome) -> float:
-    """Largest violation of a design, or LEAST: also where it has failed, or nothing is limited."""
+    """Largest constraint violation of a design; LEAST where the design failed or nothing is limited."""
     if design.failed or not search.program.rows:
         return LEAST
     return max(LEAST, float(np.max(-search.program.values(design).c)))

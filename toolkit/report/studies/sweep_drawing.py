@@ -18,7 +18,7 @@ MOST_LINES = 500
 
 
 def sweep_drawing(found: Swept) -> Drawing:
-    """The picture that fits the number of variables that the sweep moves."""
+    """Drawing of a sweep in the form that suits the number of its variables."""
     moved = [k for k in range(found.designs.shape[1]) if np.ptp(found.designs[:, k]) > 0]
     if len(moved) <= 1:
         return _curves(found, moved[0] if moved else 0)

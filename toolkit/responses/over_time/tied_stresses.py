@@ -28,7 +28,7 @@ UNFELT = 1e-3
 
 
 def tied_stresses(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every derivative of a largest stress that jumps, a remark where it nearly does; where the solution holds derivatives."""
+    """Caution for every derivative of a largest stress that jumps (doubt) or nearly does (remark), where derivatives are held."""
     if solution.run_times is not None or not solution.dq.shape[2]:
         return
     for name, response in solution.system.scene.responses.items():
@@ -94,7 +94,7 @@ def _slope(response: MaxStress, solution: Solution, components: np.ndarray, plac
 
 
 def _where(response: MaxStress, solution: Solution, instant: int, point: int) -> str:
-    """In words."""
+    """Place, and time of a motion, of a stress point, in words for a message."""
     try:
         place = ", ".join(f"{x:.4g}" for x in stress_places(solution.system.scene, response.body).place[point])
         where = f"at ({place})"

@@ -1,4 +1,4 @@
-"""What neither joints nor stiffness hold: motions of the given positions that nothing resists while there are no loads."""
+"""Motions of the given positions that neither joints nor stiffness resist while there are no loads."""
 
 from __future__ import annotations
 

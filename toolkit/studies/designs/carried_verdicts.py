@@ -54,11 +54,14 @@ class Measured(NamedTuple):
         The least factor that brings any measure to its limit, or back to it.
     frame_errors
         What more floating frames change.
+    gradient_scales
+        Response -> variable -> the largest gradient in a motion, which errors of gradients are compared with; empty without a motion.
     """
 
     verdict: Verdict
     room: float
     frame_errors: FrameErrors | None
+    gradient_scales: Mapping[str, Mapping[str, float]]
 
     @property
     def doubts(self) -> frozenset[str]:
@@ -81,7 +84,7 @@ def answers(result: Result) -> Answers:
 def measured(result: Result, alone: bool = False) -> Measured:
     """The verdict on a run, with the shares of their limits that its main measures have; without these if no other design is near."""
     verdict = result.verdict
-    return Measured(verdict, 0.0 if alone else _room(_shares(result)), result.frame_errors)
+    return Measured(verdict, 0.0 if alone else _room(_shares(result)), result.frame_errors, result.gradient_scales)
 
 
 def _shares(result: Result) -> np.ndarray:
@@ -186,7 +189,7 @@ class CarriedVerdicts:
         assert carried is not None
         judged, mine = self.measured[carried.source], self.found[k]
         others = [_said_there(each, carried) for each in judged.verdict.warnings if each.code != OF_FRAMES]
-        about_gradients = doubtful_gradients(judged.frame_errors, mine.gradients, mine.sizes)
+        about_gradients = doubtful_gradients(judged.frame_errors, mine.gradients, mine.sizes, judged.gradient_scales)
         measures = {**judged.verdict.measures, "carried": {"design": carried.source, "distance": carried.distance}}
         return Verdict.of([*others, *about_gradients, _remark(carried)], measures)
 
