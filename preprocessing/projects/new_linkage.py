@@ -5,8 +5,8 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
-from preprocessing.projects.linkage.texts import README, SCENE, STUDY
 from preprocessing.projects.new_folder import refuse_occupied, substituted, write_folder
+from preprocessing.projects.texts import README, SCENE, STUDY
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import UNIT_SYSTEMS
 
