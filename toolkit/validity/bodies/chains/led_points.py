@@ -155,7 +155,7 @@ def _shapes(line: Line) -> np.ndarray:
 def _connectivity(line: Line) -> list[list[int]]:
     """Nodes of every element."""
     of: Any = line.chain
-    found: list[list[int]] = (of.connectivity if len(of.nodes[0]) == 3 else of.elements.connectivity).tolist()
+    found: list[list[int]] = of.connectivity.tolist()
     return found
 
 
