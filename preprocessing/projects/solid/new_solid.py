@@ -72,7 +72,7 @@ def _content(each: Path) -> bytes:
 
 
 DENSITY, MODULUS = 2700.0, 70e9
-"""Of aluminium, in kg/m^3 and Pa."""
+"""Density and Young's modulus of aluminium, in kg/m^3 and Pa."""
 WEIGHT, THIN = 0.5, 0.1
 """Mass at the tip, in parts of the body's; thickness of a plane body, in parts of its length."""
 SWIFT = 0.14

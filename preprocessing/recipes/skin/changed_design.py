@@ -21,7 +21,7 @@ _KEYS = {
     "chord": ("airfoil", "chord"),
     "y_scale": ("airfoil", "y_scale"),
 }
-"""Where the body's own parameters stand in skin.toml."""
+"""Keys of the body's own parameters in skin.toml."""
 
 
 def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) -> None:

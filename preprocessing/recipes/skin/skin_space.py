@@ -69,7 +69,7 @@ def _refuse_thick(patches: Iterable[Patch], section: Mapping[str, float]) -> Non
 
 
 def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:
-    """Design space without the parameters of the shape that have no derivative; `remark` is told why."""
+    """Design space without the parameters of the shape that have no derivative; `remark` receives the reasons."""
     lost, steps = {}, {}
     for name in space.values:
         if name not in space.in_monomials:
