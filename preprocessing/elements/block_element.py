@@ -66,7 +66,7 @@ class BlockElement(Element):
 def section_terms(
     name: str, patch: Patch, rows: np.ndarray, terms: Terms, factor: Any = 1.0, column: int = 0, **material: int
 ) -> Iterator[SectionTerm]:
-    """Those of a polynomial of a section, times a factor and powers of quantities of the material."""
+    """Terms of an array of `BeamSections`: a polynomial of a section times a factor and powers of quantities of the material."""
     for number, powers in terms:
         yield SectionTerm(name, rows, column, patch.monomial(**material, **powers), factor * number)
 

@@ -104,7 +104,7 @@ class BeamElements:
 
     @cached_property
     def offsets(self) -> list[np.ndarray]:
-        """Of every plane the coefficients of r^k in [R(r), e], which moves a point of the section at a unit of e, (n_e, 4, d, p + 1)."""
+        """Coefficients of r^k in [R(r), e], which moves a point of the section at a unit of e, (n_e, 4, d, p + 1) for each plane."""
         return [self._offset(axis) for axis in self.planes]
 
     @cached_property
@@ -114,7 +114,7 @@ class BeamElements:
 
     @cached_property
     def rotary_mass(self) -> list[np.ndarray]:
-        """Of every plane the same of the section's spread, L int [R, e]_a^T [R, e]_b dr, for unit rho int y^2 dA, one coordinate larger."""
+        """Component mass matrices L int [R, e]_a^T [R, e]_b dr for unit rho int y^2 dA, (n_e, d, d, p + 1, p + 1) for each plane."""
         return [self.products(each) for each in self.offsets]
 
     @cached_property
@@ -129,7 +129,7 @@ class BeamElements:
 
     @cached_property
     def curvature(self) -> list[np.ndarray]:
-        """Of every plane rows v''/L^2 at both ends, (n_e, 2, p); the strain at y is -y times it. Positive turns from e_1 to e_2 or e_3."""
+        """Rows v''/L^2 of the curvature at both ends, (n_e, 2, p) for each plane; the strain at y is -y times it."""
         return [self._own(self._curvature(axis)) for axis in self.planes]
 
     @cached_property
@@ -144,7 +144,7 @@ class BeamElements:
 
     @cached_property
     def bending(self) -> list[np.ndarray]:
-        """Of every plane rows F (n_e, 2, p) of the stiffness F^T F for unit E int y^2 dA.
+        """Rows F (n_e, 2, p) of the stiffness F^T F for unit E int y^2 dA, for each plane.
 
         The curvature is linear along the element, and the integral of its square is that of its mean and of its difference between the
         ends, L (mean^2 + difference^2 / 12).
@@ -155,18 +155,18 @@ class BeamElements:
 
     @cached_property
     def shearing(self) -> list[np.ndarray]:
-        """Of every plane rows F (n_e, 1, p) of the stiffness F^T F for unit kappa G A; zero without shear."""
+        """Rows F (n_e, 1, p) of the stiffness F^T F for unit kappa G A, for each plane; zero without shear."""
         return [self._own(self._root * self._shear_strain(axis)[:, None]) for axis in self.planes]
 
     @cached_property
     def turning(self) -> list[np.ndarray]:
-        """Of every plane rows F (n_e, 3, p) whose squares sum up to the integral of v'^2 along the element."""
+        """Rows F (n_e, 3, p) whose squares sum up to the integral of v'^2 along the element, for each plane."""
         root = np.linalg.cholesky(MOMENTS[:3, :3])  # a slope is quadratic
         slopes = (self._slope(self._transverse(axis))[:, :3] for axis in self.planes)
         return [self._own(self._root * np.einsum("jk,ejp->ekp", root, each)) for each in slopes]
 
     def _own(self, coefficients: np.ndarray, *more: int) -> np.ndarray:
-        """Of the coordinates that the elements have."""
+        """Coefficients of the coordinates that the elements have: all of space, or those of the plane."""
         return coefficients[..., [*IN_PLANE, *more]] if self.planar else coefficients
 
     @property
