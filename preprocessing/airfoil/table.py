@@ -57,7 +57,7 @@ def split_table(text: str) -> Table:
     Raises
     ------
     InputError
-        A row cannot be meant; names the line.
+        A row is invalid; names the line.
     """
     header: list[str] = []
     rows: list[tuple[float, ...]] = []

@@ -21,7 +21,7 @@ _WHY_NOT = {
 
 @dataclass(frozen=True)
 class BasisChoice:
-    """A basis before it is computed; `count`, `frequency` and `static_error` are three ways to say how many modes."""
+    """Choice of a basis before it is computed; `count`, `frequency` and `static_error` are three ways to set how many modes."""
 
     kind: str
     boundary: str = "clamped"  # of eigenmodes: held with the body's frame, or free about mean axes
@@ -78,4 +78,4 @@ class BasisChoice:
             raise InputError(f"{self.kind} needs exactly one of {', '.join(ways)}; got {', '.join(given) or 'none'}.")
         least = 1 if self.kind == "eigenmodes" else 0
         if self.count is not None and self.count < least:
-            raise InputError(f"count {self.count} cannot be meant; {self.kind} needs at least {least}.")
+            raise InputError(f"count {self.count} is invalid; {self.kind} needs at least {least}.")

@@ -44,7 +44,7 @@ def count_by_static_error(modes: NormalModes, interface_rows: np.ndarray, larges
     Raises
     ------
     InputError
-        The wish cannot be meant, or no interface point can move.
+        The request is invalid, or no interface point can move.
     """
     check_static_error(largest)
     errors = static_errors(modes, interface_rows)
@@ -60,9 +60,7 @@ def check_static_error(largest: float) -> None:
         It is not between 0 and 1.
     """
     if not 0 < largest < 1:
-        raise InputError(
-            f"a static error of {largest:g} cannot be meant: without modes it is 1, with all it is 0; write 0.01, say."
-        )
+        raise InputError(f"a static error of {largest:g} is invalid: without modes it is 1, with all it is 0; write 0.01, say.")
 
 
 def static_errors(modes: NormalModes, interface_rows: np.ndarray) -> np.ndarray:

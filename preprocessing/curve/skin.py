@@ -66,7 +66,7 @@ class Skin:
         Raises
         ------
         InputError
-            Number, spacing or grading cannot be meant; or the contour carries a complex step, and the nodes depend on its
+            Number, spacing or grading is invalid; or the contour carries a complex step, and the nodes depend on its
             curvature, which is not differentiated.
         """
         if n_elements != int(n_elements) or n_elements < 1:
@@ -135,7 +135,7 @@ class Skin:
         return target.position(start + s)
 
     def _on_skin(self, s, what: str = "") -> np.ndarray:
-        """s itself, with round-off at the ends removed; an error if it is off the skin."""
+        """Arc length s with round-off at the ends removed; refused if it is off the skin."""
         s = np.asarray(s) + 0.0
         real, length = np.real(s), self.length.real
         outside = ~((real >= -1e-9 * length) & (real <= (1 + 1e-9) * length))

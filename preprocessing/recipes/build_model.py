@@ -25,12 +25,12 @@ RECIPES: tuple[type[Recipe[Any]], ...] = (
 
 
 def read_recipe(path: str | Path) -> Recipe[Any]:
-    """The file that describes a flexible body, of whatever kind it is.
+    """Recipe from the file that describes a flexible body, of whatever kind it is.
 
     Raises
     ------
     InputError
-        It is missing, no TOML, a scene, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
+        It is missing, no TOML, a scene, or a key is unknown, missing or has an invalid value; every such key is named.
     """
     *names, last = (kind.name for kind in reversed(RECIPES))
     content = read_toml(Path(path), f"a {', '.join(names)} or {last}")

@@ -1,8 +1,9 @@
 """What one design among many costs: `python -m tests.benchmarks.many_designs` analyses wings with five gradients each.
 
-One after the other, in two threads and in two processes; each way is repeated in turn with the others, and its least time counts. CPU time
-is that of this process, which for two processes says nothing. Beside them stand the parts of one design: its plan renewed, its motion with
-gradients, its responses; and what a design costs with its verdict.
+One after the other, in two threads and in two processes, and one after the other with verdicts; each way is repeated in turn with the
+others, and its least time counts. CPU time is that of this process, which for two processes says nothing. Beside them stand the parts of
+one design: its plan renewed, its motion with gradients, its responses; and what one costs whose verdict is measured, and not carried from
+another design.
 """
 
 from __future__ import annotations
@@ -17,7 +18,12 @@ from toolkit.sensitivity.evaluation import evaluate_with_gradients
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"
 COUNT, REPEATS, JUDGED = 200, 3, 10
-WAYS = {"one after the other": {}, "two threads": {"threads": 2}, "two processes": {"processes": 2}}
+WAYS = {
+    "one after the other": {"judged": False},
+    "two threads": {"threads": 2, "judged": False},
+    "two processes": {"processes": 2, "judged": False},
+    "one after the other, with verdicts": {},
+}
 
 
 def designs(values: dict[str, float], count: int = COUNT) -> list[dict[str, float]]:
@@ -49,12 +55,12 @@ if __name__ == "__main__":
     found: dict[str, list[tuple[float, float]]] = {way: [] for way in WAYS}
     for _ in range(REPEATS):
         for way, how in WAYS.items():
-            found[way].append(timed(lambda how=how: model.map(wanted, gradients=True, judged=False, **how)))
+            found[way].append(timed(lambda how=how: model.map(wanted, gradients=True, **how)))
     for way, times in found.items():
         wall, processor = (min(each) / len(wanted) for each in zip(*times, strict=True))
         print(f"{way}: {wall:.2f} ms per design, {processor:.2f} ms of CPU in this process")
-    judged = min(timed(lambda: model.map(wanted[:JUDGED], gradients=True))[1] for _ in range(REPEATS)) / JUDGED
-    print(f"with its verdict: {judged:.1f} ms of CPU per design")
+    judged = min(timed(lambda: model.map(wanted[:JUDGED], gradients=True, judged="each"))[1] for _ in range(REPEATS)) / JUDGED
+    print(f"with its verdict measured: {judged:.1f} ms of CPU per design")
     single = [parts(model, design) for design in wanted[:20]]
     for name in single[0]:
         print(f"  {name}: {min(each[name] for each in single):.2f} ms of CPU")

@@ -193,7 +193,7 @@ def test_the_study_of_settings_varies_frames():
     assert (reduced.frames, reduced.modes_per_frame) == (4, 2)  # type: ignore[attr-defined]
     assert changes(case, both) == {"bodies.skin.frames": "4", "bodies.skin.modes_per_frame": "2"}
     assert len({case.key(Setting({"modes_per_frame": each})) for each in of_modes}) == 6
-    with pytest.raises(InputError, match="modes_per_frame='-1' cannot be meant; give whole numbers from 0 on, or all"):
+    with pytest.raises(InputError, match="modes_per_frame='-1' is invalid; give whole numbers from 0 on, or all"):
         read_axes(scene, "modes_per_frame=-1")
     with pytest.raises(InputError, match="no body has any"):
         read_axes(wing(1), "modes_per_frame")

@@ -1,4 +1,4 @@
-"""Files that spatial bodies are made of: every format gives the same body, and what cannot be meant is refused by name."""
+"""Files that spatial bodies are made of: every format gives the same body, and invalid input is refused by name."""
 
 from __future__ import annotations
 

@@ -41,6 +41,39 @@ TARGET = re.compile(r"\]\[((?:toolkit|preprocessing)[\w.]*)\]")
 MODULES = [*modules("toolkit"), *modules("preprocessing")]
 
 
+BANNED = {
+    "cannot be meant": "is invalid",
+    "came from nowhere": "gained",
+    "as far as the steps are concerned": "estimated time-step error",
+    "What helps:": "Fix:",
+    "the price of this check": "what the check cost",
+    "was interrupted goes on": "interrupted ... resume",
+    "brings to life": "what changes",
+    "into so many parts": "the number of parts",
+}
+"""Phrase that a stranger would not look for -> what is written instead."""
+POINTING = {
+    "As",
+    "At",
+    "By",
+    "For",
+    "From",
+    "In",
+    "It",
+    "Its",
+    "Of",
+    "On",
+    "That",
+    "Their",
+    "These",
+    "Those",
+    "To",
+    "Whose",
+    "With",
+}
+"""First words of docstrings that point at a class or a folder around them instead of saying what something is."""
+LATER = ("toolkit.sensitivity", "toolkit.studies", "toolkit.validity")
+"""Rooms whose docstrings still do."""
 TREES = {name: tree(path) for half in ("toolkit", "preprocessing") for name, path in modules(half).items()}
 """Syntax of every module by its dotted name."""
 
@@ -287,3 +320,35 @@ def test_every_error_that_a_docstring_announces_exists():
         announced = re.search(r"Raises\n-+\n(.*?)(?:\n\n|\Z)", "\n".join(lines), re.DOTALL)
         told = announced[1].splitlines() if announced else []
         assert {error.strip() for line in told if not line.startswith(" ") for error in line.split(",")} <= ERRORS, place
+
+
+def test_no_text_has_a_phrase_that_nobody_would_look_for():
+    folders = (
+        ("ffrf", "*.py"),
+        ("toolkit", "*.py"),
+        ("preprocessing", "*.py"),
+        ("toolkit", "*.toml"),
+        ("docs", "*.md"),
+        ("tutorials", "*.py"),
+    )
+    files = [path for folder, pattern in folders for path in (ROOT / folder).rglob(pattern)] + [ROOT / "README.md"]
+    found = [
+        f"{path.relative_to(ROOT)}: {phrase!r}, write {instead!r}"
+        for path in files
+        for phrase, instead in BANNED.items()
+        if phrase in path.read_text(encoding="utf-8")
+    ]
+    assert len(files) > 500
+    assert found == []
+
+
+def test_the_first_line_of_every_docstring_can_be_read_alone():
+    found = [
+        f"{name}.{node.name}: {text.splitlines()[0]}"
+        for name, module in TREES.items()
+        if not name.startswith(LATER)
+        for node in ast.walk(module)
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and (text := ast.get_docstring(node))
+        if text.split()[0].rstrip(",") in POINTING
+    ]
+    assert found == []

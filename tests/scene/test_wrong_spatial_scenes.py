@@ -91,8 +91,8 @@ def test_scenes_with_every_kind_meet_the_schema_when_they_are_written(name, tmp_
 
 WRONG = {
     "no dimension": ("dimension = 3\n", "", r"points\.hinge has 3 coordinates; a planar point has two, .* begins with dimension = 3"),
-    "wrong dimension": ("dimension = 3", "dimension = 4", r"dimension = 4 cannot be meant.*Write dimension = 3"),
-    "dimension in words": ("dimension = 3", 'dimension = "3"', r"dimension = '3' cannot be meant"),
+    "wrong dimension": ("dimension = 3", "dimension = 4", r"dimension = 4 is invalid.*Write dimension = 3"),
+    "dimension in words": ("dimension = 3", 'dimension = "3"', r"dimension = '3' is invalid"),
     "two coordinates": ("[0.8, 0.0, 1.0]", "[0.8, 0.0]", r"points\.edge has 2 coordinates; a point in space has three, \[x, y, z\]"),
     "four coordinates": ("[0.8, 0.0, 1.0]", "[0.8, 0.0, 1.0, 2.0]", r"points\.edge has 4 coordinates; a point in space has three"),
     "planar joint": ('type = "revolute"', 'type = "slider"', r"joints\.hinge\.type = 'slider' is .* scenes with dimension = 2"),

@@ -1,4 +1,4 @@
-"""Sweeps: designs against closed forms, failures as rows, tables, and what cannot be meant."""
+"""Sweeps: designs against closed forms, failures as rows, tables, and invalid input."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Uncertain responses against quadrature of closed forms; what the judge of the polynomials says; and what cannot be meant."""
+"""Uncertain responses against quadrature of closed forms; what the judge of the polynomials says; and invalid input."""
 
 from __future__ import annotations
 

@@ -105,6 +105,12 @@ def test_richardsons_rule_is_exact_for_errors_of_one_order():
     assert estimated(lambda h: 1.0, lambda h: 2 + h**2)["slope"] == pytest.approx(1 / 64**2 / (2 + 1 / 64**2), rel=1e-9)
 
 
+def test_chosen_steps_that_their_own_limit_keeps_short_are_halved_with_it():
+    """The error that is allowed chooses none of them: a run with a smaller one alone would be the same run."""
+    chosen = RunOptions(end_time=1.0, step=1 / 64, local_error=1.0)
+    assert estimated(lambda h: 1 + 200 * h**2, options=chosen)["value"] == pytest.approx(200 / 64**2, rel=1e-9)
+
+
 def test_two_runs_that_agree_by_chance_are_betrayed_by_the_third():
     assert estimated({1 / 64: 1.0, 1 / 32: 1.0, 1 / 16: 1.09}.__getitem__)["value"] == pytest.approx(0.09 / 12)
 

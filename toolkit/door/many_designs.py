@@ -54,7 +54,7 @@ def sweep(
     Raises
     ------
     InputError
-        The study, its scene or the designs cannot be meant; or the folder holds another study, or another run works in it.
+        The study, its scene or the designs are invalid; or the folder holds another study, or another run works in it.
     NoDesignError
         Not one design could be solved.
     StudyError
@@ -108,7 +108,7 @@ def uncertainty(
     Raises
     ------
     InputError
-        The study or its scene cannot be meant; the folder holds another study, or another run works in it; or OpenTURNS is not installed.
+        The study or its scene is invalid; the folder holds another study, or another run works in it; or OpenTURNS is not installed.
     NoDesignError
         Not one design could be solved.
     StudyError

@@ -42,7 +42,7 @@ def optimize(
     Raises
     ------
     InputError
-        The study or its scene cannot be meant; or the folder holds another study, or another run works in it.
+        The study or its scene is invalid; or the folder holds another study, or another run works in it.
     NoOptimumError
         Not one design could be solved.
 

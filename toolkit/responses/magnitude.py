@@ -20,14 +20,14 @@ INSTANTS, FEW = 40, 3
 
 
 class Largest(NamedTuple):
-    """What is largest in a motion: the magnitude of a quantity, and those of its derivatives (n_x,), as far as the solution holds any."""
+    """Largest magnitude of a quantity in a motion, and of its derivatives (n_x,), as far as the solution holds any."""
 
     magnitude: float
     slopes: np.ndarray
 
 
 def magnitude_that_counts(response: Response, solution: Solution, largest: Largest) -> float:
-    """What an error of a response is compared with.
+    """Magnitude that a response's error is compared with.
 
     It is the largest magnitude in the motion; but at least what Newton leaves undecided of it, so that a place, a force or a power that is
     zero by symmetry is not wrong by its own round-off.
@@ -45,22 +45,14 @@ def _size_of_kind(response: Response, solution: Solution) -> float:
     system, (m, k, t) = solution.system, response.physical_dimension
     if not (m or k or t):
         return float(response.unit_quantity == "angle")
-    lengths, n_q = system.placed.size, system.n_q
-    speeds, changes, forces = (
-        float(np.abs(np.real(each) * by).max(initial=0.0))
-        for each, by in (
-            (solution.v, system.weights[:n_q]),
-            (solution.a, system.weights[:n_q]),
-            (solution.multipliers, 1 / system.weights[n_q:]),
-        )
-    )
+    lengths, (speeds, changes, forces) = system.placed.size, _largest(solution)
     forces = max(forces, _elastic(solution)) if m else forces
     rate = max(speeds, np.sqrt(changes), 1 / solution.whole_run[-1])
     return float((forces / lengths) ** m * lengths ** (k - m) * rate ** (-t - 2 * m))
 
 
 def _elastic(solution: Solution) -> float:
-    """The largest elastic force: a joint that holds nothing has a force of the round-off of what else is in balance."""
+    """Largest elastic force in a motion: a joint that holds nothing has a force of the round-off of the rest in balance."""
     if not deforming(solution.system.scene):
         return 0.0
     if _elastic not in solution.known:
@@ -72,9 +64,19 @@ def _elastic(solution: Solution) -> float:
     return largest
 
 
+def _largest(solution: Solution) -> tuple[float, float, float]:
+    """Largest rate, acceleration and joint force in a motion, in parts of the model size."""
+    if _largest not in solution.known:
+        n_q, weights = solution.system.n_q, solution.system.weights
+        pairs = (solution.v, weights[:n_q]), (solution.a, weights[:n_q]), (solution.multipliers, 1 / weights[n_q:])
+        solution.known[_largest] = tuple(float((np.abs(np.real(each)).max(axis=0) * by).max(initial=0.0)) for each, by in pairs)
+    found: tuple[float, float, float] = solution.known[_largest]
+    return found
+
+
 @singledispatch
 def largest_in(response: Response, solution: Solution, value: Any) -> Largest:
-    """The largest that the response's quantity has in the motion: a value that just passes zero is not wrong by infinitely much."""
+    """Largest magnitude of the response's quantity in the motion: a value that just passes zero has a finite relative error."""
     return Largest(float(abs(np.real(value))), np.zeros(solution.system.n_x))
 
 

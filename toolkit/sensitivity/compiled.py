@@ -139,7 +139,7 @@ class Compiled:
         Raises
         ------
         InputError
-            There is no such number, or its value cannot be meant.
+            There is no such number, or its value is invalid.
         """
         scene, paths = with_numbers(self.scene, numbers)
         root = self if self.base is None else self.base

@@ -170,6 +170,11 @@ class Result:
         )
 
     @property
+    def gradient_scales(self) -> Mapping[str, Mapping[str, float]]:
+        """Response -> variable -> the largest gradient in the motion, which errors of gradients are compared with; empty in statics."""
+        return self._answers.slope_scales if moving(self.solution) else {}
+
+    @property
     def _undecided(self) -> dict[str, float]:
         """What Newton leaves open of the values of a state at rest."""
         responses = responses_of(self.solution.system.scene, moving=False)
@@ -189,10 +194,14 @@ class Result:
         if errors is None:
             return found
         sizes = variable_sizes(self.solution.system.scene, self)
-        scales = self._answers.scales if moving(self.solution) else {f: abs(value) for f, value in self.values.items()}
-        weighed = unless_frames_deny(found.warnings, self.solution, errors, scales, self.gradients, sizes)
-        doubts = (*doubtful_values(errors, scales), *doubtful_gradients(errors, self.gradients, sizes))
-        return Verdict.of([*weighed, *doubts], {**found.measures, "geometric_error": errors.record(self.gradients, sizes)})
+        scales: Mapping[str, float] = {f: abs(value) for f, value in self.values.items()}
+        slopes = self.gradient_scales
+        if moving(self.solution):
+            scales = self._answers.scales
+        weighed = unless_frames_deny(found.warnings, self.solution, errors, scales, self.gradients, sizes, slopes)
+        doubts = (*doubtful_values(errors, scales), *doubtful_gradients(errors, self.gradients, sizes, slopes))
+        record = errors.record(self.gradients, sizes, slopes)
+        return Verdict.of([*weighed, *doubts], {**found.measures, "geometric_error": record})
 
     def _errors_of_doubted(self, bodies: set[str]) -> FrameErrors | None:
         """Errors by the number of frames, with doubted bodies among those that are given more."""

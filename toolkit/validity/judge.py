@@ -14,7 +14,7 @@ from toolkit.validity.bodies.bent_pieces import bent_pieces
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.chains.lines_on_bodies import lines_on_bodies
 from toolkit.validity.bodies.chosen.outgrown_choices import outgrown_choices
-from toolkit.validity.bodies.compressed.merging_vibrations import merging_vibrations
+from toolkit.validity.bodies.compressed.merging_vibrations import asked_vibrations, merging_vibrations
 from toolkit.validity.bodies.compressed.parametric_resonance import parametric_resonance
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.fibres.fibre_stress import fibres_alone
@@ -27,6 +27,7 @@ from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffeni
 from toolkit.validity.bodies.spinning.partly_stiffened import partly_stiffened
 from toolkit.validity.bodies.spinning.turns_in_a_step import turns_in_a_step
 from toolkit.validity.bodies.tension.tension_cautions import tension
+from toolkit.validity.bodies.tension.unseen_lines import unseen_lines
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
 from toolkit.validity.curves.idle_curves import idle_curves
 from toolkit.validity.curves.load_curves import unseen_curves
@@ -102,7 +103,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
             yield from friction_at_rest(solution)
     yield from bushings_turned_far(solution)
     yield from opened_profiles(solution)
-    yield from lines_on_bodies(solution)
+    yield from lines_on_bodies(solution, asked_vibrations(solution))
     yield from cautions_of_start(solution)
     yield from cautions_of_scene(scene)
     yield from left_over(solution)
@@ -116,6 +117,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from merging_vibrations(solution)
     yield from parametric_resonance(solution)
     yield from unseen_tension(solution)
+    yield from unseen_lines(solution)
     yield from sheared(solution)
     yield from folded_skins(scene)
     yield from bent_between_nodes(solution)

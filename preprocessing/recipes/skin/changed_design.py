@@ -21,7 +21,7 @@ _KEYS = {
     "chord": ("airfoil", "chord"),
     "y_scale": ("airfoil", "y_scale"),
 }
-"""Where the body's own parameters stand in skin.toml."""
+"""Keys of the body's own parameters in skin.toml."""
 
 
 def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) -> None:
@@ -33,7 +33,7 @@ def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) 
     Raises
     ------
     InputError
-        A parameter or interface point does not exist, or a value of a single element cannot be meant.
+        A parameter or interface point does not exist, or a value of a single element is invalid.
     """
     keys = _place(file, name)
     if keys and keys[0] == "interface_points":
@@ -45,7 +45,7 @@ def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) 
 
 
 def _place(file: SkinFile, name: str) -> tuple[str, ...]:
-    """Keys that lead to a parameter in the file; none for one of a single element."""
+    """Keys that lead to a parameter in the file; empty for one of a single element."""
     if name in _KEYS:
         return _KEYS[name]
     if name in file.shape:

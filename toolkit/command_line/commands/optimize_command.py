@@ -33,7 +33,7 @@ def optimize(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the best design of a study; exit with an error if none can be called an optimum. What was interrupted goes on."""
+    """Find the best design of a study; exit with an error if none can be called an optimum. Interrupted studies resume."""
     from toolkit.studies.optimization.optimize import optimized
     from toolkit.studies.study.checked_problem import problem_of
     from toolkit.studies.study.search_options import Search

@@ -9,25 +9,27 @@ if TYPE_CHECKING:
 
 
 def accuracy(result: Result) -> list[str]:
-    """What the length of the steps does to values and gradients, as far as it is known."""
+    """Sentences on the time-step error of values and gradients, as far as it is known."""
     lines, found = [], result.step_error
     if result.solution.local_error is not None:
-        lines.append(
-            f"The largest error that a step is estimated to make is {result.solution.local_error:.1e} of the scene's size."
-        )
+        lines.append(f"Largest estimated local error of a step: {result.solution.local_error:.1e} of the model size.")
     if found is not None:
         slopes = [error for each in found.gradients.values() for error in each.values()]
         parts = [
-            f"values to {max(found.values.values(), default=0.0):.1e}",
-            *([f"gradients to {max(slopes):.1e}"] if slopes else []),
+            f"values {max(found.values.values(), default=0.0):.1e}",
+            *([f"gradients {max(slopes):.1e}"] if slopes else []),
         ]
-        right = f"Right, as far as the steps are concerned, are {' and '.join(parts)} of the largest that they are in the motion"
-        lines.append(f"{right}, by comparison {found.how}.")
+        lines.append(f"Estimated time-step error: {', '.join(parts)} of each response's peak (from a run {found.how}).")
     return lines
 
 
+def _percent(part: float) -> str:
+    """Part in percent, with two digits; zero where round-off makes it negative."""
+    return f"{100 * part:.2g} %" if part > 0 else "0 %"
+
+
 def chosen_steps(result: Result) -> list[str]:
-    """What steps a run has chosen, and whose derivatives its gradients are."""
+    """Sentences on the steps that a run has chosen, and on whose derivatives its gradients are."""
     if (result.solution.options or result.solution.system.scene.solver).local_error is None:
         return []
     times = result.solution.whole_run
@@ -39,7 +41,7 @@ def chosen_steps(result: Result) -> list[str]:
 
 
 def remarks(result: Result) -> list[str]:
-    """Remarks of the responses, drift of the joints, iterations, wall times."""
+    """Sentences on responses, constraint violation and energy balance, iterations and wall times."""
     from toolkit.responses.stress.stress import KSStress
     from toolkit.validity.start.start_state import start_lines
 
@@ -51,15 +53,15 @@ def remarks(result: Result) -> list[str]:
     ]
     if solution.run_times is not None:
         lines.append(
-            f"{solution.steps} steps, of which {len(solution.times)} states are kept: all exceed solver.memory. The joints are off by at "
-            f"most {solution.drift:.1e} of the scene's size."
+            f"{solution.steps} steps, of which {len(solution.times)} states are kept: all exceed solver.memory. "
+            f"Largest constraint violation: {solution.drift:.1e} of the model size."
         )
     elif solution.steps:
         balance = result.verdict.measures["energy_balance"]
         lines.append(
-            f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size; of the largest energy or work "
-            f"{balance['created']:.1e} came from nowhere and {balance['lost']:.1e} vanished, beyond damping and errors "
-            "of sums over steps."
+            f"{solution.steps} steps. Largest constraint violation: {solution.drift:.1e} of the model size. Energy balance: "
+            f"{_percent(balance['created'])} gained, {_percent(balance['lost'])} lost, relative to the largest energy or work (after "
+            "damping and quadrature error)."
         )
         lines += chosen_steps(result) + accuracy(result) + start_lines(solution)
     else:

@@ -22,7 +22,7 @@ MISSED = 0.042
 
 
 def missed_peaks(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every largest or smallest value over time that lies above or below those at the steps, as far as all are kept."""
+    """Doubt for every extreme over time that lies beyond the values at the steps, as far as all values are kept."""
     if solution.run_times is not None or len(solution.times) < 4:
         return
     for name, response in solution.system.scene.responses.items():
@@ -44,6 +44,16 @@ def missed_part(times: np.ndarray, curves: np.ndarray) -> float:
     return beyond / size if size > 0 else 0.0
 
 
+def peaks(solution: Solution) -> Iterator[tuple[int, float]]:
+    """Step of the largest value of each curve that a response looks for peaks in, and by how many steps its vertex is later."""
+    for response in solution.system.scene.responses.values():
+        for values in _curves(response, solution):
+            step = int(np.argmax(values))
+            before, at, after = values[step - 1 : step + 2] if 0 < step < len(values) - 1 else (0.0, 0.0, 0.0)
+            bend = before - 2 * at + after
+            yield step, (before - after) / (2 * bend) if bend < 0 else 0.0
+
+
 def _vertices(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Vertices of the parabolas through three values in a row, (n - 2,), which are maxima in the second and in the first of both steps."""
     left, right = np.diff(times)[:-1], np.diff(times)[1:]
@@ -58,7 +68,7 @@ def _vertices(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def _curves(response: object, solution: Solution) -> Iterator[np.ndarray]:
-    """Values at all steps (n_t,) whose largest, or smooth largest, the response is, of an absolute one those of both signs."""
+    """Values at all steps (n_t,) whose largest or smooth largest is the response; for an absolute one also their negatives."""
     if isinstance(response, TimeMax | TimeMin | TimeKS):
         values = np.real(over_all_steps(response.source, solution))
         absolute = isinstance(response, TimeMax | TimeKS) and response.measure == "absolute"

@@ -90,7 +90,7 @@ def _remedy(errors: Mapping[Any, float], found: StepError, options: RunOptions) 
     worst = min(1.0, max(np.nan_to_num(error, nan=1.0) for error in errors.values()))
     part = (WANTED / worst) ** (1 / found.order)
     if options.local_error is not None:
-        return f"Try solver.local_error = {options.local_error * part**3:.1g}."
+        return f"Try solver.local_error = {options.local_error * part**3:.1g} and solver.step = {options.step * part:.1g}, the longest one."
     if options.times is not None:
         return f"Try times whose steps are {1 / part:.2g} times shorter."
     first = ' solver.scheme = "arnold-bruels" is of second order and needs fewer steps.' if found.order == 1 else ""

@@ -305,6 +305,7 @@ def shorter_steps(options: RunOptions, times: np.ndarray, parts: int) -> RunOpti
 
 
 def _looser(options: RunOptions, ratio: float) -> RunOptions:
-    """Chosen steps grow with the third root of the error that is allowed (the second without inertia)."""
+    """Chosen steps grow with the third root of the error that is allowed (the second without inertia), and so does the longest of them: it
+    may be what has chosen them."""
     allowed = float(options.local_error or 0) * ratio ** (2 if options.quasi_static else 3)
-    return options.model_copy(update={"local_error": allowed, "step": min(options.end_time, options.step * max(ratio, 1.0))})
+    return options.model_copy(update={"local_error": allowed, "step": min(options.end_time, options.step * ratio)})

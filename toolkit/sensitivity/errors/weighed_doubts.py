@@ -73,9 +73,9 @@ def unless_it_converges(
     yield from (each for each in told if each.code != "energy")
     yield Caution(
         "energy",
-        f"{max(balance.values()):.1%} of the largest energy or work came from nowhere or vanished (limit {ENERGY:.0%}), which the "
-        f"responses do not feel: with steps half as long this falls as the order of the scheme says, and they are right to "
-        f"{max(error.values.values()):.1e} of the largest that they are in the motion.",
+        f"energy balance: {max(balance.values()):.1%} of the largest energy or work is gained or lost (limit {ENERGY:.0%}). The responses "
+        "are not affected: with steps half as long this falls with the order of the scheme, and their estimated time-step error is "
+        f"{max(error.values.values()):.1e} of their peaks.",
         doubt=False,
     )
 

@@ -68,9 +68,9 @@ class FrameErrors:
         factor = np.sqrt(worst / LIMIT) if worst < 1 else 4.0
         return {body: min(int(np.ceil(now * factor)), self.most[body]) for body, (now, _) in self.frames.items()}
 
-    def record(self, gradients: Slopes, sizes: Mapping[str, float]) -> dict[str, object]:
+    def record(self, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes) -> dict[str, object]:
         """Part of a JSON object, which says of the gradients of the run whose signs are in doubt."""
-        doubtful = [{"response": f, "variable": x} for f, x in _signs(self, gradients, sizes)]
+        doubtful = [{"response": f, "variable": x} for f, x in _signs(self, gradients, sizes, scales)]
         return {
             "how": f"the same run with {_others(self.frames)}",
             "responses": dict(self.values),
@@ -136,10 +136,11 @@ def unless_frames_deny(
     scales: Mapping[str, float],
     gradients: Slopes,
     sizes: Mapping[str, float],
+    slope_scales: Slopes,
 ) -> Iterator[Caution]:
     """The cautions, with those about what more frames know as remarks where no answer feels them."""
     values = [abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]]
-    felt = max([*values, found.largest(gradients, sizes)], default=0.0)
+    felt = max([*values, *_parts(found, gradients, sizes, slope_scales).values()], default=0.0)
     unfelt = not found.failure and felt * UNCERTAIN <= LIMIT
     for each in cautions:
         if unfelt and each.doubt and each.code in WEIGHED and each.body in found.frames and _moves(solution, each):
@@ -159,8 +160,15 @@ def _moves(solution: Solution, doubt: Caution) -> bool:
     return moving(solution) and not solution.system.scene.solver.quasi_static and bent is not None and bent.rotation > BENT
 
 
-def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapping[str, float]) -> Iterator[Caution]:
-    """Gradients whose sign or size is in doubt."""
+def doubtful_gradients(
+    found: FrameErrors | None, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes
+) -> Iterator[Caution]:
+    """Gradients whose sign or size is in doubt.
+
+    Parameters
+    ----------
+    scales : response -> variable -> the largest gradient in a motion, which errors are compared with; empty without one
+    """
     if found is None:
         return
     if found.failure:
@@ -170,18 +178,19 @@ def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapp
             doubt=False,
         )
         return
-    parts = _parts(found, gradients, sizes)
-    signs = _signs(found, gradients, sizes)
+    parts = _parts(found, gradients, sizes, scales)
+    signs = _signs(found, gradients, sizes, scales)
     off = {pair: part for pair, part in parts.items() if part > LIMIT and pair not in signs}
     if not signs and not off:
         return
     said = [f"the sign of the gradient of {_listed(signs)} is in doubt"] if signs else []
+    in_motion = ", in parts of the largest in the motion" if scales else ""
     if off:
         worst = max(off, key=lambda pair: off[pair])
-        said.append(f"{'other ' if signs else ''}gradients are off by up to {off[worst]:.0%} ({' by '.join(worst)})")
+        said.append(f"{'other ' if signs else ''}gradients are off by up to {off[worst]:.0%} ({' by '.join(worst)}{in_motion})")
     yield Caution(
         "geometric-gradients",
-        f"{'; '.join(said)}: so says the same run with {_others(found.frames)}, the price of this check. Gradients of bodies that "
+        f"{'; '.join(said)}: found by repeating the run with {_others(found.frames)}. Gradients of bodies that "
         f"deform far need more frames than their values: write {_written(found.advised(max(parts.values())))} in the scene.",
     )
 
@@ -206,24 +215,27 @@ def doubtful_values(found: FrameErrors, scales: Mapping[str, float]) -> Iterator
         )
 
 
-def _parts(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float]) -> dict[tuple[str, str], float]:
-    """Response and variable -> error in parts of the gradient, of those that count."""
+def _parts(
+    found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes | None = None
+) -> dict[tuple[str, str], float]:
+    """Response and variable -> error in parts of the gradient, or of the largest in a motion, of those that count."""
     parts: dict[tuple[str, str], float] = {}
     for f, errors in found.gradients.items():
         most = max((abs(slope) * sizes[x] for x, slope in gradients[f].items()), default=0.0)
         counts = max(UNIMPORTANT * most, found.undecided[f])
         for x, error in errors.items():
             if error and max(abs(error), abs(gradients[f][x])) * sizes[x] > counts:
-                parts[f, x] = abs(error / gradients[f][x]) if gradients[f][x] else np.inf
+                scale = max(abs(gradients[f][x]), scales[f][x] if scales else 0.0)
+                parts[f, x] = abs(error) / scale if scale else np.inf
     return parts
 
 
-def _signs(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float]) -> list[tuple[str, str]]:
+def _signs(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes) -> list[tuple[str, str]]:
     """Of these, those that the error leads to the other side of zero, or would if it were twice as large."""
     return [
         (f, x)
-        for f, x in _parts(found, gradients, sizes)
-        if gradients[f][x] * (gradients[f][x] + UNCERTAIN * found.gradients[f][x]) <= 0
+        for (f, x), part in _parts(found, gradients, sizes, scales).items()
+        if part > LIMIT and gradients[f][x] * (gradients[f][x] + UNCERTAIN * found.gradients[f][x]) <= 0
     ]
 
 

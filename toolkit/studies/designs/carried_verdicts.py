@@ -20,7 +20,7 @@ from toolkit.sensitivity.frames.gradient_errors import SMALL, SMALL_OF_PARTS, Fr
 from toolkit.sensitivity.result import Result
 from toolkit.studies.designs.indicators import Indicators, distances, indicators, joined, sizes_of_variables
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
-from toolkit.validity.bodies.compressed.critical_load import compression
+from toolkit.validity.bodies.compressed.critical_load import Compression, compression
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.motion.motion import ENERGY
 from toolkit.validity.motion.noisy_forces import NOISY
@@ -50,15 +50,18 @@ class Measured(NamedTuple):
     ----------
     verdict
         Of the run.
-    shares
-        Measures in parts of their limits, (n,).
+    room
+        The least factor that brings any measure to its limit, or back to it.
     frame_errors
         What more floating frames change.
+    gradient_scales
+        Response -> variable -> the largest gradient in a motion, which errors of gradients are compared with; empty without a motion.
     """
 
     verdict: Verdict
-    shares: np.ndarray
+    room: float
     frame_errors: FrameErrors | None
+    gradient_scales: Mapping[str, Mapping[str, float]]
 
     @property
     def doubts(self) -> frozenset[str]:
@@ -78,10 +81,10 @@ def answers(result: Result) -> Answers:
     return Answers(indicators(result), result.gradients, sizes_of_variables(result) if result.gradients else {})
 
 
-def measured(result: Result) -> Measured:
-    """The verdict on a run, with the shares of their limits that its main measures have."""
+def measured(result: Result, alone: bool = False) -> Measured:
+    """The verdict on a run, with the shares of their limits that its main measures have; without these if no other design is near."""
     verdict = result.verdict
-    return Measured(verdict, _shares(result), result.frame_errors)
+    return Measured(verdict, 0.0 if alone else _room(_shares(result)), result.frame_errors, result.gradient_scales)
 
 
 def _shares(result: Result) -> np.ndarray:
@@ -98,7 +101,7 @@ def _shares(result: Result) -> np.ndarray:
             shares += [
                 each.relative / limit for limit in (LIMIT, SMALL_OF_PARTS if isinstance(scene.bodies[body], CutBody) else SMALL)
             ]
-    pressed = compression(result.solution, of_interest=LIMIT / 2)
+    pressed = result.solution.known.get(Compression) or compression(result.solution, of_interest=LIMIT / 2)
     shares += [] if pressed is None else [pressed.missed / LIMIT, pressed.feigned / LIMIT, pressed.load]
     return np.array(shares, dtype=float)
 
@@ -121,66 +124,61 @@ class CarriedVerdicts:
 
     def __init__(self, written: Sequence[Indicators], found: Mapping[int, Answers]) -> None:
         self.found = {k: each._replace(indicators=joined([written[k], each.indicators])) for k, each in sorted(found.items())}
-        self.places: dict[tuple[object, ...], list[int]] = {}
-        for k, each in self.found.items():
-            self.places.setdefault(each.indicators.kind, []).append(k)
-        self.tables = {
-            kind: tuple(np.array([getattr(self.found[k].indicators, name) for k in keys]) for name in ("numbers", "least"))
-            for kind, keys in self.places.items()
-        }
         self.measured: dict[int, Measured] = {}
-        self.distances: dict[int, dict[int, float]] = {}  # measured design -> those that are near it
+        self._alike = _tables(self.found)
+        size = max(self.found, default=-1) + 1
+        self._nearest, self._source = np.full(size, np.inf), np.full(size, -1)
+        self._doubts: list[set[frozenset[str]]] = [set() for _ in range(size)]  # of all that are measured around a design
+        self._reach = np.zeros(size)  # how far from a measured design another one is measured, of those that are not too far
 
     def learn(self, k: int, judged: Measured) -> None:
         """Keep the verdict that was measured at a design."""
+        apart = self._apart(k)
+        for m in self.measured:
+            if apart[m] <= FARTHEST:
+                self._reach[[k, m]] = np.maximum(self._reach[[k, m]], apart[m])
         self.measured[k] = judged
-        self.distances[k] = self._near(k)
+        nearer = apart < self._nearest
+        self._nearest[nearer], self._source[nearer] = apart[nearer], k
+        for other in np.flatnonzero(apart <= FARTHEST):
+            self._doubts[other].add(judged.doubts)
 
     def forget(self, k: int) -> None:
         """Leave out a design that cannot be judged."""
         del self.found[k]
 
-    def _near(self, k: int) -> dict[int, float]:
-        """The designs that are not too far from one."""
-        kind = self.found[k].indicators.kind
-        apart = distances(self.found[k].indicators, *self.tables[kind])
-        return {self.places[kind][n]: float(apart[n]) for n in np.flatnonzero(apart <= FARTHEST)}
+    def _apart(self, k: int) -> np.ndarray:
+        """Distances of all designs from one; those of another kind are far."""
+        keys, numbers, least = self._alike[self.found[k].indicators.kind]
+        apart = np.full(len(self._nearest), np.inf)
+        apart[keys] = distances(self.found[k].indicators, numbers, least)
+        return apart
 
     def source(self, k: int) -> Carried | None:
         """From where the verdict on a design is carried; None if it has to be measured."""
-        around = {m: near[k] for m, near in self.distances.items() if k in near}
-        if not around:
+        apart, m = float(self._nearest[k]), int(self._source[k])
+        if apart > FARTHEST or growth(apart) > self._room(m, k):
             return None
-        nearest = min(around, key=lambda m: around[m])
-        apart = around[nearest]
-        if not self._holds(nearest, k, apart):
-            return None
-        alike = all(self.measured[m].doubts == self.measured[nearest].doubts for m in around)
-        return Carried(nearest, apart) if apart <= SAME or (alike and self._tried(nearest, apart)) else None
+        agreed = len(self._doubts[k]) == 1 and 2 * self._reach[m] >= apart
+        return Carried(m, apart) if apart <= SAME or agreed else None
 
-    def _tried(self, m: int, apart: float) -> bool:
-        """Whether another one is measured about as far from a measured design."""
-        return any(other != m and 2 * each >= apart for other, each in self.distances[m].items() if other in self.measured)
-
-    def _holds(self, m: int, k: int, apart: float) -> bool:
-        """Whether no measure could be on the other side of its limit."""
-        judged, factor = self.measured[m], growth(apart)
-        shares = judged.shares
-        if judged.frame_errors is not None and judged.frame_errors.gradients:
-            own = judged.frame_errors.largest(self.found[k].gradients, self.found[k].sizes) / LIMIT
-            shares = np.append(shares, own)
-        return bool(np.all((shares * factor <= 1) | (shares >= factor)))
+    def _room(self, m: int, k: int) -> float:
+        """The least factor that brings a measure to its limit, among those of a measured design and what another one has of them."""
+        errors, mine = self.measured[m].frame_errors, self.found[k]
+        if errors is None or not errors.gradients:
+            return self.measured[m].room
+        return min(self.measured[m].room, _room(np.array([errors.largest(mine.gradients, mine.sizes) / LIMIT])))
 
     def wanted(self) -> list[int]:
-        """Designs to be measured next: none of them near to another one of these, the farthest one from those that are measured first."""
-        rest = [k for k in self.found if k not in self.measured and self.source(k) is None]
-        nearest = {k: min((near[k] for near in self.distances.values() if k in near), default=np.inf) for k in rest}
-        rest.sort(key=lambda k: -nearest[k])
+        """Designs to be measured next: the farthest ones from those that are measured first, and none that one of these may do for."""
+        rest = np.array([k for k in self.found if k not in self.measured and self.source(k) is None], dtype=int)
+        rest = rest[np.argsort(-self._nearest[rest], kind="stable")]
         chosen: list[int] = []
-        while rest:
-            chosen.append(rest[0])
-            near = self._near(rest[0])
-            rest = [k for k in rest if k not in near]
+        while len(rest):
+            chosen.append(int(rest[0]))
+            known = self._nearest[rest] <= np.minimum(FARTHEST, 2 * self._reach[self._source[rest]])  # and yet not carried
+            may_do = np.where(known, self._nearest[rest] / 2, FARTHEST)
+            rest = rest[1:][(self._apart(chosen[-1])[rest] > may_do)[1:]]
         return chosen
 
     def verdict(self, k: int) -> Verdict:
@@ -191,9 +189,27 @@ class CarriedVerdicts:
         assert carried is not None
         judged, mine = self.measured[carried.source], self.found[k]
         others = [_said_there(each, carried) for each in judged.verdict.warnings if each.code != OF_FRAMES]
-        about_gradients = doubtful_gradients(judged.frame_errors, mine.gradients, mine.sizes)
+        about_gradients = doubtful_gradients(judged.frame_errors, mine.gradients, mine.sizes, judged.gradient_scales)
         measures = {**judged.verdict.measures, "carried": {"design": carried.source, "distance": carried.distance}}
         return Verdict.of([*others, *about_gradients, _remark(carried)], measures)
+
+
+def _tables(found: Mapping[int, Answers]) -> dict[tuple[object, ...], tuple[np.ndarray, ...]]:
+    """Kind of designs -> their numbers among all, and their indicators as tables."""
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for k, each in found.items():
+        alike.setdefault(each.indicators.kind, []).append(k)
+    return {
+        kind: (np.array(keys), *(np.array([found[k].indicators[n] for k in keys]) for n in (0, 1)))
+        for kind, keys in alike.items()
+    }
+
+
+def _room(shares: np.ndarray) -> float:
+    """The least factor that brings a measure to its limit, or back to it; none where a measure does not exist."""
+    with np.errstate(divide="ignore"):
+        found = np.maximum(abs(shares), 1 / abs(shares)).min(initial=np.inf)
+    return float(np.nan_to_num(found, nan=0.0, posinf=np.inf))
 
 
 def _said_there(each: Caution, carried: Carried) -> Caution:
@@ -212,14 +228,17 @@ def _remark(carried: Carried) -> Caution:
     )
 
 
-def apart(written: Sequence[Indicators]) -> list[int]:
-    """Numbers of designs that are too far from each other, by what they are written as, for one verdict to do for two of them."""
+def apart(written: Sequence[Indicators]) -> dict[int, bool]:
+    """Numbers of designs that are too far from each other, by what they are written as, for one verdict to do for two of them; and whether
+    any other design is near."""
     if not written:
-        return []
+        return {}
     numbers, least = (np.array([getattr(each, name) for each in written]) for name in ("numbers", "least"))
-    chosen, left = [], np.ones(len(written), dtype=bool)
+    chosen, left = {}, np.ones(len(written), dtype=bool)
     while left.any():
         first = int(np.argmax(left))
-        chosen.append(first)
-        left &= distances(written[first], numbers, least) > FARTHEST
+        near = distances(written[first], numbers, least) <= FARTHEST
+        chosen[first] = int(near.sum()) > 1
+        left &= ~near
+        left[first] = False  # of a number that does not exist, which is near nothing
     return chosen

@@ -6,13 +6,14 @@ a power that is seldom above the fourth: the growth of an element that turns goe
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.foundation.errors import ToolkitError
+from toolkit.responses.over_time.missed_peaks import peaks
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_error import LENIENT
 from toolkit.sensitivity.result import UNIMPORTANT, Result
@@ -22,6 +23,10 @@ from toolkit.system.solution import Solution
 
 OF_A_SCENE = 0.1
 """Part of the scene's size that changes of places are compared with, where these are nearer to the origin."""
+BETWEEN = 0.05
+"""Part of a step that vertices of parabolas may be off by."""
+DIGITS = 9
+"""Of distances, so that round-off does not decide which of two equal ones is larger."""
 NOTHING = 1e-6
 """Part of the largest velocity, or joint force, of a scene below which another one is taken for zero."""
 
@@ -36,7 +41,8 @@ class Indicators(NamedTuple):
     least
         What a change is compared with where the number itself is smaller than this, (n,).
     kind
-        What has to be the same in designs that are near each other: the number of steps, and whether all of them went well.
+        What has to be the same in designs that are near each other: the number of steps, whether all of them went well, and at which ones
+        there are peaks.
     """
 
     numbers: np.ndarray
@@ -57,8 +63,8 @@ def distances(one: Indicators, numbers: np.ndarray, least: np.ndarray) -> np.nda
     scale = np.maximum(np.maximum(abs(numbers), abs(one.numbers)), np.maximum(least, one.least))
     change = abs(numbers - one.numbers)
     parts = np.divide(change, scale, out=np.zeros_like(change), where=change != 0)
-    found: np.ndarray = np.nan_to_num(parts, nan=np.inf).max(axis=1, initial=0.0)  # what does not exist is near nothing
-    return found
+    found = np.nan_to_num(parts, nan=np.inf).max(axis=1, initial=0.0)  # what does not exist is near nothing
+    return np.round(found, DIGITS)
 
 
 def written_numbers(scene: Scene, designs: Sequence[Mapping[str, float]]) -> list[Indicators]:
@@ -97,7 +103,20 @@ def indicators(result: Result) -> Indicators:
     found = joined([_of_answers(result), *_of_states(solution)])
     options = solution.options or solution.system.scene.solver
     went_well = solution.correction <= options.tolerance, not solution.halved
-    return found._replace(kind=(len(found.numbers), solution.steps, result.method, *went_well))
+    kind = len(found.numbers), solution.steps, result.method, *went_well
+    return found._replace(kind=(*kind, *_peaks(solution)) if result.gradients else kind)
+
+
+def _peaks(solution: Solution) -> Iterator[float]:
+    """At which steps peaks over time are, and on which side of them by more than a quarter of a step.
+
+    The derivative of a peak is that at its step. Of steps half as long another one is nearer from a quarter of a step on, so that what
+    they tell of derivatives jumps there; a peak that lies close to that is like no other one.
+    """
+    if solution.run_times is None and solution.steps:
+        for step, later in peaks(solution):
+            yield step
+            yield later if abs(abs(later) - 0.25) < BETWEEN else np.sign(later) * (abs(later) > 0.25)
 
 
 def sizes_of_variables(result: Result) -> dict[str, float]:

@@ -62,23 +62,43 @@ SERIAL = Executor()
 
 
 def completed(
-    executor: Executor, work: Callable[[Job], Result], jobs: Mapping[Key, Job], remedy: str = "Ask for fewer processes."
+    executor: Executor,
+    work: Callable[[Job], Result],
+    jobs: Mapping[Key, Job],
+    remedy: str = "Ask for fewer processes.",
+    more: Callable[[], Mapping[Key, Job]] = dict,
 ) -> Iterator[tuple[Key, Result]]:
     """Keys of jobs with what the work makes of them, in the order in which they are completed.
 
     Work and jobs are sent to where they run: the work once to every process or worker, where it may keep what all jobs have in common.
-    If the caller stops iterating, jobs that are running end, and no others begin.
+    If the caller stops iterating, jobs that are running end, and no others begin. When all jobs are completed, `more` is asked for others,
+    which follow from what was found, until it has none.
 
     Raises
     ------
     StudyError
         A process was killed, or the cluster is gone; `remedy` tells what to do then.
     """
-    if executor.dask and jobs:
-        return on_cluster(work, jobs, executor.dask, remedy)
-    if executor.processes > 1 and len(jobs) > 1:
-        return in_processes(work, jobs, executor.processes, remedy)
-    return _in_this_process(work, jobs, executor.threads)
+    if executor.processes > 1 and len(jobs) > 1 and not executor.dask:
+        return in_processes(work, jobs, executor.processes, remedy, more)
+    return _in_rounds(
+        lambda each: (
+            on_cluster(work, each, executor.dask, remedy) if executor.dask else _in_this_process(work, each, executor.threads)
+        ),
+        jobs,
+        more,
+    )
+
+
+def _in_rounds(
+    done: Callable[[Mapping[Key, Job]], Iterator[tuple[Key, Result]]],
+    jobs: Mapping[Key, Job],
+    more: Callable[[], Mapping[Key, Job]],
+) -> Iterator[tuple[Key, Result]]:
+    """Results of some jobs, then of those that follow from them."""
+    while jobs:
+        yield from done(jobs)
+        jobs = more()
 
 
 def _in_this_process(work: Callable[[Job], Result], jobs: Mapping[Key, Job], threads: int) -> Iterator[tuple[Key, Result]]:

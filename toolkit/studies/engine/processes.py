@@ -29,8 +29,12 @@ class StudyError(ToolkitError, RuntimeError):
     """A process, a worker or a cluster of a study ended without a word."""
 
 
-def in_processes(work: Callable[[Any], Any], tasks: Mapping[Any, Any], count: int, remedy: str) -> Iterator[tuple[Any, Any]]:
+def in_processes(
+    work: Callable[[Any], Any], tasks: Mapping[Any, Any], count: int, remedy: str, more: Callable[[], Mapping[Any, Any]] = dict
+) -> Iterator[tuple[Any, Any]]:
     """What the work makes of each task, as it gets done; the work is sent to every process once, and tasks one by one.
+
+    When all are done, `more` is asked for others, until it has none.
 
     A script that asks for this needs `if __name__ == "__main__":`; without it no process begins, and the error says so. Whoever stops
     listening lets the tasks that are running end, and no others begin.
@@ -48,9 +52,11 @@ def in_processes(work: Callable[[Any], Any], tasks: Mapping[Any, Any], count: in
         begun = context.Event()
         pool = ProcessPoolExecutor(min(count, len(tasks)), context, _begin, (work, begun))
         try:
-            futures = {pool.submit(_at_hand, task): key for key, task in tasks.items()}
-            for future in as_completed(futures):
-                yield futures[future], future.result()
+            while tasks:
+                futures = {pool.submit(_at_hand, task): key for key, task in tasks.items()}
+                for future in as_completed(futures):
+                    yield futures[future], future.result()
+                tasks = more()
         except BrokenProcessPool as error:
             raise StudyError(_reason(remedy) if begun.is_set() else _no_begin(remedy)) from error
         finally:

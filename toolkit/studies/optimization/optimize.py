@@ -18,9 +18,8 @@ from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.prices import Price, dependent, objective_of, prices
 from toolkit.studies.optimization.program import Program
 from toolkit.studies.optimization.robustness import RobustnessCheck, compared
-from toolkit.studies.optimization.search.search import Search
+from toolkit.studies.optimization.search.search import Search, starts_of
 from toolkit.studies.optimization.search.search_result import SearchResult
-from toolkit.studies.optimization.search.starts import starts_of
 from toolkit.studies.optimization.verification import Verification, certified, said_of_norms, said_of_runs, solved_again
 from toolkit.studies.study.problem import ONLY, Problem
 from toolkit.studies.study.study_file import LOAD_MARGIN

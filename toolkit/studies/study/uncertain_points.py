@@ -87,7 +87,7 @@ def uncertain_points(study: Study, scene: Scene) -> UncertainPoints:
     Raises
     ------
     InputError
-        No number is uncertain; a distribution cannot be meant, or not for a number that a variable moves; or there are too few points.
+        No number is uncertain; a distribution is invalid, or does not fit a number that a variable moves; or there are too few points.
     """
     if not study.uncertain:
         place = next((f"constraints.{name}" for name, each in study.constraints.items() if each.robust is not None), "objective")

@@ -27,7 +27,7 @@ def points_of(problem: Problem) -> np.ndarray:
     Raises
     ------
     InputError
-        There are too many; a level belongs to no variable; or the file cannot be meant.
+        There are too many; a level belongs to no variable; or the file is invalid.
     """
     options, (low, high) = problem.study.sweep, problem.bounds
     if options.file is not None:

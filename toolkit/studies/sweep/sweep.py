@@ -45,7 +45,7 @@ def swept(problem: Problem, folder: Path | None = None, executor: Executor = SER
     Raises
     ------
     InputError
-        The designs cannot be meant; or the folder holds another study, or another run works in it.
+        The designs are invalid; or the folder holds another study, or another run works in it.
     NoDesignError
         Not one design could be solved.
     StudyError

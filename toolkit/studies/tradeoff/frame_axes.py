@@ -25,7 +25,7 @@ def choices(scene: Scene, name: str, given: Sequence[str]) -> list[Choice]:
     Raises
     ------
     InputError
-        No body can have several frames, or a value cannot be meant.
+        No body can have several frames, or a value is invalid.
     """
     bodies = cuttable(scene)
     if not bodies:
@@ -38,7 +38,7 @@ def choices(scene: Scene, name: str, given: Sequence[str]) -> list[Choice]:
 
 def _of_modes(scene: Scene, bodies: Sequence[str], given: Sequence[str]) -> list[Choice]:
     if wrong := [word for word in given if word != ALL_SHAPES and not word.isdecimal()]:
-        raise InputError(f"--axes: modes_per_frame={wrong[0]!r} cannot be meant; give whole numbers from 0 on, or {ALL_SHAPES}.")
+        raise InputError(f"--axes: modes_per_frame={wrong[0]!r} is invalid; give whole numbers from 0 on, or {ALL_SHAPES}.")
     own = {ALL_SHAPES if (n := _number(scene, body, "modes_per_frame")) is None else n for body in bodies}
     words = given or (list(dict.fromkeys([*map(str, own), *MODES])) if len(own) == 1 else MODES)
     meant = {word: word if word == ALL_SHAPES else int(word) for word in words}
@@ -73,7 +73,7 @@ def _of_frames(scene: Scene, bodies: Sequence[str], given: Sequence[str]) -> lis
     can_be = {EVERY_ELEMENT, "1", *map(str, range(least, most + 1))}
     if wrong := [word for word in given if word not in can_be]:
         raise InputError(
-            f"--axes: frames={wrong[0]!r} cannot be meant; give {'' if least == 2 else '1, or '}whole numbers from "
+            f"--axes: frames={wrong[0]!r} is invalid; give {'' if least == 2 else '1, or '}whole numbers from "
             f"{1 if least == 2 else least} to {most}, the elements of the body, or {EVERY_ELEMENT}."
         )
     own = {scene.bodies[name].frames for name in bodies}  # type: ignore[attr-defined]

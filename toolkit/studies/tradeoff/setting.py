@@ -84,7 +84,7 @@ def options_with(scene: Scene, changes: dict[str, Any]) -> RunOptions:
     Raises
     ------
     InputError
-        A value cannot be meant.
+        A value is invalid.
     """
     table = {**scene.solver.model_dump(exclude_unset=True), **changes}
     given = {key: value for key, value in table.items() if value is not None}
@@ -121,7 +121,7 @@ def grid(scene: Scene, axes: dict[str, list[Choice]]) -> list[Setting]:
 
 
 def _check_choice(scene: Scene, choice: Choice) -> None:
-    """Refuse a value that cannot be meant before the work begins; what does not go together is found by running it."""
+    """Refuse an invalid value before the work begins; what does not go together is found by running it."""
     options_with(scene.model_copy(update={"solver": RunOptions(end_time=scene.solver.end_time)}), choice.solver)
 
 

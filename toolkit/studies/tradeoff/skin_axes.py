@@ -27,7 +27,7 @@ def choices(scene: Scene, axis: str, given: Sequence[str]) -> list[Choice]:
     Raises
     ------
     InputError
-        The preprocessing is not installed, no body has a skin file, or a value cannot be meant.
+        The preprocessing is not installed, no body has a skin file, or a value is invalid.
     """
     skins = [_skin(path) for path in sources(scene, axis).values()]
     return (_modes if axis == "modes" else _elements)(skins, given)
@@ -72,9 +72,7 @@ def _basis(word: str) -> dict[str, Any]:
     if word in ("full", "static"):
         return {"kind": word}
     if not count.isdecimal() or kind not in ("", *KINDS):
-        raise InputError(
-            f"--axes: modes={word!r} cannot be meant; possible: full, static, 16 (Craig-Bampton modes), eigenmodes-16."
-        )
+        raise InputError(f"--axes: modes={word!r} is invalid; possible: full, static, 16 (Craig-Bampton modes), eigenmodes-16.")
     return {"kind": kind or "craig-bampton", "count": int(count)}
 
 
@@ -93,7 +91,7 @@ def _elements(skins: list[dict[str, Any]], given: Sequence[str]) -> list[Choice]
         raise InputError("--axes: the skins have different numbers of elements; say which to try, for example elements=20/40.")
     if wrong := [word for word in given if not word.isdecimal() or int(word) < 2]:
         raise InputError(
-            f"--axes: elements={wrong[0]!r} cannot be meant; give whole numbers from 2 up, for example elements=15/30/60."
+            f"--axes: elements={wrong[0]!r} is invalid; give whole numbers from 2 up, for example elements=15/30/60."
         )
     numbers = [int(word) for word in given] if given or own is None else [max(own // 2, 2), own, 2 * own]
     return [Choice(str(n), skin={"skin.elements": n}, own=n == own) for n in dict.fromkeys(numbers)]

@@ -98,7 +98,7 @@ def plan(
     Raises
     ------
     InputError
-        An axis, a response or a number cannot be meant.
+        An axis, a response or a number is invalid.
     """
     changes = changes or {}
     scene = read_scene(path, changes)

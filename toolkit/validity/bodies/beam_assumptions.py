@@ -32,7 +32,7 @@ from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.chains.planar_chain import PlanarChain
 from toolkit.validity.bodies.chains.sides import sides_of
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
+from toolkit.validity.bodies.deformation import LIMIT, instants_of, whole_bodies
 from toolkit.validity.bodies.element_accelerations import has_inertia, pull_on_elements
 from toolkit.validity.bodies.pressed_pieces import is_pressed, pressure_on_elements
 from toolkit.validity.bodies.static_deflection import static_deflection
@@ -74,7 +74,7 @@ def _bending(behind: Chain) -> np.ndarray:
 
 def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
     """Bodies of whose stress, where it is asked for, weight and inertia between their nodes are a part that counts."""
-    scene, moving = solution.system.scene, has_inertia(solution)
+    scene, moving = solution.system.placed, has_inertia(solution)
     pressed, heavy = is_pressed(scene), moving or bool(np.real(scene.gravity).any())
     for body in whole_bodies(scene) if pressed or heavy else ():
         parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
@@ -191,12 +191,12 @@ def _looks_anywhere(scene: Scene, body: str) -> bool:
 
 def _strains(solution: Solution, name: str) -> Strains | None:
     """Those of a part at its largest deformations; None where these are not known."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     behind, body = chain(scene, name), scene.body(name)
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
         return None
     found, elastic = beams_of(behind), np.real(solution.q[:, elastic_coordinates(solution, name)])
-    instants = largest_instants(elastic)
+    instants = instants_of(solution, name)
     pull = _density(scene, body, found)[:, None] * pull_on_elements(solution, name, behind, instants)
     pull = pull + pressure_on_elements(solution, name, behind, instants)
     along = np.einsum("tei,ei->te", pull, found.along)

@@ -29,7 +29,7 @@ from toolkit.validity.bodies.deformation import (
     ROUND_OFF,
     Measured,
     deformations,
-    largest_instants,
+    instants_of,
     whole_bodies,
 )
 
@@ -60,10 +60,10 @@ class Bending:
 
 def bent_surfaces(solution: Solution) -> Iterator[Caution]:
     """Bodies whose elements are not known that leave the range of small deformations, or come near to buckling."""
-    for body in whole_bodies(solution.system.scene):
+    for body in whole_bodies(solution.system.placed):
         found = bending(solution, body)
         if found is not None and not found.relative <= LIMIT:
-            yield Caution("large-deformation", _told(solution.system.scene, body, found), body=body, part=found.relative)
+            yield Caution("large-deformation", _told(solution.system.placed, body, found), body=body, part=found.relative)
         if found is not None and found.load > LIMIT:
             part = found.load / (1 - found.load) if found.load < 1 else np.inf
             yield Caution("critical-load", _compressed(body, found.load), not found.load <= DOUBTFUL, body, part)
@@ -76,7 +76,7 @@ def geometric_errors(solution: Solution) -> dict[str, Measured | None]:
 
 def bending(solution: Solution, body: str) -> Bending | None:
     """How far one body bends; None where its finite elements tell it better, or nothing does."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     if isinstance(scene.bodies[body], CutBody) or has_chain(scene, body):
         return None
     design = design_point(scene, body, "surface", "outline")
@@ -85,7 +85,7 @@ def bending(solution: Solution, body: str) -> Bending | None:
         return None
     position = np.real(design.value(f"{shown}.position"))
     places, shapes = position[:, :, 0], position[:, :, 1:]
-    instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
+    instants = instants_of(solution, body)
     elastic = np.real(solution.q[instants][:, elastic_coordinates(solution, body)])
     moved = np.einsum("pdf,tf->tpd", shapes, elastic)
     distance, extent = np.linalg.norm(moved, axis=2).max(axis=1), float(np.ptp(places, axis=0).max())
@@ -143,6 +143,6 @@ def _told(scene: Scene, body: str, found: Bending) -> str:
     return (
         f"{body} leaves the range of small deformations: it is displaced by up to {found.displacement:.3g} {length} in its frame at "
         f"t = {found.time:.4g}, and bodies that bend so far are off by some {found.error:.2g} {length}, {found.relative:.0%} of that "
-        f"(limit {LIMIT:.0%}), because their lines grow where they turn. A stiffer body, or "
-        f"{divided(scene, body, found.relative / LIMIT)}, make it smaller."
+        f"(limit {LIMIT:.0%}), because their lines grow where they turn. Fix: "
+        f"{divided(scene, body, found.relative / LIMIT)}, or stiffen the body."
     )

@@ -93,7 +93,7 @@ def flexible_bodies(scene: Scene) -> list[str]:
 def deformations(solution: Solution) -> dict[str, Deformation | None]:
     """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements."""
     if Deformation not in solution.known:
-        solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
+        solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.placed)}
     found: dict[str, Deformation | None] = solution.known[Deformation]
     return found
 
@@ -105,17 +105,17 @@ def whole_bodies(scene: Scene) -> list[str]:
 
 def deformation(solution: Solution, body: str) -> Deformation | None:
     """The meter's numbers for one body."""
-    written = solution.system.scene.bodies.get(body)
+    written = solution.system.placed.bodies.get(body)
     if isinstance(written, CutBody):
         return _of_parts(solution, body, written)
-    behind = chain(solution.system.scene, body)
+    behind = chain(solution.system.placed, body)
     return None if behind is None else deformation_of(behind, solution, body)
 
 
 def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | None:
     """Of a cut body: the errors of its parts, each in its own frame, add up to one of the whole, which the whole is measured by."""
-    scene = solution.system.scene
-    instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
+    scene = solution.system.placed
+    instants = instants_of(solution, body)
     found = [_bent_part(solution, name, instants) for name in written.parts(body)]
     parts = [each[0] for each in found if each is not None]
     if len(parts) < len(found):
@@ -131,7 +131,7 @@ def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | 
 
 def _bent_part(solution: Solution, name: str, instants: np.ndarray) -> tuple[BentPart, np.ndarray] | None:
     """A part where it is, and the largest rotation of its nodes in its frame, (n_t,); None where its elements are not known."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     part: Any = scene.body(name)
     behind = chain(scene, name)
     if behind is None:
@@ -155,8 +155,7 @@ def _held_node(scene: Scene, written: Any) -> int | None:
 
 def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     """The meter's numbers for one body whose finite elements are known."""
-    elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
-    instants = largest_instants(elastic)
+    elastic, instants = np.real(solution.q[:, elastic_coordinates(solution, body)]), instants_of(solution, body)
     u, held_back = behind.displacements(elastic[instants]), kept_back(solution, body, instants)
     lacks = behind.second_order(u)
     if held_back is not None:
@@ -166,6 +165,15 @@ def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     extent = np.ptp(behind.nodes, axis=0).max()
     rotation, time = behind.rotations(u)[worst].max(), solution.times[instants[worst]]
     return Deformation(float(rotation), float(moved[worst].max()), float(error[worst].max()), float(extent), float(time))
+
+
+def instants_of(solution: Solution, body: str) -> np.ndarray:
+    """`largest_instants` of a body, or of a part of one, found once."""
+    key = largest_instants, body
+    if key not in solution.known:
+        solution.known[key] = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
+    found: np.ndarray = solution.known[key]
+    return found
 
 
 def largest_instants(elastic: np.ndarray, count: int = INSTANTS) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from toolkit.foundation.verdict import Caution
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.chains.lines_on_bodies import lines_on_bodies
 from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.compressed.merging_vibrations import merging_of
 from toolkit.validity.bodies.physics import critical_loads
@@ -46,6 +47,7 @@ def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | 
     numbers = {f"mode {k + 1}": k + 1 for k in range(len(frequencies))}
     yield from tension_of_vibrations(solution, numbers)
     yield from merging_of(solution, numbers)
+    yield from lines_on_bodies(solution, numbers, values=False)
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
     yield from cautions_of_frequencies(solution, named, doubt=count is not None, differentiated=False)
     yield from sheared_vibrations(solution, named, differentiated=False)

@@ -31,15 +31,15 @@ ROUND_OFF = 1e-9
 def large_deformations(solution: Solution) -> Iterator[Caution]:
     """Flexible bodies that leave the range of small deformations in their frame."""
     length = unit(solution.system.scene.units, "length")
-    scene = solution.system.scene
+    scene = solution.system.placed
     for body, each in deformations(solution).items():
         if each is not None and each.exceeded:
             yield Caution(
                 "large-deformation",
-                f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and "
-                f"elements that turn with it would be off by about {each.error:.2g} {length} under the same forces, "
-                f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}){_cause(each)}. ffrf check-deformation computes this "
-                f"error; a stiffer body, or {divided(scene, body, each.relative / LIMIT)}, make it smaller.{advice_of_frame(scene, body)}",
+                f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame. A corotational "
+                f"model would differ by about {each.error:.2g} {length} under the same forces, {each.relative:.1%} of its displacement "
+                f"(limit {LIMIT:.0%}){_cause(each)}. ffrf check-deformation computes this error. Fix: "
+                f"{divided(scene, body, each.relative / LIMIT)}, or stiffen the body.{advice_of_frame(scene, body)}",
                 body=body,
                 part=each.relative,
             )
@@ -59,7 +59,7 @@ def critical_loads(solution: Solution, lateral: bool = False) -> Iterator[Cautio
         Whether anything is asked for that depends on the stiffness across the compression: frequencies, or derivatives that the
         solution does not hold. Otherwise an equilibrium that nothing bends is right below the critical load, and this is no doubt.
     """
-    scene = solution.system.scene
+    scene = solution.system.placed
     lateral = lateral or any(isinstance(each, OfVibration | LoadMargin | LeastFrequency) for each in scene.responses.values())
     for found in critical_compressions(solution):
         if found.straight and found.missed >= found.feigned and found.load < 1 and not lateral:
@@ -94,7 +94,7 @@ def turning(solution: Solution) -> Iterator[Caution]:
     """
     force = unit(solution.system.scene.units, "force")
     for found in turning_frames(solution):
-        if found.exceeded and (solution.steps or not has_chain(solution.system.scene, found.body)):
+        if found.exceeded and (solution.steps or not has_chain(solution.system.placed, found.body)):
             what = "too large" if found.force > 0 else "too small"
             when = f" at t = {found.time:.4g}" if solution.steps else ""
             how = f"up to about {found.error:.0%} {what}" if found.error < 1 else f"far {what}, or of any size"
@@ -102,14 +102,14 @@ def turning(solution: Solution) -> Iterator[Caution]:
                 "reference-condition",
                 f"{found.body} has a frame that turns with one of its parts, and forces of {abs(found.force):.4g} {force} along the line "
                 f"through {found.chord.first!r} and {found.chord.second!r} turn with it{when}: deflections across this line are {how}."
-                f"{advice_of_frame(solution.system.scene, found.body)}",
+                f"{advice_of_frame(solution.system.placed, found.body)}",
                 body=found.body,
                 part=found.error,
             )
 
 
 def _buckling(found: Compression, solution: Solution) -> str:
-    moving, scene = solution.steps > 0, solution.system.scene
+    moving, scene = solution.steps > 0, solution.system.placed
     when = f" at t = {found.time:.4g}" if moving else ""
     how = "compressed" if scene.space.rotations_add else "loaded"  # in space forces across it make it give way sideways, too
     if found.load >= 1:

@@ -20,7 +20,7 @@ def is_pressed(scene: Scene) -> bool:
 
 def pressure_on_elements(solution: Solution, name: str, behind: Chain, instants: np.ndarray) -> np.ndarray | float:
     """Of a body in pieces, or a part of one, (n_t, n_e, 3); zero of others."""
-    scene, found = solution.system.scene, 0.0
+    scene, found = solution.system.placed, 0.0
     part: Any = scene.body(name)
     whole, own = getattr(part, "whole", name), slice(getattr(part, "first", None), getattr(part, "last", None))
     for load in pressures_of(scene).values():

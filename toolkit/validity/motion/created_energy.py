@@ -14,7 +14,7 @@ from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
 
 
 def created_energy(solution: Solution) -> float:
-    """Largest energy that came from nowhere, over the largest energy or work; infinite where it is no number.
+    """Largest energy that nothing accounts for, over the largest energy or work; infinite where it is no number.
 
         max over time of  E - E_start - |E_2 - E|,   E = T + U - W - integral of v . D v
 
@@ -93,7 +93,7 @@ def largest_work(solution: Solution) -> float:
 
     Zero with inertia, where the sum of the works is a size itself.
     """
-    scene = solution.system.scene
+    scene = solution.system.placed
     if not (solution.options or scene.solver).quasi_static:
         return 0.0
     steps = np.array(spread(len(solution.times) - 1, LOOKED_AT))

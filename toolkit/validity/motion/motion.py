@@ -12,7 +12,7 @@ from toolkit.validity.motion.created_energy import energy_defects
 from toolkit.validity.motion.noisy_forces import force_noise
 
 ENERGY, SUSPICIOUS = 0.04, 0.01
-"""Part of the largest energy or work that may come from nowhere or vanish, and from which on steps are looked at more closely: of a motion
+"""Part of the largest energy or work that may be gained or lost, and from which on steps are looked at more closely: of a motion
 that rings it may be the whole vibration, of one that follows its loads nothing that matters."""
 COARSE = 1e-3
 """Local error of a step, a part of the scene's size (or rad), above which steps are coarse."""
@@ -27,13 +27,13 @@ def unbalanced_energy(solution: Solution, balance: Mapping[str, float]) -> Itera
             "solver.memory.",
             doubt=False,
         )
-    for name, what in (("created", "came from nowhere"), ("lost", "vanished")):
+    for name, what in (("created", "gained"), ("lost", "lost")):
         if not balance.get(name, 0.0) <= ENERGY:
             better = ', or solver.scheme = "arnold-bruels"' * (_options(solution).scheme == "paper")
             yield Caution(
                 "energy",
-                f"{balance[name]:.1%} of the largest energy or work {what} (limit {ENERGY:.0%}): no load, driver or damper accounts for "
-                f"it, so that it is the scheme's doing. Try a smaller solver.step{better}.",
+                f"energy balance: {balance[name]:.1%} of the largest energy or work is {what} (limit {ENERGY:.0%}). No load, driver or "
+                f"damper accounts for it: it is an error of the time integration. Fix: a smaller solver.step{better}.",
             )
 
 

@@ -7,7 +7,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import scipy
 
+from toolkit.foundation.compiled.calls import call
 from toolkit.foundation.errors import SingularSystemError
+from toolkit.foundation.kernel import kernel
 from toolkit.foundation.verdict import Caution
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
@@ -127,12 +129,25 @@ def _places(solution: Solution) -> list[float]:
 def _different(q: np.ndarray) -> list[int]:
     """Numbers of states (n_t, n_q), the first among them: each was chosen as the one furthest from those before it."""
     stride = -(-len(q) // AMONG)
-    q = q[::stride]
-    distance, chosen = np.full(len(q), np.inf), [0]
-    while len(chosen) < min(LOOKED_AT, len(q)):
-        distance = np.minimum(distance, ((q - q[chosen[-1]]) ** 2).sum(axis=1))
-        chosen.append(int(np.argmax(distance)))
-    return [stride * n for n in chosen]
+    q = np.ascontiguousarray(q[::stride])
+    chosen = np.zeros(min(LOOKED_AT, len(q)), np.int64)
+    call(choose_apart, q, np.full(len(q), np.inf), chosen)
+    return [stride * int(n) for n in chosen]
+
+
+@kernel
+def choose_apart(q, distance, chosen):
+    """Numbers of states q (n_t, n): after the first one each time that which is furthest from all before; `distance` (n_t,) is infinite."""
+    for c in range(1, len(chosen)):
+        last, furthest = chosen[c - 1], 0
+        for n in range(len(q)):
+            square = 0.0
+            for i in range(q.shape[1]):
+                square += (q[n, i] - q[last, i]) ** 2
+            distance[n] = min(distance[n], square)
+            if distance[n] > distance[furthest]:
+                furthest = n
+        chosen[c] = furthest
 
 
 def _begins_at_rest(solution: Solution) -> bool:

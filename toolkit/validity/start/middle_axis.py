@@ -29,7 +29,7 @@ STILL = 0.1
 
 def middle_spins(solution: Solution) -> Iterator[Caution]:
     """A doubt for every body that no joint holds and that begins to spin about its middle axis."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     held = {body for joint in scene.joints.values() for body, _ in joint.grips}
     for name, body in scene.bodies.items():
         if isinstance(body, SpatialRigidBody) and name not in held and body.turns == QUATERNION:

@@ -56,7 +56,7 @@ def cautions_of_start(solution: Solution) -> Iterator[Caution]:
 
 def moved_bodies(solution: Solution) -> dict[str, tuple[float, float]]:
     """By how much the start of a run differs from the written positions: body -> (distance of its origin, angle in rad)."""
-    given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.scene
+    given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.placed
     return {name: _move(body, given[at], found[at]) for name, body in scene.bodies.items() for at in [solution.coordinates(name)]}
 
 
@@ -71,7 +71,7 @@ def _move(body, given: np.ndarray, found: np.ndarray) -> tuple[float, float]:
 
 
 def _kept_start(solution: Solution) -> Iterator[Caution]:
-    system, end = solution.system, kept_state(solution.system.scene)
+    system, end = solution.system, kept_state(solution.system.placed)
     if end is None:
         return
     yield from _moved_start(solution, moved_by(system, end.q, solution.q[0]))
@@ -98,7 +98,7 @@ def _moved_start(solution: Solution, moved: float) -> Iterator[Caution]:
 
 
 def _assembled(solution: Solution) -> Iterator[Caution]:
-    size, label = solution.system.scene.size, unit(solution.system.scene.units, "length")
+    size, label = solution.system.placed.size, unit(solution.system.scene.units, "length")
     moves = {name: move for name, move in moved_bodies(solution).items() if max(move[0] / size, move[1]) > MOVED}
     if moves:
         furthest = sorted(moves, key=lambda name: -max(moves[name][0] / size, moves[name][1]))[:MOST_NAMED]
@@ -140,8 +140,8 @@ def _at_rest(solution: Solution) -> Iterator[Caution]:
 
 
 def _without_velocities(solution: Solution) -> Iterator[Caution]:
-    bodies = solution.system.scene.bodies.items()
-    scene = solution.system.scene
+    bodies = solution.system.placed.bodies.items()
+    scene = solution.system.placed
     written = [name for name, body in bodies if body.written_velocities() or writes_shape(body)]
     moving = [name for name in written if np.any(scene.bodies[name].initial_state(scene)[1])]
     if moving:
@@ -156,7 +156,7 @@ def _deforming(solution: Solution) -> Iterator[Caution]:
     label = unit(solution.system.scene.units, "length")
     fastest = float((solution.system.weights[: solution.system.n_q] * np.abs(np.real(solution.v[0]))).max(initial=0))
     for each in start_state(solution):
-        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.scene.size:
+        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.placed.size:
             yield Caution(
                 "starts-deforming",
                 f"{each.body!r} starts with a velocity of deformation of {each.deforming:.3g} {label}/s, because the joints and the "

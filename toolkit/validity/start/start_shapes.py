@@ -24,7 +24,7 @@ def _written_shapes(scene: Scene) -> dict[str, ModelBody]:
 
 def bent_otherwise(solution: Solution) -> Iterator[Caution]:
     """Where closing the joints has changed a deflection that is written."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     for name, body in _written_shapes(scene).items():
         q_f = np.real(solution.q[0, elastic_coordinates(solution, name)])
         for point, written in body.deflected["deflection"].items():
@@ -42,7 +42,7 @@ def bent_otherwise(solution: Solution) -> Iterator[Caution]:
 
 def shapes_without_effect(solution: Solution) -> Iterator[Caution]:
     """Of a state of rest: it has no use for a deflection at the start."""
-    for name in [*_written_shapes(solution.system.scene)][:1]:
+    for name in [*_written_shapes(solution.system.placed)][:1]:
         yield Caution(
             "deflection-without-effect",
             f"the deflection of {name!r} at the start has no effect: an equilibrium, and a run that starts from one, finds its own shape.",

@@ -7,17 +7,18 @@ from collections.abc import Callable
 import numpy as np
 
 from toolkit.studies.designs.evaluator import Evaluator
+from toolkit.studies.distributions.sobol_points import plain
 from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.methods.catalogue import METHODS
 from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions
 from toolkit.studies.optimization.program import Program
-from toolkit.studies.optimization.search.beside import best_beside
 from toolkit.studies.optimization.search.curvature import Known, Turned
 from toolkit.studies.optimization.search.cuts import Cuts
 from toolkit.studies.optimization.search.end_rule import EndRule
 from toolkit.studies.optimization.search.explored import Explored
 from toolkit.studies.optimization.search.renewal import Renewal
 from toolkit.studies.optimization.search.search_result import Arrived, Renewed, SearchResult, Spent
+from toolkit.studies.study.problem import Problem
 
 BACK = 0.5
 """Part of the way from a start that failed to a known design that the next one has."""
@@ -25,7 +26,22 @@ AGAIN = 3
 """How often a method that gave up begins anew where it stood, without planes."""
 FIRST_METHODS = 0.2
 """Part of the designs that each of several methods, but for the last, may solve."""
+BESIDE, LOOKS = 0.2, 8
+"""How wide, in parts of the variables' ranges, and at how many designs a search looks around a start that is stationary."""
+ASKEW = 0.07
+"""By which these designs are shifted, so that none of them stands at the start or mirrors another."""
+LOWER = 1e-9
+"""Part of an objective by which another one is lower, and not by round-off."""
 Tell = Callable[[DesignOutcome], None]
+
+
+def starts_of(problem: Problem, count: int) -> np.ndarray:
+    """Designs in which searches begin, (count, n): the first is the scene's own, and more starts leave the first ones as they are.
+
+    The sequence is not scrambled, so that it is the same everywhere; its first point, a corner of the bounds, is left out.
+    """
+    low, high = problem.bounds
+    return np.vstack([problem.start, low + plain(count - 1, len(low)) * (high - low)])
 
 
 class Search:
@@ -78,7 +94,7 @@ class Search:
 
     def _beside(self, z: np.ndarray) -> np.ndarray:
         """A better design around a stationary start, which is no optimum then."""
-        best = best_beside(self.explored, z)
+        best = _best_beside(self.explored, z)
         if best is not z:
             self.explored.passed.add(self.explored.program.design(z).tobytes())
             self.rule.forget()
@@ -161,3 +177,18 @@ class Search:
         large = max(float(np.max(np.abs(values.df))), self.explored.typical)
         if self.rule.ends(values.f, self.explored.left(z, values), large):
             raise Arrived
+
+
+def _best_beside(explored: Explored, z: np.ndarray) -> np.ndarray:
+    """The best feasible one of some designs around z, z itself if none is lower."""
+    here, best, top = explored.functions(z), z, explored.program.top
+    least = here.f - LOWER * max(1.0, abs(here.f))
+    for point in plain(LOOKS, len(z)):
+        there = np.clip(z + BESIDE * top * (2 * point - 1 + ASKEW), 0.0, top)
+        try:
+            values = explored.functions(there)
+        except DesignFailedError:
+            continue
+        if values.f < least and np.min(values.c, initial=0.0) >= -explored.options.feasibility:
+            least, best = values.f, there
+    return best

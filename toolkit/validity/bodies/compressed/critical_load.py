@@ -51,7 +51,7 @@ def compression(solution: Solution, of_interest: float = 0.0) -> Compression | N
 
     So it is, too, where less than a part of interest is known to be missing in all states: to know that takes less time.
     """
-    scene = solution.system.scene
+    scene = solution.system.placed
     known = {body: found for body in flexible_bodies(scene) if (found := stiffening(scene, body))}
     softest = _softest(solution, known)
     if of_interest and all(misses_less(solution, known, n, of_interest) for n in softest):
@@ -93,6 +93,6 @@ def most_compressed(law: Stiffening, elastic: np.ndarray) -> list[int]:
 
 def critical_compressions(solution: Solution) -> Iterator[Compression]:
     """The state nearest to a critical load, if deflections there are off by more than `LIMIT`."""
-    found = compression(solution, of_interest=LIMIT)
+    found = solution.known[Compression] = compression(solution, of_interest=LIMIT)
     if found is not None and max(found.missed, found.feigned) > LIMIT:
         yield found

@@ -130,7 +130,7 @@ def _faster(found: Merging, s: complex) -> str:
 
 
 def _remedy(solution: Solution, found: Merging) -> str:
-    return f"What helps: {divided(solution.system.scene, found.body, ENOUGH)}."
+    return f"Fix: {divided(solution.system.placed, found.body, ENOUGH)}."
 
 
 def _size(part: float) -> str:
@@ -149,7 +149,9 @@ def _times(found: Merging, k: int, of_loads: bool) -> float:
 def _found(solution: Solution) -> Merging | None:
     """None where the stiffness is symmetric, or nothing is lacking."""
     if Merging not in solution.known:
-        known = {body: law for body in flexible_bodies(solution.system.scene) if (law := stiffening(solution.system.scene, body))}
+        known = {
+            body: law for body in flexible_bodies(solution.system.placed) if (law := stiffening(solution.system.placed, body))
+        }
         solution.known[Merging] = _compared(solution, known) if known else None
     found: Merging | None = solution.known[Merging]
     return found

@@ -87,7 +87,7 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
         yield Caution(
             "parametric-resonance",
             f"{what}. These equations, which lack the geometric stiffness inside of frames, do not show it; with it this vibration is up "
-            f"to {times:.3g} times as large. What helps: {divided(solution.system.scene, found.body, 4.0)}.",
+            f"to {times:.3g} times as large. Fix: {divided(solution.system.placed, found.body, 4.0)}.",
         )
     elif not shown and found.growth > SETS_OFF:
         yield Caution(
@@ -101,7 +101,7 @@ def resonance(solution: Solution) -> Resonance | None:
     """The vibration that alternating forces make largest; None where none alternates, or nothing grows."""
     if not solution.steps or len(solution.times) < ALTERNATES or _moved(solution) > STILL:
         return None
-    scene = solution.system.scene
+    scene = solution.system.placed
     known = {body: law for body in flexible_bodies(scene) if (law := stiffening(scene, body))}
     alternating = [body for body, law in known.items() if _alternates(solution, body, law)]
     if not alternating:
@@ -115,7 +115,7 @@ def _alternates(solution: Solution, body: str, law: Stiffening) -> bool:
     """Whether axial forces take stiffness and give it back, often and by enough: of the whole that a part was cut from, by the square of
     their number."""
     part = np.real(solution.q[:, elastic_coordinates(solution, body)]) @ (law.compliances @ law.forces)
-    scene = solution.system.scene
+    scene = solution.system.placed
     whole = getattr(scene.body(body), "whole", None)
     count = sum(getattr(scene.body(each), "whole", "") == whole for each in scene.pieces()) if whole else 1
     half = count**2 * np.ptp(part) / 2

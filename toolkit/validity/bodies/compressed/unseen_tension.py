@@ -30,7 +30,7 @@ SEEN = 0.2
 
 def unseen_tension(solution: Solution) -> Iterator[Caution]:
     """Flexible bodies whose points forces pull at that their bases do not see, or whose weight and inertia do."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     for body in flexible_bodies(scene):
         behind = chain(scene, body)
         if behind is not None and not behind.is_full:
@@ -53,7 +53,7 @@ def _pulls(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
 def _by_mass(solution: Solution, body: str, behind: Chain, instants: np.ndarray) -> np.ndarray:
     """Axial forces (n_t, n_e) by weight and by the inertia of the frame's motion that the basis does not show; zero where a spin's
     stiffening is in the equations already."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     alike, by_place, _ = pull_of_frame(solution, body, instants)
     pulls = alike[:, None] + np.einsum("tij,nj->tni", by_place, behind.nodes)
     if not np.any(pulls) or flexible_body(scene, body).stiffening(scene) is not None:

@@ -59,7 +59,7 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
     InputError
         The reduced model does not hold its finite elements; or the corotational body has no equilibrium under the forces.
     """
-    scene = solution.system.scene
+    scene = solution.system.placed
     behind = chain(scene, body)
     places = design_point(scene, body, "stress").model.stress
     if not isinstance(behind, PlanarChain) or places is None:
@@ -108,7 +108,7 @@ def flexible_of(solution: Solution) -> list[str]:
     InputError
         There is none.
     """
-    found = flexible_bodies(solution.system.scene)
+    found = flexible_bodies(solution.system.placed)
     if not found:
         raise InputError("no body of the scene is flexible, so that none deforms. Give a scene with a flexible body.")
     return found

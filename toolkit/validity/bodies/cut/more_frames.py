@@ -18,15 +18,15 @@ def divided(scene: Scene, body: str, excess: float) -> str:
     """
     written = scene.bodies[body]
     if not isinstance(written, CuttableBody) or not can_be_cut(scene.model(written.model, "elements")):
-        return "several bodies in a row instead of one"
+        return "model the body as several bodies in a row"
     now = len(written.cuts) - 1 if isinstance(written, CutBody) else 1
     most = most_frames(scene, body)
     wanted = int(np.ceil(now * np.sqrt(excess))) if np.isfinite(excess) else most + 1
     enough = max(now + 1, fewest_cut(scene, body), wanted)
     if enough > most:
         return (
-            f"a model with more {elements_of(scene, body)}, and frames to match"
+            f"build the model with more {elements_of(scene, body)}, and as many frames"
             if now == most
-            else f"frames = {most} in its table, one to every {elements_of(scene, body)[:-1]}"
+            else f"set frames = {most} in its table (one floating frame for each {elements_of(scene, body)[:-1]})"
         )
-    return f"frames = {enough} in its table, which cuts it into so many parts with frames of their own"
+    return f"set frames = {enough} in its table (splits the body into {enough} floating frames)"

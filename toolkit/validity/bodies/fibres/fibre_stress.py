@@ -22,7 +22,7 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import SECTIONS, chain
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
+from toolkit.validity.bodies.deformation import LIMIT, instants_of, whole_bodies
 from toolkit.validity.bodies.fibres.spatial_sections import SAME, sections_of
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
@@ -32,7 +32,7 @@ ROUND_OFF = 1e-9
 
 def fibres_alone(solution: Solution) -> Iterator[Caution]:
     """Doubts about bodies of beams in space whose stress, where it is asked for, lacks a part that counts."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     for body in whole_bodies(scene):
         if body in bodies_of_stress(scene) and not is_in_pieces(scene, body) and is_of_fibres(scene, body):
             yield from _lacking(solution, body)
@@ -45,7 +45,7 @@ def is_of_fibres(scene: Scene, body: str) -> bool:
 
 
 def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
-    scene = solution.system.scene
+    scene = solution.system.placed
     parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
     found = [_stresses(solution, body, name) for name in parts]
     known = [each for each in found if each is not None]
@@ -77,7 +77,7 @@ def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
 def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] | None:
     """The largest stress that fibres tell, and von Mises' largest; None where elements or sections are not known, infinite where a section
     has no fibre but its middle."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     behind = chain(scene, name)
     if behind is None:
         return None
@@ -91,7 +91,7 @@ def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] |
     if np.isnan(found.shear).any():
         return None
     elastic = np.real(solution.q[:, elastic_coordinates(solution, name)])
-    u = behind.displacements(elastic[largest_instants(elastic)])
+    u = behind.displacements(elastic[instants_of(solution, name)])
     told = np.abs(np.einsum("sp,tsp->ts", operator, u[:, behind.forms.dofs[owner]])).max(initial=0.0)
     forces = behind.forms.forces(u)
     tension, moments = np.abs(forces[:, :, 0]) / found.area, forces[:, :, 1:].reshape(*forces.shape[:2], 2, 3)

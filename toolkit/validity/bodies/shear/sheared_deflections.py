@@ -27,7 +27,7 @@ STRAIN = 1e-13
 
 def sheared(solution: Solution) -> Iterator[Caution]:
     """Bodies whose deflection lacks a part by shear that counts."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     if not any(_is_thick(scene, name) for name in whole_bodies(scene)):
         return
     for body, part in sheared_parts(solution).items():
@@ -41,12 +41,12 @@ def sheared(solution: Solution) -> Iterator[Caution]:
 
 def sheared_parts(solution: Solution) -> dict[str, float]:
     """Body -> energy of its shear in parts of that of all deformed beams, over the instants of the largest deflections."""
-    names = {name: each for name, each in deforming(solution.system.scene).items() if _has_beams(solution.system.scene, name)}
+    names = {name: each for name, each in deforming(solution.system.placed).items() if _has_beams(solution.system.placed, name)}
     where = {name: elastic_coordinates(solution, name) for name in names}
     instants = largest_instants(np.concatenate([np.real(solution.q[:, each]) for each in where.values()], axis=1))
     found, whole, least = dict[str, float](), 0.0, 0.0
     for name, each in names.items():
-        behind = chain(solution.system.scene, name)
+        behind = chain(solution.system.placed, name)
         assert behind is not None
         shear, energy = shear_energies(behind, behind.displacements(np.real(solution.q[instants][:, where[name]])))
         body = getattr(each, "whole", name)

@@ -75,7 +75,7 @@ def _words(found: Raised, differentiated: bool) -> str:
 
 def raised_by_stiff_shear(solution: Solution, asked: Mapping[str, float], differentiated: bool) -> dict[str, Raised]:
     """Of those of the frequencies that shear might count in."""
-    scene, times = solution.system.scene, 1 + differentiated
+    scene, times = solution.system.placed, 1 + differentiated
     part = times * WAVES * max((_slowness(scene, name) for name in whole_bodies(scene) if asked), default=0.0)
     short = {name: value for name, value in asked.items() if part * value > LIMIT}
     return _raised(solution, short) if short else {}
@@ -122,8 +122,8 @@ def _of(values: list[np.ndarray], k: int) -> Raised:
 def _soft_bodies(solution: Solution, motions: np.ndarray) -> list[SoftElements]:
     """Elements of all beams, on the motions that joints allow."""
     found = []
-    for name in deforming(solution.system.scene):
-        behind = None if is_in_pieces(solution.system.scene, name) else chain(solution.system.scene, name)
+    for name in deforming(solution.system.placed):
+        behind = None if is_in_pieces(solution.system.placed, name) else chain(solution.system.placed, name)
         if behind is not None:
             found.append(soft_elements(behind, motions[elastic_coordinates(solution, name)]))
     return found

@@ -69,7 +69,7 @@ def too_fast_at_start(scene: Scene) -> Iterator[tuple[str, float, float]]:
 
 def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]:
     """Bodies that exceed their critical speed where they spin fastest, with that speed and the critical one about the axis then."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     for body in spinning_bodies(scene):
         spins = spins_of(solution, body)
         spin = spins[first_largest(np.linalg.norm(spins, axis=1))]
@@ -79,7 +79,7 @@ def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]
 
 def fast_bodies(solution: Solution) -> list[str]:
     """Flexible bodies whose frame spins with `FAST` of its critical speed or more at any time."""
-    scene = solution.system.scene
+    scene = solution.system.placed
     spins = {body: spins_of(solution, body) for body in spinning_bodies(scene)}
     fastest = {body: each[first_largest(np.linalg.norm(each, axis=1))] for body, each in spins.items()}
     return [body for body, spin in fastest.items() if not _stable(scene, body, spin / FAST)]

@@ -21,7 +21,7 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.cut.more_frames import divided
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants
+from toolkit.validity.bodies.deformation import LIMIT, instants_of
 from toolkit.validity.bodies.tension.pulled_body import PulledBody
 from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled, pulled_bodies
 from toolkit.validity.bodies.tension.stiffened_state import stiffened_state
@@ -54,7 +54,7 @@ def pulled_joints(solution: Solution) -> Iterator[Caution]:
     """Responses that are forces of joints, at the end of a motion or over time, which lack what a deflection pulls with."""
     low = {name: each for name, each in lacking_joints(solution).items() if abs(each.missing) > LIMIT * each.counts > 0}
     if low:
-        body, scene = most_pulled(solution), solution.system.scene
+        body, scene = most_pulled(solution), solution.system.placed
         asked = joint_forces(scene)
         told = [
             f"{name} by {abs(each.missing):.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {each.size:.3g} at the most"
@@ -64,7 +64,7 @@ def pulled_joints(solution: Solution) -> Iterator[Caution]:
         yield Caution(
             "tension",
             f"the deflection of {body} pulls at what holds its ends, which these equations do not know: forces of joints are off, "
-            f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. What helps: "
+            f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. Fix: "
             f"{divided(scene, body, min(much, MANY) / LIMIT)}.",
         )
 
@@ -99,7 +99,7 @@ def _most_grown(solution: Solution, known: Mapping[str, PulledBody]) -> int | No
     parts: list[tuple[float, int]] = []
     for body, law in known.items():
         elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
-        instants = largest_instants(elastic)
+        instants = instants_of(solution, body)
         grown = law.measures(elastic[instants])[1]
         worst = first_largest(grown)
         parts.append((float(grown[worst]), int(instants[worst])))

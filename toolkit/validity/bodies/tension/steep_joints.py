@@ -55,7 +55,7 @@ def steep_joints(solution: Solution) -> Iterator[Caution]:
         yield Caution(
             "tension",
             f"the deflection of {most_pulled(solution)} pulls at what holds its ends, which these equations do not know: derivatives of "
-            f"the forces there lack what that adds, {told}. Linear FFRF knows this between frames, and not inside of one. What helps: a "
+            f"the forces there lack what that adds, {told}. Linear FFRF knows this between frames, and not inside of one. Fix: a "
             "model with all nodal coordinates (without [basis]), and frames = 2 or more.",
         )
 
