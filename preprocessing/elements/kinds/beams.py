@@ -78,11 +78,6 @@ class Beam(LineElement):
         return self.space.dimension - 1
 
     @cached_property
-    def beams(self) -> BeamElements:
-        """Elements that contribute."""
-        return self.elements(self.contributing)
-
-    @cached_property
     def phi(self) -> np.ndarray | None:
         """Shear parameters Phi of deflections in every plane of every element, (n_e, planes); None without shear."""
         if not any(each.sheared for each in self.sections):
@@ -125,23 +120,24 @@ class Beam(LineElement):
         return self.dofs[element, : 2 * self.per_node], own.shape[0], own.rotation[0]
 
     def contributions(self) -> Iterator[Contribution]:
+        beams = self.elements(self.contributing)  # not kept: their blocks are as large as all that is made of them
         for each in self.sections:
             elements, here = self.of_patch(each.patch)
             if len(elements):
-                yield from self._inertial(each, elements, here)
-                yield from self._elastic(each, elements, here)
-                yield from self._stress(each, elements, here)
+                yield from self._inertial(each, beams, elements, here)
+                yield from self._elastic(each, beams, elements, here)
+                yield from self._stress(each, beams, elements, here)
 
-    def _inertial(self, each: BeamPatch, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
+    def _inertial(self, each: BeamPatch, beams: BeamElements, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
         shape = each.polynomials
-        yield Contribution("mass", each.patch, shape.area, self.component_masses(elements, self.beams.component_mass[here]))
+        yield Contribution("mass", each.patch, shape.area, self.component_masses(elements, beams.component_mass[here]))
         for plane, terms in enumerate((shape.spread_2, shape.spread_3)):
             if terms:
-                blocks = self.beams.rotary_mass[plane][here]
+                blocks = beams.rotary_mass[plane][here]
                 yield Contribution("mass", each.patch, terms, self.component_masses(elements, blocks))
 
-    def _elastic(self, each: BeamPatch, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
-        shape, beams, factor = each.polynomials, self.beams, each.modulus_factor
+    def _elastic(self, each: BeamPatch, beams: BeamElements, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
+        shape, factor = each.polynomials, each.modulus_factor
         stiff: list[tuple[Terms, Any, np.ndarray]] = [(shape.area, factor, beams.stretching)]
         stiff += [(terms, factor, rows) for terms, rows in zip((shape.bending_2, shape.bending_3), beams.bending, strict=False)]
         if shape.torsion:
@@ -151,13 +147,13 @@ class Beam(LineElement):
         for terms, each_factor, rows in stiff:
             yield squared(each.patch, terms, self.placed_rows(elements, np.sqrt(each_factor) * rows[here]))
 
-    def _stress(self, each: BeamPatch, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
+    def _stress(self, each: BeamPatch, beams: BeamElements, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
         """Contributions to the stress: strain at all fibres, and the curvatures at both ends of each."""
         fibres, factor, count = each.polynomials.fibres, each.modulus_factor, int(self.first_rows[-1])
         every = self.first_rows[elements, None] + np.arange(2 * len(fibres))
-        strain = factor * np.repeat(self.beams.strain[here][:, None, :], 2 * len(fibres), axis=1)
+        strain = factor * np.repeat(beams.strain[here][:, None, :], 2 * len(fibres), axis=1)
         yield Contribution("stress", each.patch, ONE, self.placed_rows(elements, strain, every, count))
-        bent = [-factor * curvature[here] for curvature in self.beams.curvature]
+        bent = [-factor * curvature[here] for curvature in beams.curvature]
         for number, fibre in enumerate(fibres):
             rows = self._rows(each, elements, number)
             for terms, blocks in zip((fibre.second, fibre.third), bent, strict=False):
@@ -185,12 +181,13 @@ class Beam(LineElement):
 
         Of those it is the stress of the normal force that acts on how they turn when the section twists.
         """
-        slopes, strain = np.concatenate(self.beams.turning, axis=1), self.beams.strain
+        beams = self.elements(self.contributing)
+        slopes = np.concatenate(beams.turning, axis=1)
         for each in self.sections:
             (elements, here), shape = self.of_patch(each.patch), each.polynomials
-            twisting = [(terms, self.beams.torsion) for terms in (shape.bending_2, shape.bending_3) if shape.torsion]
+            twisting = [(terms, beams.torsion) for terms in (shape.bending_2, shape.bending_3) if shape.torsion]
             for terms, rows in ((shape.area, slopes), *twisting):
-                yield Tension(each.patch, elements, terms, each.modulus_factor * strain[here], rows[here])
+                yield Tension(each.patch, elements, terms, each.modulus_factor * beams.strain[here], rows[here])
 
     def changing(self) -> Self:
         found = self.stepped
