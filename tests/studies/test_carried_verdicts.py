@@ -53,7 +53,7 @@ def map_by(designs: np.ndarray, shares: np.ndarray, told: np.ndarray) -> tuple[C
     while wanted := verdicts.wanted():
         for k in wanted:
             doubts = [Caution(f"code-{n}", f"{share:.6g}") for n, share in enumerate(shares[k]) if share > 1]
-            verdicts.learn(k, Measured(Verdict.of(doubts), room_of(told[k]), None))
+            verdicts.learn(k, Measured(Verdict.of(doubts), room_of(told[k]), None, {}))
     return verdicts, [verdicts.verdict(k) for k in range(len(designs))]
 
 
@@ -94,7 +94,7 @@ def test_a_measure_that_is_not_known_is_silent_only_close_to_its_limit():
 def test_designs_of_another_kind_or_without_numbers_are_near_nothing():
     alike = [Answers(Indicators(np.ones(2), np.zeros(2), (kind,)), {}, {}) for kind in (10, 10, 20)]
     verdicts = CarriedVerdicts([NOTHING] * 3, dict(enumerate(alike)))
-    verdicts.learn(0, Measured(Verdict(), np.inf, None))
+    verdicts.learn(0, Measured(Verdict(), np.inf, None, {}))
     assert verdicts.source(1) == (0, 0.0)
     assert verdicts.wanted() == [2]
     written = [Indicators(np.array([x]), np.zeros(1)) for x in (1.0, 1.1, 2.0, np.nan, np.nan)]
