@@ -20,7 +20,7 @@ _LONGEST_MISSING_TAIL = 0.05  # chord; more than one row is missing beyond it
 
 
 def normal_form(loop: Loop) -> Loop:
-    """The loop, in fractions of the chord, in normal form; every change is listed in its repairs.
+    """Loop in normal form, in fractions of the chord; every change is listed in its repairs.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def largest_x(path: str | Path) -> float:
 
 
 def _divisor(units: str | None, chord: float | None) -> float:
-    """What makes fractions of the chord of the file's numbers."""
+    """Divisor that makes fractions of the chord of the file's numbers."""
     if units is not None and units not in UNITS:
         raise InputError(f"airfoil units {units!r} are unknown; available: {', '.join(UNITS)}.")
     if units not in ("mm", "m"):

@@ -51,7 +51,7 @@ def _refuse_gaps(loop: Loop) -> None:
 
 
 def _refuse_reversals(loop: Loop) -> None:
-    """x may only fall to the leading edge and only rise behind it, apart from rounding and a cap at the tail."""
+    """Refuse x that rises before the leading edge or falls behind it, apart from rounding and a cap at the tail."""
     x = loop.points[:, 0]
     nose = int(np.argmin(x))
     back_up = x[: nose + 1] - np.minimum.accumulate(x[: nose + 1])
@@ -85,12 +85,15 @@ def _crossing_segments(points: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _cross(direction: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """direction[i] x offset[i, j], shape (n, n)."""
+    """Cross products direction[i] x offset[i, j], shape (n, n)."""
     return direction[:, None, 0] * offset[..., 1] - direction[:, None, 1] * offset[..., 0]
 
 
 def _refuse_negative_thickness(loop: Loop) -> None:
-    """The upper side lies above the lower; surfaces that meet in a common row and change sides escape the crossing test."""
+    """Refuse a section whose upper side lies below the lower one.
+
+    Surfaces that meet in a common row and change sides escape the crossing test.
+    """
     nose = int(np.argmin(loop.points[:, 0]))
     upper, lower = loop.points[nose::-1], loop.points[nose:]
     x = np.unique(loop.points[:, 0])
@@ -147,7 +150,7 @@ def _coarse_nose(loop: Loop) -> tuple[str, ...]:
 
 
 def _tilt(loop: Loop) -> tuple[str, ...]:
-    """A warning of a section that is turned in its file: nothing turns it back."""
+    """Warning of a section that is turned in its file: nothing turns it back."""
     tail = (loop.points[0] + loop.points[-1]) / 2
     chord = tail - loop.points[np.argmax(np.linalg.norm(loop.points - tail, axis=1))]
     tilt = np.degrees(np.arctan2(chord[1], chord[0]))

@@ -14,7 +14,7 @@ from toolkit.foundation.units import LARGEST
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """Rows (n, 2) from trailing edge to trailing edge, the line of each in the file, and what was done to get there."""
+    """Contour rows (n, 2) from trailing edge to trailing edge, their lines in the file, and the repairs made."""
 
     points: np.ndarray
     lines: np.ndarray
@@ -24,7 +24,7 @@ class Loop:
     warnings: tuple[str, ...] = ()
 
     def take(self, rows, *repairs: str) -> Loop:
-        """The same loop with the selected rows, and the repairs that this means."""
+        """Loop with the selected rows, and the repairs that this means."""
         return replace(self, points=self.points[rows], lines=self.lines[rows], repairs=self.repairs + repairs)
 
 
@@ -72,12 +72,15 @@ def _coordinates(table: Table) -> Loop:
 
 
 def _has_mses_domain(table: Table) -> bool:
-    """The first row of an MSES file is the domain of a grid, four or five numbers ahead of rows of two."""
+    """Whether a table begins with the domain of an MSES file.
+
+    This is a row of four or five numbers, of a grid, ahead of rows of two.
+    """
     return len(table.rows[0]) >= 4 and len(table.rows) > 1 and len(table.rows[1]) == 2
 
 
 def _refuse_counting_column(table: Table) -> None:
-    """A first column 1, 2, 3, ... ahead of x and y."""
+    """Refuse a first column 1, 2, 3, ... ahead of x and y."""
     first = np.array([row[0] for row in table.rows])
     if len(first) > 1 and min(map(len, table.rows)) > 2 and np.all(np.diff(first) == 1):
         raise InputError(
@@ -87,7 +90,7 @@ def _refuse_counting_column(table: Table) -> None:
 
 
 def _refuse_elements(table: Table) -> None:
-    """ISES and MSES files separate their elements by a row `999. 999.`."""
+    """Refuse ISES and MSES files of several elements, which a row `999. 999.` separates."""
     for row, line in zip(table.rows, table.lines, strict=True):
         if row[:2] == (999.0, 999.0):
             raise InputError(
@@ -136,7 +139,7 @@ def _count_line(loop: Loop) -> tuple[int, int] | None:
 
 
 def _without_numeric_title(loop: Loop) -> Loop:
-    """A title such as "63 412" reads like a row; whole numbers that dwarf all coordinates give it away."""
+    """Loop without a title such as "63 412" that reads like a row; whole numbers that dwarf all coordinates give it away."""
     first, rest = loop.points[0], loop.points[1:]
     if len(rest) and not loop.name and np.all(first == np.round(first)) and first.max() > 1.5 >= np.abs(rest).max():
         name = f"{first[0]:g} {first[1]:g}"
@@ -146,7 +149,7 @@ def _without_numeric_title(loop: Loop) -> Loop:
 
 
 def _joined(loop: Loop, counts: tuple[int, int], where: str) -> Loop:
-    """One loop from an upper and a lower block that both start at the leading edge, whose row is kept once."""
+    """Loop from an upper and a lower block that both start at the leading edge, whose row is kept once."""
     upper, lower = counts
     if upper + lower != len(loop.points):
         raise InputError(
@@ -183,7 +186,7 @@ def _oriented_from_tail(loop: Loop) -> Loop:
 
 
 def _turned(loop: Loop) -> Loop:
-    """A loop that starts at the leading edge, turned to start at the trailing edge (whose row then stands at both ends)."""
+    """Loop turned to start at the trailing edge, whose row then stands at both ends, from one that starts at the leading edge."""
     x = loop.points[:, 0]
     tail, n = int(np.argmax(x)), len(x)
     closed = int(np.all(loop.points[0] == loop.points[-1]))

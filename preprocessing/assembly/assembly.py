@@ -19,9 +19,9 @@ MATERIAL: dict[str, dict[str, int]] = {
     "stiffness": {"youngs_modulus": 1},
     "stress": {"youngs_modulus": 1},
 }
-"""By which quantity of the material, to which power, a kind of contribution is multiplied."""
+"""Quantities of the material, with their powers, that multiply each kind of contribution."""
 DAMPING = {"mass": "damping_mass", "constant mass": "damping_mass", "stiffness": "damping_stiffness"}
-"""By which quantity it enters the damping D = a M + c K."""
+"""Quantity by which each kind of contribution enters the damping D = a M + c K."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,11 @@ class Matrices:
 
     @property
     def mass(self) -> Any:
-        """M, the sum of the M_aa."""
+        """Mass matrix M, the sum of the M_aa."""
         return reduce(add, self.m[: self.coordinates.space.dimension])
 
     def changed(self, change: Any) -> Matrices:
-        """The same with `change` applied to every matrix."""
+        """Matrices with `change` applied to each of them."""
         return Matrices(
             self.coordinates,
             self.components,
@@ -50,14 +50,14 @@ class Matrices:
         )
 
     def stepped(self, rates: Matrices, step: complex) -> Matrices:
-        """The same a step along their derivatives."""
+        """Matrices a step along their derivatives."""
         mine, others = ((*each.m, each.stiffness, each.damping, each.stress) for each in (self, rates))
         *m, stiffness, damping, stress = (matrix + step * rate for matrix, rate in zip(mine, others, strict=True))
         return Matrices(self.coordinates, self.components, tuple(m), stiffness, damping, stress)
 
 
 class Root(NamedTuple):
-    """Rows F with weight F^T F = K: of shapes psi that hardly strain stiff elements, F psi keeps the digits that K psi loses."""
+    """Rows F with weight F^T F = K: for shapes psi that hardly strain stiff elements, F psi keeps digits that K psi loses."""
 
     weight: float
     rows: Any  # (n_rows, n), blocks or sparse
@@ -83,12 +83,12 @@ class Parts:
 
     @property
     def constant_mass(self) -> Parts:
-        """The summands of the M_ab that no parameter changes: concentrated masses."""
+        """Parts of the M_ab that no parameter changes: concentrated masses."""
         return replace(self, parts=tuple(part for part in self.parts if not isinstance(part.name, str) and not part.factors))
 
     @property
     def none(self) -> Parts:
-        """No summand at all: matrices of zeros."""
+        """Matrices of zeros, without any part."""
         return replace(self, parts=())
 
     def at(self, values: Mapping[str, Any]) -> Matrices:
@@ -102,7 +102,7 @@ class Parts:
 
     @cached_property
     def _concerned(self) -> dict[str, list[Part]]:
-        """Parameter -> the parts whose monomials hold it."""
+        """Parts whose monomials contain each parameter."""
         found: dict[str, list[Part]] = {}
         for part in self.parts:
             for parameter in dict(part.factors):
@@ -123,7 +123,9 @@ class Parts:
 
 
 def assemble(element: Element) -> Parts:
-    """Parts of the matrices; what depends on geometry only stands in the contributions, what depends on the section in the monomials.
+    """Parts of the matrices of all elements.
+
+    What depends on geometry only stands in the contributions, what depends on the section in the monomials.
 
         M_ab = sum rho p(section) (...),   K = sum E p(section) (...),   D = a M + c K,   stress = sum E p(section) (...)
 

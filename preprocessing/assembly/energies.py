@@ -13,7 +13,7 @@ from preprocessing.elements.section import monomial
 
 
 def energies(parts: Parts, values: Mapping[str, Any], name: str, psi: Any) -> Any:
-    """Psi^T K Psi or Psi^T D Psi (`name` stiffness or damping), (n_f, n_f); sparse as Psi is.
+    """Energy matrix Psi^T K Psi or Psi^T D Psi (`name` stiffness or damping), (n_f, n_f); sparse as Psi is.
 
     Thin beams are a million times stiffer along than across. In K u of a shape that bends, the stiff parts cancel and take six
     digits along; as the square of a strain they are what they are.
@@ -24,7 +24,7 @@ def energies(parts: Parts, values: Mapping[str, Any], name: str, psi: Any) -> An
 
 
 def energy(part: Part, psi: Any) -> Any:
-    """What one part adds for unit parameters; Psi sparse or dense."""
+    """Contribution of one part to an energy matrix for unit parameters; Psi sparse or dense."""
     if part.root is None:
         return symmetric(psi.T @ (part.matrix @ psi))
     strain = part.root.rows @ psi
@@ -32,14 +32,14 @@ def energy(part: Part, psi: Any) -> Any:
 
 
 def symmetric(matrix: Any) -> Any:
-    """Without the part of the products' round-off that is not."""
+    """Symmetric part of a matrix, without the round-off of products that makes it unsymmetric."""
     return (matrix + matrix.T) / 2
 
 
 def antisymmetric(matrix: Any) -> Any:
-    """Likewise."""
+    """Antisymmetric part of a matrix, without the round-off of products that makes it another one."""
     return (matrix - matrix.T) / 2
 
 
 PARTS = {"symmetric": symmetric, "antisymmetric": antisymmetric, "whole": lambda matrix: matrix}
-"""What of a product is an invariant, by the words of `preprocessing.elements.space.Form`."""
+"""Parts of a product that are an invariant, by the words of `preprocessing.elements.space.Form`."""

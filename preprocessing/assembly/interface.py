@@ -21,7 +21,7 @@ MOVES_ALONG = 1e-6
 
 
 def interface_point(beams: LineElement, arc_lengths: np.ndarray, z: np.ndarray, arc_length: complex) -> InterfacePoint:
-    """The interface point at one arc length.
+    """Interface point at one arc length.
 
     Inside an element the arc length s on the true curve is mapped linearly to the place r = (s - s_1) / (s_2 - s_1) on the
     straight element, where `position` and `rotation` are cubic and quadratic. At a node they are the node's coordinates.
@@ -61,7 +61,7 @@ def _refuse_passing(arc_lengths: np.ndarray, node: int, arc_length: complex) -> 
 
 
 def node_point(beams: LineElement, z: np.ndarray, node: int, arc_length: complex = 0.0) -> InterfacePoint:
-    """A node, which cannot move along the elements; that of a frame lies on no curve, and its arc length is 0."""
+    """Interface point at a node; it cannot move along the elements, and of a frame its arc length is 0."""
     dimension = beams.nodes.shape[1]
     rows = z[beams.per_node * node : beams.per_node * (node + 1)]
     turned = rows[2] if dimension == 2 else rows[3:]

@@ -29,7 +29,7 @@ from toolkit.reduced_model.dependence import Polynomial
 
 
 def contract(matrices: Matrices, z: Any) -> Any:
-    """Invariants for Z = [xi, Psi], shape (n, 1 + n_f).
+    """Invariants of a reduced body for Z = [xi, Psi], shape (n, 1 + n_f).
 
     Those of a sparse Z are sparse too, with all axes but the last one in one; see `whole_arrays`.
     """
@@ -40,12 +40,12 @@ def contract(matrices: Matrices, z: Any) -> Any:
 
 
 def contract_at(parts: Parts, values: Mapping[str, Any], z: np.ndarray) -> Any:
-    """The same at values of the parameters, with the digits that the roots of the parts keep."""
+    """Invariants at values of the parameters, with the digits that the roots of the parts keep."""
     return with_roots(contract(parts.at(values), z), parts, values, z)
 
 
 def with_roots(invariants: Any, parts: Parts, values: Mapping[str, Any], z: np.ndarray) -> Any:
-    """The invariants with stiffness and damping from the roots of the parts, if these have any."""
+    """Invariants with stiffness and damping from the roots of the parts, if these have any."""
     if not any(part.root for part in parts.parts):
         return invariants
     psi = parts.coordinates.undeformed(z)[:, 1:]
@@ -53,7 +53,7 @@ def with_roots(invariants: Any, parts: Parts, values: Mapping[str, Any], z: np.n
 
 
 def whole_arrays(invariants: Any, components: int) -> Any:
-    """Invariants of a sparse Z as arrays with all of their axes; `components` are those of the stress at a point."""
+    """Invariants of a sparse Z as arrays with all of their axes; `components` is the number of stresses at a point."""
     axes, width = invariants.first_moment.shape
     shapes: dict[str, tuple[int, ...]] = {"second_moment": (-1, width, width)}
     if axes == 3:
@@ -79,11 +79,11 @@ def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: Any, d_z: A
 
 
 Product = Callable[[Any], np.ndarray]
-"""Of a matrix with shapes on both sides."""
+"""Product of a matrix with shapes on both sides."""
 
 
 def _items(matrices: Matrices, z: np.ndarray, of_mass: Product, of_stiffness: Product) -> dict[str, np.ndarray]:
-    """All invariants but the mass: those that are linear in Z, and the products of shapes."""
+    """All invariants but the mass: those linear in Z, and products of shapes."""
     space, translations = matrices.coordinates.space, matrices.coordinates.translations
     diagonal = matrices.m[: space.dimension]
     return {
@@ -138,7 +138,7 @@ Term = tuple[Monomial, np.ndarray, np.ndarray]
 
 
 def polynomial_of(terms: list[Term], parameters: list[str]) -> Polynomial:
-    """The polynomial of a list of terms, in the numbers of the parameters."""
+    """Polynomial of a list of terms, in the numbers of the parameters."""
     width = max(len(factors) for factors, _, _ in terms)
     factor, power = np.full((len(terms), width), -1), np.zeros((len(terms), width), np.int64)
     for k, (factors, _, _) in enumerate(terms):
@@ -151,7 +151,7 @@ def polynomial_of(terms: list[Term], parameters: list[str]) -> Polynomial:
 
 
 def whole(matrix: Any) -> Any:
-    """Entries with their places: all of a dense matrix, zero or not, and those that a sparse one has."""
+    """Entries of a matrix with their places: all of a dense one, zero or not, and the stored ones of a sparse one."""
     if issparse(matrix):
         return matrix.tocoo()
     places = np.indices(matrix.shape).reshape(2, -1)
@@ -159,7 +159,7 @@ def whole(matrix: Any) -> Any:
 
 
 def _contractions(part: Part, z: Any, coordinates: Coordinates) -> Iterator[tuple[str, Any]]:
-    """What one part of one matrix adds to the invariants, for unit parameters and sparse or dense Z."""
+    """Contribution of one part of one matrix to the invariants, for unit parameters and sparse or dense Z."""
     psi = z[:, 1:]
     if part.name == "stress":
         yield "stress_operator", part.matrix @ psi
@@ -170,7 +170,7 @@ def _contractions(part: Part, z: Any, coordinates: Coordinates) -> Iterator[tupl
 
 
 def _of_mass(pair: tuple[int, int], matrix: Any, z: Any, coordinates: Coordinates) -> Iterator[tuple[str, Any]]:
-    """What one component mass matrix adds."""
+    """Contribution of one component mass matrix to the invariants."""
     space, t, width = coordinates.space, coordinates.translations, z.shape[1]
     for form in (form for form in space.forms if pair in form.pairs):
         moment = _moment(form, matrix, lambda each: z.T @ (each @ z))
@@ -185,7 +185,7 @@ def _of_mass(pair: tuple[int, int], matrix: Any, z: Any, coordinates: Coordinate
 
 
 def _at_place(moment: Any, place: int, places: int) -> Any:
-    """A matrix as one of several after each other, in one row."""
+    """Matrix as one of several after each other, in one row."""
     found = whole(moment)
     entry = place * found.shape[0] * found.shape[1] + np.ravel_multi_index(found.coords, found.shape)
     shape = (1, places * found.shape[0] * found.shape[1])
@@ -193,5 +193,5 @@ def _at_place(moment: Any, place: int, places: int) -> Any:
 
 
 def both_sides(matrix: Any, z: np.ndarray, d_z: np.ndarray) -> np.ndarray:
-    """dZ^T M Z + Z^T M dZ."""
+    """Derivative dZ^T M Z + Z^T M dZ of a product of shapes."""
     return d_z.T @ (matrix @ z) + z.T @ (matrix @ d_z)

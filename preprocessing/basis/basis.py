@@ -20,7 +20,7 @@ from preprocessing.basis.normal_modes import NormalModes
 
 @dataclass(frozen=True, eq=False)
 class DesignRates:
-    """Derivatives of everything that a basis is made of by one design variable."""
+    """Derivatives by one design variable of everything that a basis is made of."""
 
     stiffness: Any  # (n, n), sparse or dense
     mass: Any  # (n, n), of M_11 + M_22
@@ -32,7 +32,7 @@ class DesignRates:
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """Z with the words that the reduced-model file says about it; `parts` are the columns of Psi that change with the design."""
+    """Matrix Z with the words of the reduced-model file about it; `parts` are the columns of Psi that change with the design."""
 
     z: np.ndarray  # (n, 1 + n_f)
     reference_condition: str
@@ -51,11 +51,11 @@ class Basis:
     def rate(
         self, d_stiffness: Any, d_mass: Any, d_xi: np.ndarray, d_interface_rows: Mapping[str, np.ndarray] | None = None
     ) -> np.ndarray:
-        """dZ = [dxi, dPsi] (n, 1 + n_f) by one design variable; `rates` is much cheaper for many."""
+        """Derivative dZ = [dxi, dPsi] (n, 1 + n_f) by one design variable; `rates` is much cheaper for many."""
         return self.rates([DesignRates(d_stiffness, d_mass, d_xi, d_interface_rows or {})])[:, :, 0]
 
     def rates(self, changes: Sequence[DesignRates]) -> np.ndarray:
-        """dZ (n, 1 + n_f, n_x) by all design variables at once, with every matrix factored once; dPsi is zero for a frozen basis.
+        """Derivatives dZ (n, 1 + n_f, n_x) by all design variables, each matrix factored once; dPsi is zero for a frozen basis.
 
         Some arrays of the result's size are needed on the way: give thousands of variables in portions.
 

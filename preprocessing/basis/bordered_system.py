@@ -20,7 +20,7 @@ class SingularBorderedSystemError(ArithmeticError):
 
 @dataclass(frozen=True, eq=False)
 class BorderedSystem:
-    """Factors of [A B^T; B 0], with A (n, n) symmetric and B (m, n).
+    """Factors of the matrix [A B^T; B 0], with A (n, n) symmetric and B (m, n).
 
     Unknowns and rows of very different units (displacements, rotations, forces) are first brought to one size by a diagonal scaling
     on both sides, so that pivoting does not depend on the units; one step of iterative refinement follows every solution.

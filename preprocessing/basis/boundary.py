@@ -19,7 +19,7 @@ neighbours in one element, and round-off times its inverse is lost in the constr
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """Rows R (n_r, n): first those of the clamped nodes, if there are any, then three (in space six) of every named point."""
+    """Constraint rows R (n_r, n): those of the clamped nodes, if any, then three (in space six) of every named point."""
 
     rows: np.ndarray
     points: tuple[str, ...] = ()
@@ -38,11 +38,11 @@ class Boundary:
 
     @property
     def always_still(self) -> np.ndarray:
-        """Those of them that are held at every design."""
+        """Numbers of those coordinates among `still` that are held at every design."""
         return np.zeros(0, int)
 
     def rates(self, d_interface_rows: Mapping[str, np.ndarray], d_xi: np.ndarray | None = None) -> np.ndarray:
-        """dR (n_r, n) from the derivatives (3 or 6, n) of the rows of points; points that are not named do not change.
+        """Derivative dR (n_r, n) from those (3 or 6, n) of the rows of points; points that are not named do not change.
 
         Nor do the clamped nodes with the undeformed shape, whose derivative is `d_xi` (n,).
 
@@ -62,12 +62,12 @@ class Boundary:
 
 
 def free_boundary(n: int, per_point: int = 3) -> Boundary:
-    """No rows on n nodal coordinates."""
+    """Boundary without rows on n nodal coordinates."""
     return Boundary(np.zeros((0, n)), per_point=per_point)
 
 
 def clamped_boundary(n: int, nodes: int | Sequence[int], per_node: int = 3) -> Boundary:
-    """All coordinates of one node (negative: from the end) or of several; a node has three, in space six."""
+    """Boundary that holds all coordinates of one node (negative: from the end) or several, three of each, in space six."""
     return Boundary(np.eye(n)[coordinates_of(nodes, n // per_node, per_node)], per_point=per_node)
 
 
@@ -77,7 +77,7 @@ def coordinates_of(nodes: int | Sequence[int], n_nodes: int, per_node: int) -> n
 
 
 def with_points(clamped: Boundary, interface_rows: Mapping[str, np.ndarray], mass: np.ndarray) -> Boundary:
-    """The clamped node and the interface points; a point on the clamped node adds no rows.
+    """Boundary of the clamped node and the interface points; a point on the clamped node adds no rows.
 
     Parameters
     ----------

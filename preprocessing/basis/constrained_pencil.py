@@ -10,7 +10,9 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class ConstrainedPencil:
-    """K, M and R on n nodal coordinates, for K u = lambda M u on all u with R u = 0; or their derivatives by one design variable.
+    """Matrices K, M and R of the problem K u = lambda M u on all u with R u = 0, or their derivatives.
+
+    They are on n nodal coordinates; the derivatives are those by one design variable.
 
     Derivatives may stay sparse, because they are only multiplied with shapes.
     """
@@ -21,7 +23,7 @@ class ConstrainedPencil:
 
 
 def constrained_pencil(stiffness: Any, mass: Any, rows: np.ndarray | None = None) -> ConstrainedPencil:
-    """The same with dense matrices; without rows the body is free."""
+    """Constrained pencil with dense matrices; without rows the body is free."""
     k, m = _dense(stiffness), _dense(mass)
     return ConstrainedPencil(k, m, np.zeros((0, len(k))) if rows is None else rows)
 

@@ -14,7 +14,7 @@ from toolkit.foundation.errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class ConstraintModes:
-    """Shapes Psi and reactions Lambda of a boundary R, with R any linear rows of nodal coordinates.
+    """Constraint modes Psi of a boundary R, any linear rows of nodal coordinates, and their reactions Lambda.
 
         [K R^T; R 0] [Psi; Lambda] = [0; I]
 

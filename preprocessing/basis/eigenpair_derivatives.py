@@ -27,7 +27,7 @@ def eigenvalue_rates(modes: NormalModes, d_pencil: ConstrainedPencil) -> np.ndar
 
 
 def adapted_modes(modes: NormalModes, d_pencil: ConstrainedPencil) -> NormalModes:
-    """The same modes, turned inside every repeated eigenvalue so that each continues smoothly when the design variable changes.
+    """Modes turned inside every repeated eigenvalue so that each continues smoothly when the design variable changes.
 
     They stand in the order of `eigenvalue_rates`; branches of equal derivative stay undetermined.
 
@@ -62,7 +62,7 @@ def eigenvector_rates(modes: NormalModes, d_pencil: ConstrainedPencil) -> np.nda
 
 
 def _clusters(modes: NormalModes) -> list[tuple[int, int]]:
-    """(first, first behind) of every cluster that holds a kept mode."""
+    """Numbers (first, first behind) of every cluster that holds a kept mode."""
     return sorted({cluster(modes.spectrum, mode) for mode in range(modes.count)})
 
 
@@ -77,7 +77,7 @@ def _split(modes: NormalModes, d_pencil: ConstrainedPencil) -> tuple[np.ndarray,
 
 
 def _coupling(modes: NormalModes, members: slice, d_pencil: ConstrainedPencil) -> np.ndarray:
-    """Phi^T (dK - lambda dM) Phi + H^T dR Phi + Phi^T dR^T H of one cluster with multipliers H."""
+    """Coupling Phi^T (dK - lambda dM) Phi + H^T dR Phi + Phi^T dR^T H of one cluster with multipliers H."""
     phi, eta = modes.shapes[:, members], modes.multipliers[:, members]
     eigenvalue = modes.eigenvalues[members].mean()
     work = eta.T @ (d_pencil.rows @ phi)

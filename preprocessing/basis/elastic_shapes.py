@@ -15,18 +15,18 @@ from preprocessing.basis.subspace_rates import subspace_rates
 
 
 class ElasticShapes(Protocol):
-    """Some columns of Psi."""
+    """Part of the columns of Psi, with its derivatives."""
 
     @property
     def follows_matrices(self) -> bool:
-        """Whether they change with stiffness and mass, or with the places of nodes and interface points alone."""
+        """Whether the shapes change with stiffness and mass, or with the places of nodes and points alone."""
 
     @property
     def columns(self) -> np.ndarray:
         """Shapes on the nodal coordinates, (n, k)."""
 
     def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
-        """Their derivatives by the design variables whose dK, dM and dR are given, (n, k, n_x)."""
+        """Derivatives (n, k, n_x) of the shapes by the design variables whose dK, dM and dR are given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +39,11 @@ class InterfaceShapes:
 
     @property
     def columns(self) -> np.ndarray:
-        """Shapes (n, n_r - n_clamp)."""
+        """Shapes on the nodal coordinates, (n, n_r - n_clamp)."""
         return self.modes.shapes[:, self.n_clamp :]
 
     def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
-        """Derivatives (n, n_r - n_clamp, n_x)."""
+        """Derivatives of the shapes by the design variables, (n, n_r - n_clamp, n_x)."""
         return self.modes.rates(d_pencils)[:, self.n_clamp :]
 
 
@@ -56,9 +56,9 @@ class ModeShapes:
 
     @property
     def columns(self) -> np.ndarray:
-        """Shapes (n, m)."""
+        """Shapes on the nodal coordinates, (n, m)."""
         return self.modes.columns
 
     def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
-        """Derivatives (n, m, n_x)."""
+        """Derivatives of the shapes by the design variables, (n, m, n_x)."""
         return self.modes.turned(subspace_rates(self.modes, d_pencils))

@@ -16,7 +16,7 @@ from toolkit.foundation.mode_shapes import clusters, told_apart
 
 @dataclass(frozen=True, eq=False)
 class NormalModes:
-    """The lowest modes of K phi = lambda M phi - R^T eta, R phi = 0, with Phi^T M Phi = I; rigid motions are left out.
+    """Lowest modes of K phi = lambda M phi - R^T eta, R phi = 0, with Phi^T M Phi = I, without rigid motions.
 
     Of modes with equal eigenvalues `shapes` are those that the solver found, whose derivatives are known; `columns` are the same
     ones turned and signed as `toolkit.foundation.mode_shapes` says, which no round-off chooses.
@@ -45,7 +45,7 @@ class NormalModes:
         return frequencies(self.eigenvalues)
 
     def lowest(self, count: int) -> NormalModes:
-        """The lowest `count` of these modes.
+        """Lowest `count` of these modes.
 
         Raises
         ------
@@ -65,7 +65,7 @@ class NormalModes:
         )
 
     def beyond(self, count: int) -> NormalModes:
-        """These modes without the lowest `count`."""
+        """Modes above the lowest `count`."""
         rest = {name: getattr(self, name)[:, count:] for name in ("shapes", "multipliers", "columns")}
         return replace(self, eigenvalues=self.eigenvalues[count:], **rest)
 
@@ -75,7 +75,7 @@ class NormalModes:
 
 
 def slowest_left_out(beyond: np.ndarray, points: bool) -> dict[str, float]:
-    """As `ReducedModel.left_out`, from the eigenvalues of the modes that are left out, with interface points held or not."""
+    """Lowest frequency left out, as in `ReducedModel.left_out`, from eigenvalues; interface points are held or not."""
     return {"interface" if points else "frame": float(frequencies(np.min(beyond, initial=np.inf)))}
 
 
@@ -90,7 +90,7 @@ def cluster(spectrum: np.ndarray, mode: int) -> tuple[int, int]:
 
 
 def normal_modes(pencil: ConstrainedPencil, count: int | None = None) -> NormalModes:
-    """The lowest `count` modes, or all.
+    """Lowest `count` normal modes, or all.
 
     Low modes are eigenvectors of the flexibility (relative accuracy round-off times lambda / lambda_1), high modes of the stiffness
     (round-off times lambda_n / lambda), so that all are accurate on fine meshes whose lambda_n / lambda_1 is beyond 1e10. One step

@@ -29,17 +29,17 @@ DEPENDENT = 1e-11
 
 
 def undeformed(nodes: np.ndarray) -> np.ndarray:
-    """xi (n,): node positions (n_nodes, d) on the translations, and zero on the rotations, because the elements are straight."""
+    """Undeformed shape xi (n,): node positions (n_nodes, d) on the translations, zero on rotations of straight elements."""
     return np.column_stack([nodes, np.zeros((len(nodes), per_node(nodes) - nodes.shape[1]))]).ravel()
 
 
 def per_node(nodes: np.ndarray) -> int:
-    """Coordinates of a node of nodes (n_nodes, d): two displacements and a rotation in the plane, three of each in space."""
+    """Number of coordinates of a node, of nodes (n_nodes, d): three in the plane, six in space."""
     return 3 if nodes.shape[1] == 2 else 6
 
 
 def tangent_frame(nodes: np.ndarray, node: int | Sequence[int], name: str) -> Basis:
-    """All nodal coordinates of nodes (n_nodes, d) but those of one, or of several, to which the frame is tied; nothing is reduced.
+    """Basis with all nodal coordinates but those of one node, or of several, that the frame is tied to; nothing is reduced.
 
     The frame keeps the axes and the origin of the nodes' coordinates and moves with the clamped node as with a rigid wall.
     """
@@ -54,7 +54,7 @@ def tangent_frame(nodes: np.ndarray, node: int | Sequence[int], name: str) -> Ba
 
 
 def clamped_in_tangent_frame(name: str) -> str:
-    """The reference condition of a body whose frame is tied to one of its nodes."""
+    """Reference condition of a body whose frame is tied to one of its nodes."""
     return f"tangent frame: the nodal coordinates of {name} are clamped in the frame of the undeformed shape"
 
 
@@ -67,7 +67,7 @@ def reduced_basis(
     name: str,
     interface_rows: Mapping[str, np.ndarray],
 ) -> Basis:
-    """The basis that was chosen, at one design.
+    """Chosen basis at one design.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def reduced_basis(
 
 
 def _chord_frame(choice: BasisChoice, chord: Chord, nodes: np.ndarray, interface_rows: Mapping[str, np.ndarray]) -> Basis:
-    """All nodal coordinates but as many as the chord holds; nothing is reduced."""
+    """Basis with all nodal coordinates but as many as the chord holds; nothing is reduced."""
     boundary = chord_boundary(chord, interface_rows, undeformed(nodes))
     shapes = pinned_coordinates(boundary)
     return Basis(
@@ -128,7 +128,7 @@ def _boundary(
     node: int | Sequence[int],
     interface_rows: Mapping[str, np.ndarray],
 ) -> Boundary:
-    """What holds the body, and, unless only its modes are asked for, its interface points."""
+    """Boundary of what holds the body and, unless only its modes are asked for, of its interface points."""
     points = choice.kind != "eigenmodes"
     if chord is not None:
         return chord_boundary(chord, interface_rows, undeformed(nodes), mass if points else None)
@@ -149,7 +149,7 @@ def _interface_shapes(choice: BasisChoice, pencil: ConstrainedPencil, boundary: 
 
 
 def _modes(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str, np.ndarray]) -> list[NormalModes]:
-    """The modes that the choice asks for: one set, or none for a static basis."""
+    """Modes that the choice asks for: one set, or none for a static basis."""
     if choice.kind == "static":
         return []
     kept = every.lowest(_count(choice, every, interface_rows))

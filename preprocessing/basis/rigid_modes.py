@@ -15,7 +15,7 @@ mode has about (h / L)^2 (t / L)^2 / 12 for elements of length h on a thin skin 
 
 
 def rigid_modes(pencil: ConstrainedPencil) -> np.ndarray:
-    """Shapes T (n, n_rigid) with K T = 0 and R T = 0, orthonormal in the mass matrix; none for a body that is held.
+    """Rigid motions T (n, n_rigid), K T = 0, R T = 0, orthonormal in the mass matrix; none of a held body.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def rigid_modes(pencil: ConstrainedPencil) -> np.ndarray:
 
 
 def _refined(pencil: ConstrainedPencil, rigid: np.ndarray) -> np.ndarray:
-    """The motions without the strain that the eigenvalue solver's round-off left in them: K u = 0, and M-products as before."""
+    """Rigid motions without the strain of the eigenvalue solver's round-off: K u = 0, and M-products as before."""
     border = rigid.T @ pencil.mass
     below = np.vstack([np.zeros((len(pencil.rows), rigid.shape[1])), border @ rigid])
     return bordered_system(pencil.stiffness, np.vstack([pencil.rows, border])).solve(np.zeros_like(rigid), below)[0]

@@ -41,7 +41,7 @@ def subspace_rates(modes: NormalModes, d_pencils: Sequence[ConstrainedPencil]) -
 
 @dataclass(frozen=True, eq=False)
 class ModeLoads:
-    """What the derivatives of the matrices make of every mode; the last axis is the design variable."""
+    """Products of the matrices' derivatives with every mode; the last axis is the design variable."""
 
     inertia: np.ndarray  # dM phi_j, (n, m, n_x)
     force: np.ndarray  # (dK - lambda_j dM) phi_j + dR^T eta_j, (n, m, n_x)
@@ -49,7 +49,7 @@ class ModeLoads:
 
 
 def mode_loads(modes: NormalModes, d_pencils: Sequence[ConstrainedPencil]) -> ModeLoads:
-    """The products of dK, dM and dR with all modes."""
+    """Products of dK, dM and dR with all modes."""
     inertia = np.stack([d.mass @ modes.shapes for d in d_pencils], axis=-1)
     force = np.stack([d.stiffness @ modes.shapes + d.rows.T @ modes.multipliers for d in d_pencils], axis=-1)
     gap = np.stack([d.rows @ modes.shapes for d in d_pencils], axis=-1)
@@ -57,7 +57,7 @@ def mode_loads(modes: NormalModes, d_pencils: Sequence[ConstrainedPencil]) -> Mo
 
 
 def mode_rates(modes: NormalModes, mode: int, border: Sequence[int], loads: ModeLoads) -> np.ndarray:
-    """dphi (n, n_x) of one mode from the system of `subspace_rates`, bordered by the modes `border`."""
+    """Derivatives dphi (n, n_x) of one mode from the system of `subspace_rates`, bordered by the modes `border`."""
     pencil, basis = modes.pencil, modes.shapes[:, list(border)]
     shifted = pencil.stiffness - modes.eigenvalues[mode] * pencil.mass
     system = bordered_system(shifted, np.vstack([pencil.rows, basis.T @ pencil.mass]))

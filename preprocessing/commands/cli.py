@@ -28,7 +28,7 @@ app = typer.Typer(pretty_exceptions_enable=False)
 
 
 class Command(TyperCommand):
-    """The command: invalid input is told as JSON too, if that was asked for."""
+    """Preprocessing command, which tells invalid input as JSON too, if that was asked for."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the command line."""
@@ -85,26 +85,26 @@ def main() -> None:
 
 
 class Remarks:
-    """Remarks, which are kept, and said on standard error unless nobody wants them."""
+    """Remarks of a build, stored and printed on standard error unless nobody wants them."""
 
     def __init__(self, quiet: bool) -> None:
         self.said: list[str] = []
         self._quiet = quiet
 
     def __call__(self, text: str) -> None:
-        """Make one."""
+        """Store a remark, and print it."""
         self.said.append(text)
         self.only_say(text)
 
     def only_say(self, text: str) -> None:
-        """Say something that is kept elsewhere."""
+        """Print something that is stored elsewhere."""
         if not self._quiet:
             typer.echo(text, err=True)
 
 
 @dataclass(frozen=True)
 class Wish:
-    """What may be built and replaced though it is there: an up-to-date model, and another body's; and the picture to draw."""
+    """Options of a build: whether an up-to-date model, or another body's, may be replaced, and the picture to draw."""
 
     force: bool
     overwrite: bool
@@ -113,7 +113,7 @@ class Wish:
 
 @dataclass(frozen=True)
 class Done:
-    """What a command has done, as a sentence and as part of a JSON object, and the warnings that belong to it."""
+    """Result of a command, as a sentence and as part of a JSON object, with the warnings that belong to it."""
 
     text: str
     record: dict[str, Any]
@@ -121,7 +121,7 @@ class Done:
 
 
 def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remarks: Remarks) -> Done:
-    """Build a reduced model, unless it is there; what its material makes one ask belongs to it in both cases."""
+    """Build a reduced model, unless it exists; cautions about its material belong to it in both cases."""
     recipe = read_recipe(path)
     refuse_output(output, path, recipe.inputs, wanted := recipe.hash(values), wish.overwrite)
     if wish.picture:
@@ -177,7 +177,7 @@ def _extruded(skin: Path, target: Path, layers: int, remarks: Remarks) -> Done:
 
 
 def _values(given: list[str]) -> dict[str, float]:
-    """Parameters and their values."""
+    """Values of the parameters that were set, by name."""
     found = {}
     for text in given:
         name, _, value = text.partition("=")
@@ -189,7 +189,7 @@ def _values(given: list[str]) -> dict[str, float]:
 
 
 def _up_to_date(path: Path, parts: tuple[str, ...], wanted: str, remarks: Remarks) -> ReducedModel | None:
-    """The model that is there if it was built from the same input as a whole; else None."""
+    """Existing model, if it was built from the same input as a whole; otherwise None."""
     if not path.exists():
         return None
     try:

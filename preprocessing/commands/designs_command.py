@@ -20,7 +20,7 @@ from toolkit.reduced_model.file import save
 
 
 def main(skin: Path) -> None:
-    """Build them all; an error becomes one message and exit code 1."""
+    """Build the models of all designs; an error becomes one message and exit code 1."""
     for line in sys.stdin:
         wanted = json.loads(line)
         try:

@@ -18,14 +18,14 @@ from toolkit.foundation.errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class Interpolant:
-    """The curve r(u) and its derivatives, addressed like a spline of scipy."""
+    """Interpolating curve r(u) and its derivatives, called like a spline of scipy."""
 
     derivatives: tuple[BSpline, ...]  # of r_0, from order 0 to the degree
     stretch: np.ndarray | None = None  # (2,) the diagonal of D, real or complex; none for 1
 
     @classmethod
     def through(cls, u: np.ndarray, points: np.ndarray, degree: int) -> Interpolant:
-        """The spline with r(u_i) = point i, with not-a-knot ends."""
+        """Spline with r(u_i) = point i and not-a-knot ends."""
         spline = make_interp_spline(u, points, k=degree)
         return cls((spline, *(spline.derivative(order) for order in range(1, degree + 1))))
 
@@ -41,7 +41,7 @@ class Interpolant:
         return value if self.stretch is None else value * self.stretch
 
     def stretched(self, x: complex, y: complex) -> Interpolant:
-        """This curve with both coordinates multiplied, by which its parametrisation does not change."""
+        """Curve with both coordinates multiplied, which leaves its parametrisation as it is."""
         before = np.ones(2) if self.stretch is None else self.stretch
         return Interpolant(self.derivatives, before * np.array([x, y]))
 
@@ -86,7 +86,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 
 
 class Parametric(Protocol):
-    """A curve r(u) and its derivatives; an `Interpolant`, or one with bumps."""
+    """Curve r(u) with its derivatives; an `Interpolant`, or one with bumps."""
 
     def __call__(self, u: Any, order: int = 0) -> np.ndarray: ...
 
@@ -125,14 +125,14 @@ class ArcLengthSpline:
 
     @classmethod
     def of(cls, spline: Parametric, point_u: np.ndarray, kinks: np.ndarray | None = None) -> ArcLengthSpline:
-        """The curve r(u) with points at `point_u` (n,); at the parameters `kinks` higher derivatives jump."""
+        """Spline on a curve r(u) with points at `point_u` (n,); at the parameters `kinks` higher derivatives jump."""
         u = point_u if kinks is None else np.concatenate([point_u, kinks])
         order = np.argsort(u.real, kind="stable")
         s = _arc_lengths(spline, u[order])
         return cls(spline, point_u, s[order < len(point_u)], u[order], s)
 
     def stretched(self, x: complex, y: complex) -> ArcLengthSpline:
-        """This curve with its x and y multiplied by positive numbers, or by complex ones with a positive real part."""
+        """Curve with its x and y multiplied by positive numbers, or by complex ones with a positive real part."""
         if not isinstance(self.spline, Interpolant):
             raise TypeError("stretch a curve before it gets bumps; their lengths do not stretch with it")
         return ArcLengthSpline.of(self.spline.stretched(x, y), self.point_u)
@@ -204,7 +204,7 @@ class ArcLengthSpline:
 
 
 def norm(vectors: np.ndarray) -> np.ndarray:
-    """sqrt(x^2 + y^2) of vectors (..., 2), analytic where they are complex."""
+    """Length sqrt(x^2 + y^2) of vectors (..., 2), analytic where they are complex."""
     return np.sqrt((vectors * vectors).sum(axis=-1))
 
 

@@ -30,7 +30,7 @@ _SAMPLES = 201  # of a bump, in search of a fold: it is smooth, and the contour 
 
 @dataclass(frozen=True)
 class Bump:
-    """One bump; its lengths are in the unit of the contour, and real or complex."""
+    """Bump of a contour; its lengths are in the unit of the contour, and real or complex."""
 
     centre: Number  # arc length on the contour without bumps, from its upper trailing edge
     half_width: Number
@@ -38,11 +38,11 @@ class Bump:
 
     @property
     def ends(self) -> tuple[Number, Number]:
-        """Arc lengths between which it acts."""
+        """Arc lengths between which the bump acts."""
         return self.centre - self.half_width, self.centre + self.half_width
 
     def checked(self, contour: Contour) -> Bump:
-        """The bump itself, if it fits on the contour.
+        """Bump itself, refused if it does not fit on the contour.
 
         Raises
         ------
@@ -66,7 +66,7 @@ class Bump:
 
 
 def bumped(contour: Contour, bumps: Sequence[Bump]) -> Contour:
-    """The contour with all bumps at once; itself if none has a height.
+    """Contour with all bumps at once; itself if none has a height.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def bumped(contour: Contour, bumps: Sequence[Bump]) -> Contour:
 
 @dataclass(frozen=True, eq=False)
 class _Bumped:
-    """The curve r(u), with u the parameter of the curve without bumps."""
+    """Curve r(u) with bumps, where u is the parameter of the curve without them."""
 
     base: ArcLengthSpline
     bumps: tuple[Bump, ...]
@@ -152,6 +152,6 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _bell(q: np.ndarray, order: int) -> np.ndarray:
-    """b(q) = (1 - q^2)^4 and its first two derivatives for |q| < 1 by its real part, 0 outside."""
+    """Bell function b(q) = (1 - q^2)^4 and its first two derivatives for |q| < 1 by its real part, 0 outside."""
     p = np.where(np.abs(np.real(q)) < 1, 1 - q * q, 0.0)
     return (p**4, -8 * q * p**3, 48 * q * q * p**2 - 8 * p**3)[order]

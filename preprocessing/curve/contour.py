@@ -23,7 +23,7 @@ def root(f: Callable[[float], float], low: float, high: float, length: float) ->
 
 
 def polished(f_and_slope: Callable[[Number], tuple[Number, Number]], u: float) -> complex:
-    """The complex root whose real part is known: each step of Newton's iteration doubles the right digits, 4 steps are many.
+    """Complex root whose real part is known: each step of Newton's iteration doubles the right digits, 4 steps are many.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class Contour:
         return cls(ArcLengthSpline.through(np.asarray(points, dtype=float) * chord, degree))
 
     def stretched(self, x: complex, y: complex) -> Contour:
-        """This contour with its x and y multiplied; itself if by 1."""
+        """Contour with its x and y multiplied; itself if by 1."""
         return self if x == 1 and y == 1 else Contour(self.curve.stretched(x, y))
 
     @property
@@ -159,7 +159,7 @@ class Contour:
         return self.curve.arc_length(polished(lambda t: (spline(t)[0] - x, spline(t, 1)[0]), u)).item()
 
     def _found(self, x: float, side: str) -> float:
-        """The parameter of `at_x`, its real part."""
+        """Real part of the parameter that `at_x` looks for."""
         parameters, points = self._samples
         first, last = (parameters[0], self._nose) if side == "upper" else (self._nose, parameters[-1])
         between = (parameters > first) & (parameters < last)
@@ -207,6 +207,6 @@ class Contour:
         return root(along, low, high, self.length.real)
 
     def _distance_along(self, point: np.ndarray, u: Number) -> tuple[Number, Number]:
-        """(r - point) . r' and its derivative by u, r' . r' + (r - point) . r''."""
+        """Function (r - point) . r' and its derivative by u, r' . r' + (r - point) . r''."""
         place, first, second = (self.curve.spline(u, order) for order in (0, 1, 2))
         return (place - point) @ first, first @ first + (place - point) @ second

@@ -135,7 +135,7 @@ class Skin:
         return target.position(start + s)
 
     def _on_skin(self, s, what: str = "") -> np.ndarray:
-        """s itself, with round-off at the ends removed; an error if it is off the skin."""
+        """Arc length s with round-off at the ends removed; refused if it is off the skin."""
         s = np.asarray(s) + 0.0
         real, length = np.real(s), self.length.real
         outside = ~((real >= -1e-9 * length) & (real <= (1 + 1e-9) * length))

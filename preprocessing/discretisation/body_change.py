@@ -18,7 +18,7 @@ from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 
 @dataclass(frozen=True, eq=False)
 class BodyChange:
-    """Derivatives by one parameter; what stems from the nodes' places alone is given at nodes with a complex step."""
+    """Derivatives of a body by one parameter; moved nodes carry a complex step."""
 
     matrices: Matrices  # derivatives
     mesh: SolidMesh  # nodes real, or with an imaginary part of STEP times their motion
@@ -29,7 +29,7 @@ class BodyChange:
 
     @property
     def motion(self) -> np.ndarray:
-        """Of the nodal coordinates, (n,)."""
+        """Derivative of the nodal coordinates, (n,)."""
         return rate_of(self.mesh.nodes.ravel())
 
     @property
@@ -38,11 +38,11 @@ class BodyChange:
         return np.iscomplexobj(self.mesh.nodes)
 
     def freedom(self, clamped: np.ndarray) -> Freedom:
-        """The independent coordinates, with a complex step."""
+        """Independent coordinates, with a complex step."""
         return freedom(self.mesh, clamped, self.ties)
 
     def on(self, free: Freedom, stepped: Freedom, matrices: Any, averaged: tuple[str, ...]) -> BasisChange:
-        """The change on the independent coordinates, K^ = T^T K T and so on.
+        """Derivatives on the independent coordinates, K^ = T^T K T and so on.
 
         Parameters
         ----------
@@ -69,7 +69,7 @@ class BodyChange:
         )
 
     def _mass_on(self, free: Freedom) -> tuple[Any, ...]:
-        """The other changes of a body whose nodes keep their places: of the mass, of no rows, and none of the rigid motions."""
+        """Derivatives of a body whose nodes keep their places: of the mass, of no rows, and none of the rigid motions."""
         if self.mass is None:
             return ()
         return (free.map.T @ self.mass @ free.map).tocsr(), None, np.zeros((free.map.shape[1], self.mesh.motions))

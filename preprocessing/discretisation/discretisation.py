@@ -34,12 +34,12 @@ class Discretisation:
 
     @cached_property
     def parts(self) -> Parts:
-        """Of the matrices."""
+        """Parts of the matrices of all elements."""
         return assemble(self.element)
 
     @cached_property
     def changing_parts(self) -> Parts:
-        """The same of those elements that a complex step changes; what it leaves alone has no derivative."""
+        """Parts of the matrices of those elements that a complex step changes; all others have no derivative."""
         return assemble(self.element.changing())
 
     @property
@@ -49,17 +49,17 @@ class Discretisation:
 
     @property
     def stress_points(self) -> StressPoints:
-        """Where the rows of the stress are."""
+        """Stress points, one to each row of the stress operator."""
         return self.element.stress_points
 
     def interfaces(self, z: np.ndarray) -> dict[str, InterfacePoint]:
-        """The interface points for Z = [xi, Psi] (n, 1 + n_f)."""
+        """Interface points for Z = [xi, Psi] (n, 1 + n_f), by name."""
         if self.arc_lengths is None:
             return {name: node_point(self.element, z, node) for name, node in self.places.items()}
         return {name: interface_point(self.element, self.arc_lengths, z, place) for name, place in self.places.items()}
 
     def interface_rows(self) -> dict[str, np.ndarray]:
-        """Interface point -> rows (3 or 6, n) that give its displacement and its rotation from the nodal coordinates."""
+        """Rows (3 or 6, n) that give the displacement and rotation of every interface point from the nodal coordinates."""
         every = self.interfaces(np.eye(self.element.coordinates.nodal))
         return {name: np.vstack([point.position[0], point.rotation[0]]) for name, point in every.items()}
 
@@ -72,17 +72,17 @@ class Discretisation:
         return found
 
     def positions(self, z: np.ndarray) -> np.ndarray:
-        """The rows of Z that give the nodes' positions, (n_nodes, d, 1 + n_f)."""
+        """Rows of Z that give the nodes' positions, (n_nodes, d, 1 + n_f)."""
         return z.reshape(len(self.nodes), -1, z.shape[1])[:, : self.nodes.shape[1]]
 
     def nodal(self, matrix: Any) -> Any:
-        """The block of a square matrix that belongs to the nodal coordinates."""
+        """Block of a square matrix that belongs to the nodal coordinates."""
         return self.element.coordinates.of_nodes(matrix)
 
 
 @dataclass(frozen=True)
 class Change:
-    """Derivatives by one parameter of what precedes the basis."""
+    """Derivatives by one parameter of all that precedes the choice of a basis."""
 
     matrices: Any
     rates: DesignRates  # what the basis is made of
@@ -100,11 +100,11 @@ class DesignSpace:
     steps: Mapping[str, Discretisation] = field(default_factory=dict)  # complex steps that were made already
 
     def nominal(self) -> Discretisation:
-        """At the nominal design."""
+        """Discretisation at the nominal design."""
         return self.discretise(self.values)
 
     def stepped(self, parameter: str) -> Discretisation:
-        """With a complex step in one parameter."""
+        """Discretisation with a complex step in one parameter."""
         if parameter in self.steps:
             return self.steps[parameter]
         return self.discretise({**self.values, parameter: self.values[parameter] + 1j * STEP})
@@ -127,5 +127,5 @@ def _change(d_matrices: Any, d_xi: np.ndarray, d_rows: dict[str, np.ndarray], st
 
 
 def derivative_of(value: Any) -> Any:
-    """What a complex step left."""
+    """Derivative from the imaginary part that a complex step left."""
     return np.imag(value) / STEP

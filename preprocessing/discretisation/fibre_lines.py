@@ -16,7 +16,7 @@ from toolkit.reduced_model.spatial_model import Surface
 
 
 def fibre_lines(beams: SpatialBeam, z: np.ndarray, values: Mapping[str, Any]) -> Surface:
-    """The lines for Z = [xi, Psi] (n, 1 + n_f), at the dimensions `values` of the sections."""
+    """Lines of the fibres for Z = [xi, Psi] (n, 1 + n_f), at the dimensions `values` of the sections."""
     first, triad = beams.first_rows, beams.axes
     position = np.zeros((int(first[-1]), 3, z.shape[1]))
     for each in beams.patches:
@@ -56,7 +56,7 @@ def _shares(shape: SectionShape, parameters: Mapping[str, str]) -> dict[Monomial
 
 
 def _offsets(shape: SectionShape, dimensions: Mapping[str, Any]) -> np.ndarray:
-    """y_2, y_3 of every fibre, (n_fibres, 2)."""
+    """Offsets y_2, y_3 of every fibre, (n_fibres, 2)."""
     return np.array([[value_of(fibre.second, dimensions), value_of(fibre.third, dimensions)] for fibre in shape.fibres])
 
 
@@ -72,7 +72,7 @@ def _rows(z: np.ndarray, node: int) -> np.ndarray:
 
 
 def _beside(rows: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """What an offset (3,) from a node, which turns with it, adds to its place, (3, 1 + n_f)."""
+    """Addition (3, 1 + n_f) to a node's place by an offset (3,), which turns with the node."""
     found = np.cross(rows[3:], offset[:, None], axis=0)
     found[:, 0] += offset
     return found

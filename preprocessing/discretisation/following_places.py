@@ -14,7 +14,7 @@ from toolkit.reduced_model.model import place_parameter
 
 
 def with_places(space: DesignSpace, followed: Collection[str] | None = None) -> DesignSpace:
-    """The space with a parameter for every interface point inside an element, or for those that are `followed`.
+    """Design space with a parameter for every interface point inside an element, or for those that are `followed`.
 
     At a node the polygon has a kink and no derivative.
     """

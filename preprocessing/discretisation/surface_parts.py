@@ -9,12 +9,12 @@ from toolkit.reduced_model.spatial_model import Surface, SurfaceLoad
 
 
 def surface_of(faces: BoundaryFaces, z: np.ndarray) -> Surface:
-    """The nodes on the surface and its triangles, for Z = [xi, Psi] (n, 1 + n_f)."""
+    """Surface of a body for Z = [xi, Psi] (n, 1 + n_f): its nodes and triangles."""
     return Surface(z.reshape(-1, 3, z.shape[1])[faces.points], faces.triangles, np.zeros((0, 2), int))
 
 
 def pressure_on(normals: np.ndarray, z: np.ndarray) -> SurfaceLoad:
-    """The unit pressure, f_a = -sum_k w_ka and L[a, b] = -sum_k w_ka Z_kb for the nodes k.
+    """Unit pressure on a surface: f_a = -sum_k w_ka and L[a, b] = -sum_k w_ka Z_kb for the nodes k.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ class BlockElement(Element):
         return np.column_stack([own, np.broadcast_to(hidden, (len(own), self.hidden))])
 
     def component_masses(self, elements: np.ndarray, blocks: np.ndarray) -> dict[Pair, Blocks]:
-        """M_ab from the blocks (n_e, d, d, p, p) of some elements on their first p coordinates."""
+        """Component masses M_ab from the blocks (n_e, d, d, p, p) of some elements on their first p coordinates."""
         dofs, n = self.dofs[elements, : blocks.shape[-1]], self.coordinates.n
         places = Places(elements, dofs, dofs, (n, n))
         return {(a, b): Blocks(places, blocks[:, a, b]) for a, b in self.space.pairs}
@@ -66,13 +66,13 @@ class BlockElement(Element):
 def section_terms(
     name: str, patch: Patch, rows: np.ndarray, terms: Terms, factor: Any = 1.0, column: int = 0, **material: int
 ) -> Iterator[SectionTerm]:
-    """Those of a polynomial of a section, times a factor and powers of quantities of the material."""
+    """Section terms of a polynomial, times a factor and powers of quantities of the material."""
     for number, powers in terms:
         yield SectionTerm(name, rows, column, patch.monomial(**material, **powers), factor * number)
 
 
 class Tension(NamedTuple):
-    """How the tension of some elements stiffens them: with E p(section) times their strain times the squares of their slopes."""
+    """Stiffening of elements by tension: E p(section) times their strain times the squares of their slopes."""
 
     patch: Patch
     elements: np.ndarray  # (n_e,) their numbers
@@ -93,7 +93,7 @@ class LineElement(BlockElement):
 
     @property
     def contributing(self) -> np.ndarray:
-        """These numbers in any case."""
+        """Numbers of the elements that contribute, listed also where these are all."""
         return np.arange(len(self.connectivity)) if self.wanted is None else self.wanted
 
     def of_patch(self, patch: Patch) -> tuple[np.ndarray, np.ndarray]:
@@ -109,16 +109,16 @@ class LineElement(BlockElement):
         return np.any(np.imag(self.ends) != 0, axis=(1, 2))
 
     def tensions(self) -> Iterator[Tension]:
-        """How tension stiffens the elements; a kind that does not say has no geometric stiffness."""
+        """Stiffening of the elements by tension; a kind without this method has no geometric stiffness."""
         yield from ()
 
     def section_terms(self) -> Iterator[SectionTerm]:
-        """What the sections of all elements are; none of a kind that consists of no beams."""
+        """Terms of the sections of all elements; none of a kind that consists of no beams."""
         yield from ()
 
     @property
     def section_axes(self) -> np.ndarray:
-        """The e_3 of each section before it is made normal to its element, (n_e, 3); z in the plane."""
+        """Axes e_3 of all sections before they are made normal to their elements, (n_e, 3); z in the plane."""
         return np.tile([0.0, 0.0, 1.0], (len(self.connectivity), 1))
 
     def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
@@ -133,13 +133,13 @@ class LineElement(BlockElement):
         return weighted_sum(found, (n, n)) if found else super().geometric_stiffness(values, displacement)
 
     def changing(self) -> Self:
-        """The same, where only elements that a complex step changes contribute; a kind that leaves all of them in is right, but slow."""
+        """Elements of which only those contribute that a complex step changes; leaving all in is right, but slow."""
         return self
 
     @property
     @abstractmethod
     def stress_points(self) -> StressPoints:
-        """Where the rows of the stress are."""
+        """Stress points, one to each row of the stress operator."""
 
     @abstractmethod
     def functions(self, element: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

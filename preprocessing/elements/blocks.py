@@ -31,7 +31,7 @@ class Places:
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """The blocks of some elements; sums and multiples of them make no sparse matrix, which costs more than the numbers in it."""
+    """Blocks of some elements; sums and multiples of them make no sparse matrix, which costs more than their numbers."""
 
     places: Places
     values: np.ndarray  # (n_e, k, p)
@@ -40,12 +40,12 @@ class Blocks:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Of the body's matrix."""
+        """Shape of the body's matrix."""
         return self.places.shape
 
     @cached_property
     def sparse(self) -> Any:
-        """The body's matrix, by rows."""
+        """Body's matrix as a sparse one, by rows."""
         return sparse.coo_array((self.values.ravel(), self.places.entries), shape=self.shape).tocsr()
 
     def __add__(self, other: Blocks) -> Blocks:
@@ -60,7 +60,7 @@ class Blocks:
         return self.sparse @ shapes
 
     def squared(self) -> Blocks:
-        """F^T F of rows F, no two elements of which share a row."""
+        """Products F^T F of rows F, no two elements of which share a row."""
         at, n = self.places, self.shape[1]
         return Blocks(Places(at.elements, at.columns, at.columns, (n, n)), np.swapaxes(self.values, 1, 2) @ self.values)
 
@@ -71,7 +71,7 @@ def without_cancelled(sums: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 
 def sparse_of(matrix: Any) -> Any:
-    """A matrix of the body, by rows."""
+    """Sparse matrix of the body, by rows."""
     return matrix.sparse if isinstance(matrix, Blocks) else matrix.tocsr()
 
 

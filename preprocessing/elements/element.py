@@ -32,13 +32,13 @@ class Contribution(NamedTuple):
 
 
 def squared(patch: Patch, terms: Terms, rows: Blocks) -> Contribution:
-    """A stiffness F^T F by its rows F."""
+    """Contribution of a stiffness F^T F, by its rows F."""
     return Contribution("stiffness", patch, terms, rows.squared(), rows)
 
 
 @dataclass(frozen=True)
 class Coordinates:
-    """What the matrices of a body are on: all coordinates of node 0, then of node 1, and so on, and hidden ones.
+    """Coordinates of a body's matrices: all of node 0, then of node 1, and so on, and hidden ones.
 
     The first coordinates of a node are its displacements along the axes. A hidden coordinate is one in the undeformed shape and zero in
     every displacement, so that the places of points off the nodes are products with one vector too.
@@ -61,7 +61,7 @@ class Coordinates:
 
     @property
     def translations(self) -> np.ndarray:
-        """t_a: the unit rigid translations along the axes, (d, n)."""
+        """Unit rigid translations t_a along the axes, (d, n)."""
         found = np.zeros((self.space.dimension, self.n))
         for axis, translation in enumerate(found):
             translation[axis : self.nodal : self.per_node] = 1
@@ -72,7 +72,7 @@ class Coordinates:
         return matrix[: self.nodal, : self.nodal] if self.hidden else matrix
 
     def undeformed(self, z: Any) -> Any:
-        """Z (nodal, 1 + n_f), its first column the undeformed shape, with the rows of the hidden coordinates; sparse as Z is."""
+        """Matrix Z (nodal, 1 + n_f), the undeformed shape first, with the rows of the hidden coordinates; sparse as Z is."""
         return _below(z, *[np.eye(1, z.shape[1], dtype=z.dtype)] * self.hidden)
 
     def displacement(self, d_z: Any) -> Any:
@@ -92,20 +92,20 @@ class Element(ABC):
 
     @property
     def components(self) -> int:
-        """Of the stress at a point: one, or six in space."""
+        """Number of stress components at a point: one, or six in space."""
         return 1
 
     @property
     @abstractmethod
     def coordinates(self) -> Coordinates:
-        """What the matrices are on."""
+        """Coordinates that the matrices belong to."""
 
     @abstractmethod
     def contributions(self) -> Iterator[Contribution]:
-        """The terms of mass, stiffness and stress, for unit parameters; complex-safe."""
+        """Terms of mass, stiffness and stress, for unit parameters; complex-safe."""
 
     def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
-        """K_g, sparse (n, n): what the stress of a displacement (n,) adds to the stiffness, linear in it; complex-safe.
+        """Geometric stiffness K_g, sparse (n, n), of the stress of a displacement (n,), linear in it; complex-safe.
 
         Parameters
         ----------

@@ -17,11 +17,11 @@ class Group(Protocol):
 
     @property
     def elements(self) -> Sequence[int]:
-        """The first and the last one."""
+        """Numbers of the first and the last element of the group."""
 
     @property
     def values(self) -> Mapping[str, float]:
-        """The quantities."""
+        """Quantities that the group has of its own, with their values."""
 
 
 @dataclass(frozen=True)

@@ -42,18 +42,18 @@ Monomial = tuple[tuple[str, int], ...]
 
 @dataclass(frozen=True, eq=False)
 class Sheared:
-    """A section that shear deforms: the functions along its beams are no polynomials of its dimensions, so that these are numbers."""
+    """Section that shear deforms; its dimensions are numbers, as the functions along its beams are no polynomials of them."""
 
     dimensions: Mapping[str, Any]  # that may carry a complex step
     flexibility: Any  # E / (kappa G) = 2 (1 + nu) / kappa, that may, too
 
     @property
     def stepped(self) -> bool:
-        """Whether one of them does."""
+        """Whether one of the section's dimensions carries a complex step."""
         return bool(np.any(np.imag([*self.dimensions.values(), self.flexibility])))
 
     def phi(self, second_moment: Any, area: Any, lengths: np.ndarray) -> np.ndarray:
-        """Phi = 12 E I / (kappa G A L^2) of elements, (n_e,)."""
+        """Shear parameter Phi = 12 E I / (kappa G A L^2) of elements, (n_e,)."""
         found: np.ndarray = 12 * self.flexibility * second_moment / area / lengths**2
         return found
 

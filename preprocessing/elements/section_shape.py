@@ -30,7 +30,7 @@ SERIES = {0: 1 / 3, 1: -0.21008296, 5: 0.02589027, 7: -0.00856364}
 
 
 class Fibre(NamedTuple):
-    """A place of the section whose stress is told, and where it is drawn."""
+    """Fibre of a section whose stress the model gives: its place and its side."""
 
     second: Terms  # y_2
     third: Terms  # y_3
@@ -50,13 +50,13 @@ class SectionShape:
     fibres: tuple[Fibre, ...]
 
     def fixed(self, dimensions: Mapping[str, Any]) -> SectionShape:
-        """The same at numbers of the dimensions, of which its polynomials have none left."""
+        """Section at numbers of the dimensions, so that none is left in its polynomials."""
         own = {field.name: fixed(getattr(self, field.name), dimensions) for field in fields(self) if field.name != "fibres"}
         fibres = (Fibre(fixed(each.second, dimensions), fixed(each.third, dimensions), each.side) for each in self.fibres)
         return SectionShape(**own, fibres=tuple(fibres))
 
     def values(self, dimensions: Mapping[str, Any]) -> dict[str, Any]:
-        """A, B_2, B_3, S_2, S_3 and J by their names for numbers of the dimensions, real or complex."""
+        """Values of A, B_2, B_3, S_2, S_3 and J by their names for numbers of the dimensions, real or complex."""
         return {field.name: value_of(getattr(self, field.name), dimensions) for field in fields(self) if field.name != "fibres"}
 
 
@@ -76,7 +76,7 @@ def fixed(terms: Terms, dimensions: Mapping[str, Any]) -> Terms:
 
 
 def strip(thickness: str = "thickness", width: str = "width") -> SectionShape:
-    """The skin's rectangle, thickness along e_2 in the plane of the skin and width along e_3 across it.
+    """Section of a skin: a rectangle, thickness along e_2 in the plane of the skin and width along e_3 across it.
 
     A = t b, B_2 = b t^3 / 12, B_3 = t b^3 / 12, J as of a `rectangle`, and the mass on the middle line of the rectangle, S_2 = 0 and
     S_3 = t b^3 / 12: so bending in the plane has no rotary inertia, as planar beams without it, and torsion has rho t b^3 / 12.
@@ -86,7 +86,9 @@ def strip(thickness: str = "thickness", width: str = "width") -> SectionShape:
 
 
 def rectangle(thickness: str = "thickness", width: str = "width", thin: bool = True) -> SectionShape:
-    """Thickness along e_2, width along e_3; the smaller of them stands first in J: `thin` says whether it is the thickness.
+    """Rectangular section, thickness along e_2, width along e_3.
+
+    The smaller of them stands first in J: `thin` says whether it is the thickness.
 
     A = t b, B_2 = S_2 = b t^3 / 12, B_3 = S_3 = t b^3 / 12, and Saint-Venant's series for J as a polynomial of the ratio r = t / b,
 
@@ -107,21 +109,21 @@ def rectangle(thickness: str = "thickness", width: str = "width", thin: bool = T
 
 
 def circle(diameter: str = "diameter") -> SectionShape:
-    """A = pi d^2 / 4, all second moments pi d^4 / 64, J = pi d^4 / 32."""
+    """Circular section: A = pi d^2 / 4, all second moments pi d^4 / 64, J = pi d^4 / 32."""
     second = (Term(pi / 64, {diameter: 4}),)
     torsion = (Term(pi / 32, {diameter: 4}),)
     return SectionShape((Term(pi / 4, {diameter: 2}),), second, second, second, second, torsion, _round(diameter))
 
 
 def tube(diameter: str = "diameter", wall: str = "wall") -> SectionShape:
-    """A circle of the outer diameter d without that of d - 2 w, w the thickness of the wall."""
+    """Circular tube: a circle of the outer diameter d without that of d - 2 w, w the thickness of the wall."""
     second = _without_core(1 / 64, diameter, wall)
     area = (Term(pi, {diameter: 1, wall: 1}), Term(-pi, {wall: 2}))
     return SectionShape(area, second, second, second, second, _without_core(1 / 32, diameter, wall), _round(diameter))
 
 
 def _without_core(factor: float, diameter: str, wall: str) -> Terms:
-    """factor pi (d^4 - (d - 2 w)^4)."""
+    """Terms of factor pi (d^4 - (d - 2 w)^4)."""
     expansion = {(3, 1): 8, (2, 2): -24, (1, 3): 32, (0, 4): -16}
     return tuple(Term(factor * pi * number, {diameter: d, wall: w} if d else {wall: w}) for (d, w), number in expansion.items())
 
@@ -139,7 +141,9 @@ def _part(number: float, dimension: str) -> Terms:
 
 
 def general(fibres: tuple[tuple[float, float], ...] = ((0.0, 0.0),)) -> SectionShape:
-    """Numbers of another program: `area`, `I_y` = B_3 (bending about e_2), `I_z` = B_2, `J` and the polar moment of the mass `I_p`.
+    """Section by numbers of another program: `area`, `I_y` = B_3 (bending about e_2), `I_z` = B_2, `J` and `I_p`.
+
+    I_p is the polar moment of the mass.
 
     S_2 + S_3 = I_p and S_2 - S_3 = I_z - I_y, so that a homogeneous section, I_p = I_y + I_z, has its own.
 

@@ -26,7 +26,7 @@ Pair = tuple[int, int]
 
 
 class Form(NamedTuple):
-    """One matrix Z^T (sum of M_ab) Z among the invariants."""
+    """Product Z^T (sum of M_ab) Z among the invariants."""
 
     item: str  # name of the invariant
     place: int | None  # along its first axis; None: all of it
@@ -35,12 +35,12 @@ class Form(NamedTuple):
 
 
 Spin = tuple[tuple[Pair, float], ...]
-"""Of one product of angular velocities: the M_ab whose symmetric parts make its centrifugal forces, and their weights."""
+"""Product of angular velocities: the M_ab whose symmetric parts make its centrifugal forces, and their weights."""
 
 
 @dataclass(frozen=True)
 class Space:
-    """The plane, or space."""
+    """Plane or space, with the forms of its invariants."""
 
     dimension: int
     pairs: tuple[Pair, ...]  # the component mass matrices, those with a = b first

@@ -22,14 +22,14 @@ from toolkit.foundation.errors import InputError
 
 REMEDY = "Export the mesh as gmsh .msh, VTK .vtu or Abaqus .inp."
 HARMLESS = {"tags of string type": "Names of markers of SU2 are not read: choose nodes by boxes, or export gmsh .msh."}
-"""What meshio warns of and the body does without -> the remark on it."""
+"""Remark on each warning of meshio about something that the body does without."""
 
 LACKING = {"wedge15": 3, "pyramid13": 3, "hexahedron24": 3}
 """Dimension of the kinds that meshio 5.3.5 has no dimension of."""
 
 
 def any_mesh(path: str, file_format: str | None = None) -> MeshContents:
-    """All that is used of a mesh; of elements that never are, only the kind.
+    """Contents of a mesh file that are used; of elements that never are, only the kind.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def known_ending(path: Path) -> None:
 
 
 def _read(path: str, file_format: str | None) -> tuple[Any, str]:
-    """What meshio reads, and what it says meanwhile, which it does instead of raising errors."""
+    """Mesh that meshio reads, and what it prints meanwhile instead of raising errors."""
     heard = StringIO()
     with redirect_stdout(heard), redirect_stderr(heard), warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
@@ -79,7 +79,7 @@ def _read(path: str, file_format: str | None) -> tuple[Any, str]:
 
 
 def _counted(path: Path, raw: Any) -> list[str]:
-    """Compare nodes and elements with what the file says; a remark if it says nothing."""
+    """Compare numbers of nodes and elements with what the file says; a remark if it says nothing."""
     stated = stated_counts(path)
     read = len(raw.points), sum(len(block.data) for block in raw.cells)
     for what, said, here in zip(("nodes", "elements"), stated, read, strict=True):
@@ -97,7 +97,7 @@ def _nodes(kind: str, data: Any) -> np.ndarray:
 
 
 def _text(name: Any) -> str:
-    """A name that can be printed."""
+    """Name with characters that can be printed."""
     return str(name).encode("utf-8", "replace").decode()
 
 

@@ -21,14 +21,14 @@ CHILD = "from preprocessing.foreign_files.child import main; main(*sys.argv[1:])
 
 
 class Ended(NamedTuple):
-    """How the process ended."""
+    """End of a reader's process."""
 
     code: int | None  # negative: the signal that ended it; None: it was waited for in vain
     output: BinaryIO
 
 
 def read_apart(reader: str, path: Path, how: str, remedy: str, *more: str, drawn: Sequence[Path] = ()) -> Any:
-    """What one of the readers of `child` finds in a file.
+    """Contents that one of the readers of `child` finds in a file, in a process of its own.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def read_apart(reader: str, path: Path, how: str, remedy: str, *more: str, drawn
 
 
 def bounded_size(path: Path) -> int:
-    """Bytes of a file.
+    """Size of a file in bytes, refused if it is too large.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def bounded_size(path: Path) -> int:
 
 
 def run(reader: str, path: Path, bounds: Bounds, *more: str) -> Ended:
-    """Run a reader in its process, and keep what it sends."""
+    """Run a reader in its process, and store what it sends."""
     refuse_namesakes()
     arguments = (reader, str(path), str(bounds.memory), str(bounds.seconds), *more)
     output = TemporaryFile()  # noqa: SIM115 (who asks reads and closes it: arrays come from there without a copy of them all)
@@ -98,7 +98,7 @@ def run(reader: str, path: Path, bounds: Bounds, *more: str) -> Ended:
 
 
 def _why(ended: Ended, found: dict[str, Any], bounds: Bounds) -> str:
-    """What happened, in words."""
+    """Reason why the process ended, in words."""
     if "reason" in found:
         return without_content(found["reason"]) or "it says nothing about why"
     if "lacks" in found:
@@ -115,7 +115,7 @@ def _why(ended: Ended, found: dict[str, Any], bounds: Bounds) -> str:
 
 
 def _remedy(found: dict[str, Any]) -> str:
-    """What helps where a package is missing; empty otherwise."""
+    """Advice where a package is missing; empty otherwise."""
     if "lacks" not in found:
         return ""
     if found["lacks"] in ("meshio", "scipy", "numpy"):

@@ -18,19 +18,19 @@ PATIENCE = 3
 
 @dataclass(frozen=True)
 class Bounds:
-    """What one reader may use."""
+    """Limits of memory and time for one reader."""
 
     memory: int  # bytes of address space
     seconds: int  # of processor time
 
     @property
     def patience(self) -> int:
-        """Seconds on the clock."""
+        """Longest time in seconds on the clock."""
         return PATIENCE * self.seconds
 
     @classmethod
     def of(cls, size: int) -> Bounds:
-        """Those of a file of this many bytes; never more memory than the machine has."""
+        """Limits for a file of this many bytes; never more memory than the machine has."""
         memory = BASE_MEMORY + MEMORY_PER_BYTE * size
         return cls(min(memory, memory_of_machine() or memory), int(BASE_SECONDS + SECONDS_PER_BYTE * size))
 

@@ -34,7 +34,10 @@ def main(reader: str, path: str, memory: str, seconds: str, *more: str) -> None:
 
 
 def reading(reader: str, path: str, *more: str) -> dict[str, Any]:
-    """`found`; or what was `refused` in words of our own, the `reason` why a library found nothing, a package that it `lacks`, `memory`."""
+    """Outcome of a reader: what was `found`, or why nothing was.
+
+    The reason is `refused` in words of our own, the `reason` why a library found nothing, a package that it `lacks`, or `memory`.
+    """
     said = StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):
@@ -53,7 +56,7 @@ def reading(reader: str, path: str, *more: str) -> dict[str, Any]:
 
 
 def _own_output() -> BinaryIO:
-    """The standard output, which from now on nobody else writes to: libraries print what they like."""
+    """Standard output, to which from now on nothing else writes: libraries print what they like."""
     sys.stdout.flush()
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

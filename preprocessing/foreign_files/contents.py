@@ -12,7 +12,7 @@ Elements = list[tuple[str, np.ndarray]]
 
 
 class PointMass(NamedTuple):
-    """A concentrated mass with its rotary inertia, such as MASS and ROTARYI of Abaqus or CONM2 of Nastran."""
+    """Concentrated mass with its rotary inertia, such as MASS and ROTARYI of Abaqus or CONM2 of Nastran."""
 
     place: tuple[float, ...]  # of its centre of mass, as many coordinates as the points have
     mass: float
@@ -23,7 +23,7 @@ class PointMass(NamedTuple):
 
 
 class LeftOut(NamedTuple):
-    """What stands in the file and is not part of the body."""
+    """Entry of the file that is not part of the body."""
 
     what: str  # name of the keyword, card or element type
     number: int  # how many of it
@@ -42,7 +42,7 @@ class MeshContents(NamedTuple):
     remarks: Sequence[str] = ()  # what the user should know of the reading, full sentences
 
     def sent(self) -> dict[str, Any]:
-        """The record as a reader's process sends it: lists, texts, numbers and arrays."""
+        """Record of the contents as a reader's process sends it: lists, texts, numbers and arrays."""
         return {
             **self._asdict(),
             "masses": [each._asdict() for each in self.masses],
@@ -51,7 +51,7 @@ class MeshContents(NamedTuple):
 
     @classmethod
     def received(cls, found: Mapping[str, Any]) -> MeshContents:
-        """The record of what was sent.
+        """Contents from the record that was sent.
 
         Raises
         ------

@@ -26,7 +26,7 @@ INCLUDING: dict[str, Callable[[Path, Path, bytes], Iterator[Path]]] = {
 
 
 def drawn_on(path: Path) -> list[Path]:
-    """All files that a mesh file names, and those that these name, in their order; itself is not among them.
+    """Files that a mesh file names, and those that these name, in their order, without itself.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def _content(path: Path) -> bytes:
 
 
 def _where(path: Path, name: str) -> Path:
-    """The file that is meant by a name, which the reader of meshes looks for in the current folder first."""
+    """File that a name means, for which the reader of meshes looks in the current folder first."""
     here, beside = Path(name), path.parent / name
     if os.path.exists(here) and os.path.exists(beside) and not os.path.samefile(here, beside):
         raise InputError(

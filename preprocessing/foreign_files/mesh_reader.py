@@ -24,7 +24,7 @@ READERS: dict[str, tuple[str, str]] = {
 
 
 def mesh_contents(path: str, leave_out: str = "[]") -> dict[str, Any]:
-    """The contents of a mesh file, as they are sent; `leave_out` is a list in JSON: names of element types, keywords and cards."""
+    """Record of a mesh file's contents; `leave_out` is a list in JSON: names of element types, keywords and cards."""
     file, names = Path(path), frozenset(name.strip().lstrip("*").upper() for name in json.loads(leave_out))
     if (ending := file.suffix.lower()) in READERS:
         module, function = READERS[ending]

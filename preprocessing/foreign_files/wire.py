@@ -10,7 +10,10 @@ import numpy as np
 
 
 def send(stream: BinaryIO, found: Any) -> None:
-    """Write lists, texts, numbers and arrays: the JSON text behind its length, then the arrays in NumPy's own format, each of them once."""
+    """Write lists, texts, numbers and arrays to a stream: the JSON text behind its length, then the arrays.
+
+    Arrays are in NumPy's own format, each of them once.
+    """
     arrays: dict[int, tuple[int, np.ndarray]] = {}
 
     def numbered(value: Any) -> dict[str, int]:
@@ -26,7 +29,7 @@ def send(stream: BinaryIO, found: Any) -> None:
 
 
 class _Pipe:
-    """A stream that is written to piece by piece: to what it takes for a file NumPy writes past the stream, which a pipe cannot do."""
+    """Stream that is written to piece by piece; NumPy writes past what it takes for a file, which a pipe cannot do."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
@@ -36,7 +39,7 @@ class _Pipe:
 
 
 def receive(stream: BinaryIO) -> Any:
-    """What was sent; raises ValueError if it is not whole."""
+    """Record that was sent; raises ValueError if it is not whole."""
     size = stream.seek(0, os.SEEK_END)
     stream.seek(0)
     length = stream.readline(20)

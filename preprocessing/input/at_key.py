@@ -11,7 +11,7 @@ from toolkit.foundation.errors import InputError
 
 @contextmanager
 def at_key(path: Path, key: str) -> Iterator[None]:
-    """Say in which file and at which of its keys an input error arose."""
+    """Add to an input error the file and the key at which it arose."""
     try:
         yield
     except InputError as error:

@@ -57,7 +57,7 @@ def refuse_foreign(output: Path, remedy: str) -> None:
 
 
 def _refuse_others(output: Path, described: Path, input_hash: str) -> None:
-    """Refuse to replace what is no model, or another body's."""
+    """Refuse to replace a file that is no model, or another body's."""
     refuse_foreign(output, OTHERS)
     sources = [os.path.realpath(output.parent / name) for name in described_by(output)]
     own = Path(os.path.realpath(described))

@@ -59,23 +59,23 @@ class BoundaryFaces:
 
     @property
     def triangles(self) -> np.ndarray:
-        """The triangles to draw, (n_triangles, 3), as places in `points`."""
+        """Triangles to draw, (n_triangles, 3), as places in `points`."""
         every = [members[:, TRIANGLES[kind]].reshape(-1, 3) for kind, members in self.faces.items()]
         return np.searchsorted(self.points, np.concatenate(every))
 
     def between(self, nodes: np.ndarray) -> BoundaryFaces:
-        """The faces all of whose nodes are among these."""
+        """Faces all of whose nodes are among the given ones."""
         return BoundaryFaces(self.nodes, {kind: each[np.isin(each, nodes).all(axis=1)] for kind, each in self.faces.items()})
 
     def named(self, corners: frozenset) -> BoundaryFaces:
-        """The faces with these corners, in rising order."""
+        """Faces with the given corners, in rising order."""
         found = {}
         for kind, each in self.faces.items():
             found[kind] = each[[tuple(key) in corners for key in _corners(each, kind).tolist()]]
         return BoundaryFaces(self.nodes, found)
 
     def products(self) -> Any:
-        """int N_k N_l dA for all nodes k and l of the mesh, sparse (n_nodes, n_nodes)."""
+        """Integrals int N_k N_l dA for all nodes k and l of the mesh, sparse (n_nodes, n_nodes)."""
         found = sparse.csr_array((len(self.nodes), len(self.nodes)), dtype=self.nodes.dtype)
         for kind, members in self.faces.items():
             values, normals = _on_faces(kind, self.nodes[members])
@@ -85,7 +85,7 @@ class BoundaryFaces:
         return found
 
     def normals(self) -> np.ndarray:
-        """int N_k n dA with the outer normal n for every node k of the mesh, (n_nodes, 3)."""
+        """Integrals int N_k n dA with the outer normal n for every node k of the mesh, (n_nodes, 3)."""
         found = np.zeros_like(self.nodes)
         for kind, members in self.faces.items():
             values, normals = _on_faces(kind, self.nodes[members])
@@ -103,7 +103,7 @@ def _on_faces(kind: str, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def faces_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryFaces:
-    """The faces that belong to one element only.
+    """Faces that belong to one element only.
 
     Parameters
     ----------

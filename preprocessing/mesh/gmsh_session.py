@@ -11,7 +11,7 @@ from toolkit.foundation.errors import InputError
 
 
 def load_gmsh() -> Any:
-    """The module gmsh, loaded when a mesh is wanted.
+    """Module gmsh, loaded when a mesh is wanted.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def load_gmsh() -> Any:
 
 @contextmanager
 def gmsh_model(name: str) -> Iterator[Any]:
-    """A gmsh model of our own that leaves the state of the caller's gmsh session, if there is one, as it was; gives the module."""
+    """Context with a gmsh model of our own, which leaves a gmsh session of the caller as it was; gives the module."""
     gmsh = load_gmsh()
     if gmsh.isInitialized():
         current = gmsh.model.getCurrent()

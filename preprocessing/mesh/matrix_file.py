@@ -20,14 +20,14 @@ AGAIN = "Export it again."
 
 
 def read_square(path: Path, n: int, dimension: int = 2) -> Any:
-    """A symmetric matrix (n, n), sparse, for nodes that their file does not number; raises as `square_of`."""
+    """Symmetric matrix (n, n), sparse, for nodes that their file does not number; raises as `square_of`."""
     return square_of(path, n // dimension, dimension)[0]
 
 
 def square_of(
     path: Path, n_nodes: int, dimension: int, labels: np.ndarray | None = None, degrees: Path | None = None
 ) -> tuple[Any, str]:
-    """A symmetric matrix of all displacements of nodes, sparse, and what the user should know of how it was read, if anything.
+    """Symmetric matrix of all displacements of nodes, sparse, and remarks on how it was read, if any.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def read_matrix(path: Path, n: int, dimension: int = 2) -> Any:
 
 
 def _read(path: Path, n: int, dimension: int, degrees: Path | None = None) -> dict[str, Any]:
-    """What the reader of matrices finds; raises InputError if it refuses the file."""
+    """Entries that the reader of matrices finds; raises InputError if it refuses the file."""
     how = "as a matrix in Matrix Market, in Abaqus' or CalculiX's text or in SciPy's .npz format"
     beside = [degrees] if degrees is not None else []
     return dict(read_apart("matrix", path, how, AGAIN, str(n), str(dimension), *map(str, beside), drawn=beside))
@@ -83,7 +83,7 @@ def _read(path: Path, n: int, dimension: int, degrees: Path | None = None) -> di
 def _in_order_of_mesh(
     path: Path, found: dict[str, Any], labels: np.ndarray | None, n_nodes: int, d: int
 ) -> tuple[dict[str, Any], str]:
-    """The same with rows and columns in the order of the nodes of the mesh, and what the user should know of it."""
+    """Matrix entries with rows and columns in the order of the mesh's nodes, and remarks on it."""
     named, remark = found["labels"], ""
     if named is None:  # rows in the order of the nodes' numbers
         node = np.arange(n_nodes) if labels is None else np.argsort(labels, kind="stable")
@@ -135,7 +135,7 @@ def _nodes_of(path: Path, named: np.ndarray, labels: np.ndarray) -> np.ndarray:
 
 
 def _checked(path: Path, found: dict[str, Any], n: int) -> Any:
-    """The matrix of what was found, sparse; raises InputError if its parts do not fit together."""
+    """Sparse matrix of the entries that were found; raises InputError if its parts do not fit together."""
     (rows, columns), row, column, value = found["shape"], found["row"], found["column"], found["value"]
     numbers = value.dtype.kind in "iuf" and bool(np.all(np.isfinite(value)))
     if columns != n or not numbers:

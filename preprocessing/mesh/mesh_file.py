@@ -79,7 +79,7 @@ def _node_groups(raw: MeshContents, number: Renumbering) -> dict[str, np.ndarray
 
 
 def _refuse_twice(path: Path, raw: MeshContents, elements: np.ndarray) -> np.ndarray:
-    """The elements, none of which is there twice."""
+    """Elements of the body, which are refused if one of them is there twice."""
     twice = np.flatnonzero(~first_of_copies(elements))
     if len(twice):
         place = ", ".join(f"{x:g}" for x in raw.points[elements[twice[0]]].mean(axis=0))
@@ -91,7 +91,7 @@ def _refuse_twice(path: Path, raw: MeshContents, elements: np.ndarray) -> np.nda
 
 
 def _read(path: Path, leave_out: Sequence[str]) -> MeshContents:
-    """What the file holds, with the numbers of nodes in range."""
+    """Contents of the file, with the numbers of nodes in range."""
     remedy = "Export it again, for example as gmsh .msh or Abaqus .inp."
     found = MeshContents.received(read_apart("mesh", path, "as a mesh", remedy, json.dumps([*leave_out]), drawn=drawn_on(path)))
     points = found.points
@@ -132,7 +132,7 @@ def _masses(path: Path, masses: Sequence[PointMass], number: np.ndarray, scale: 
 
 
 def _carriers(path: Path, mass: PointMass, number: np.ndarray) -> np.ndarray:
-    """The nodes that carry a mass, or as many of a rigid body's as tell its motion: every pair of them costs memory."""
+    """Nodes that carry a mass, or as many of a rigid body's as tell its motion: every pair of them costs memory."""
     nodes: np.ndarray = np.unique(number[mass.carriers])
     if mass.rigid and len(nodes) > OF_RIGID:
         return nodes[np.linspace(0, len(nodes) - 1, OF_RIGID).astype(int)]
@@ -158,7 +158,7 @@ def _refuse_numbers(path: Path, kind: str, block: np.ndarray, n: int) -> None:
 
 
 def _kinds(path: Path, present: list[str]) -> dict[str, int]:
-    """The kinds of which the body is made: those of space if there are any."""
+    """Kinds of elements that the body is made of: those of space if there are any."""
     kinds = SPATIAL if any(kind.startswith(SOLID) for kind in present) else PLANE
     foreign = sorted(set(present) - {*PLANE, *kinds, *LOWER})
     if foreign or not set(present) & set(kinds):
@@ -184,7 +184,7 @@ def _refuse_places(path: Path, points: np.ndarray, scale: float) -> None:
 
 
 def _plane(path: Path, points: np.ndarray) -> np.ndarray:
-    """x and y of points whose z is the same."""
+    """Coordinates x and y of points whose z is the same."""
     if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLAT * np.ptp(points[:, :2]):
         raise InputError(
             f"the mesh {str(path)!r} has triangles or quadrilaterals only, but its z reaches from {points[:, 2].min():g} to "
@@ -201,12 +201,12 @@ def _space(path: Path, points: np.ndarray) -> np.ndarray:
 
 
 def _own(elements: Elements, kinds: Collection[str], number: Renumbering) -> dict[str, np.ndarray]:
-    """Those of the elements that are of the kinds of the body, in the new numbers of nodes."""
+    """Elements of the body's kinds, in the new numbers of nodes."""
     present = [kind for kind in kinds if any(kind == other for other, _ in elements)]
     return {kind: number.of(joined([each for other, each in elements if other == kind])) for kind in present}
 
 
 def _faces(elements: Elements, number: Renumbering) -> frozenset[tuple[int, ...]]:
-    """Corners, in rising order, of those of the elements that are faces of spatial ones."""
+    """Corners, in rising order, of those elements that are faces of spatial ones."""
     flat = [number.of(each[:, : CORNERS[kind]]) for kind, each in elements if kind in CORNERS]
     return frozenset(tuple(row) for each in flat for row in np.sort(each, axis=1).tolist())

@@ -31,12 +31,12 @@ class BoundaryLines:
         return np.unique(self.edges[self.edges >= 0])
 
     def between(self, nodes: np.ndarray) -> BoundaryLines:
-        """The edges all of whose nodes are among these."""
+        """Edges all of whose nodes are among the given ones."""
         inside = np.append(np.isin(np.arange(len(self.nodes)), nodes), True)  # the last one stands for no node in the middle
         return BoundaryLines(self.nodes, self.edges[inside[self.edges].all(axis=1)])
 
     def products(self) -> Any:
-        """int N_k N_l ds for all nodes k and l of the mesh by Simpson's rule, or half of every straight edge; sparse (n_nodes, n_nodes)."""
+        """Integrals int N_k N_l ds for nodes k and l, by Simpson's rule or half of a straight edge; sparse (n_nodes, n_nodes)."""
         length = np.sqrt(((self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]) ** 2).sum(axis=1))
         straight = self.edges[:, 2] < 0
         ends, middle = np.where(straight, 1 / 2, 1 / 6) * length, np.where(straight, 0, 4 / 6) * length
@@ -46,7 +46,7 @@ class BoundaryLines:
 
 
 def outline_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryLines:
-    """The edges that belong to one element only.
+    """Edges that belong to one element only.
 
     Parameters
     ----------

@@ -57,7 +57,10 @@ def _on_one_side(sides: Sides) -> np.ndarray:
 
 
 def _proper(simplices: Simplices) -> Simplices:
-    """Those that hold points: the outer ones of an element that is folded over, within the limits of its shape functions, do not."""
+    """Simplices that hold points.
+
+    The outer ones of an element that is folded over, within the limits of its shape functions, do not.
+    """
     edges = simplices.corners[:, 1:] - simplices.corners[:, [0]]
     extent = np.abs(edges).max(axis=(1, 2))
     volume = np.linalg.det(edges / np.where(extent > 0, extent, 1.0)[:, None, None])
@@ -113,7 +116,7 @@ def _holds(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def _named(mesh: SolidMesh, element: int) -> str:
-    """An element by its kind and place."""
+    """Words for an element: its kind and place."""
     for kind, block in mesh.blocks.items():
         if element < len(block):
             place = ", ".join(f"{x:g}" for x in mesh.nodes[block[element]].mean(axis=0))

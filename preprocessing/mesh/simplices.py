@@ -79,7 +79,7 @@ def _sides(nodes: np.ndarray, kind: str, block: np.ndarray) -> Iterator[tuple[np
 
 
 def _centres(kind: str, places: np.ndarray) -> np.ndarray:
-    """Where the map of an element or face takes its centre to, (n_e, d), from the places of its nodes (n_e, n_local, d)."""
+    """Images (n_e, d) of the centres of elements or faces, from the places of their nodes (n_e, n_local, d)."""
     if kind in ("quad9", "hexahedron27"):
         return places[:, -1]
     corner, middle = CENTRE[kind]
@@ -104,7 +104,10 @@ def _key(corners: np.ndarray) -> np.ndarray:
 
 
 def _turn(corners: np.ndarray) -> np.ndarray:
-    """+1 where the corner after the smallest is smaller than the one before it; of an edge, where it begins with the smaller one."""
+    """Sense of rotation, +1 where the corner after the smallest is smaller than the one before it.
+
+    Of an edge, where it begins with the smaller one.
+    """
     if corners.shape[1] == 2:
         return np.where(corners[:, 0] < corners[:, 1], 1, -1)
     first, rows = corners.argmin(axis=1), np.arange(len(corners))

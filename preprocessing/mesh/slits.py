@@ -15,7 +15,7 @@ SAME_PLACE = 1e-9
 
 
 def slit_told(mesh: SolidMesh) -> str:
-    """What there is to say about slits of a mesh; nothing where it has none."""
+    """Remark on slits of a mesh; empty where it has none."""
     place = _places(mesh.nodes)
     if place is None:
         return ""
@@ -34,7 +34,7 @@ def slit_told(mesh: SolidMesh) -> str:
 
 
 def misfit_told(mesh: SolidMesh) -> str:
-    """What there is to say about triangles that meet quadrilaterals, of tetrahedra beside hexahedra; nothing where there are none."""
+    """Remark on triangles that meet quadrilaterals, or tetrahedra beside hexahedra; empty where there are none."""
     if not any(kind.startswith("tetra") for kind in mesh.blocks) or all(kind.startswith("tetra") for kind in mesh.blocks):
         return ""
     sides, _ = cut(mesh.nodes, mesh.blocks)

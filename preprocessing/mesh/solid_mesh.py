@@ -44,7 +44,7 @@ class SolidMesh:
 
     @property
     def dimension(self) -> int:
-        """d of space."""
+        """Dimension d of space."""
         return self.nodes.shape[1]
 
     @property
@@ -58,7 +58,10 @@ class SolidMesh:
         return float(np.ptp(self.nodes.real, axis=0).max())
 
     def moved(self, motion: np.ndarray) -> SolidMesh:
-        """The mesh where its nodes move by (n_nodes, d), real or complex; concentrated masses keep their offset from the mean of theirs."""
+        """Mesh whose nodes are moved by (n_nodes, d), real or complex.
+
+        Concentrated masses keep their offset from the mean of their nodes.
+        """
         masses = [each._replace(place=tuple(each.place + motion[each.carriers].mean(axis=0))) for each in self.masses]
         return replace(self, nodes=self.nodes + motion, masses=masses)
 
@@ -80,7 +83,7 @@ def translations(n_nodes: int, dimension: int) -> np.ndarray:
 
 
 PLANES = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
-"""From which axis to which one every unit rotation turns; in space they are those about x, y and z."""
+"""Axes from which and to which every unit rotation turns; in space the rotations are those about x, y and z."""
 
 
 def rotations(arms: np.ndarray) -> np.ndarray:
@@ -93,7 +96,7 @@ def rotations(arms: np.ndarray) -> np.ndarray:
 
 
 def refuse_parts(mesh: SolidMesh) -> None:
-    """Refuse elements that do not hang together.
+    """Refuse a mesh of several parts that do not hang together.
 
     Raises
     ------

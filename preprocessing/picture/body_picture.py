@@ -28,7 +28,7 @@ CURVE = 8
 
 
 class BodyShape(NamedTuple):
-    """What is drawn of a body; all of them may be empty."""
+    """Drawn parts of a body; all of them may be empty."""
 
     triangles: np.ndarray  # (n, 3, 3) corners of the surface in space
     lines: list[np.ndarray]  # (n_points, d) polylines: the outline in the plane, the fibres of beams
@@ -36,7 +36,7 @@ class BodyShape(NamedTuple):
 
 
 def body_shape(model: ReducedModel) -> BodyShape:
-    """The undeformed surface or outline of a body."""
+    """Undeformed surface or outline of a body."""
     none = BodyShape(np.zeros((0, 3, 3)), [], np.zeros((0, model.dimension)))
     if model.surface is not None:
         points = np.real(model.surface.position[:, :, 0])
@@ -63,7 +63,7 @@ OWN = "ffrf-toolkit"
 DOTS, SIZE = 150, (11.0, 6.4)
 """Dots per inch, and inches, of a picture."""
 LIST = 0.665
-"""Where the list begins, in parts of the width."""
+"""Place where the list begins, in parts of the width."""
 ROOM_FOR_LIST = 385.0
 """Height of the list in points of type."""
 FEW_TRIANGLES = 6000
@@ -118,7 +118,7 @@ def save_picture(model: ReducedModel, name: str, path: Path) -> None:
 
 
 def picture_of(model: ReducedModel, name: str) -> Figure:
-    """The figure: body and marks on the left, their list on the right, the body's one line above."""
+    """Figure with body and marks on the left, their list on the right, and the body's one line above."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -169,7 +169,7 @@ def _in_space(axes: Any, shape: BodyShape) -> None:
 
 
 def _seen(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Those triangles whose outer side is seen, and their colours, lighter where they face the light."""
+    """Triangles whose outer side is seen, and their colours, lighter where they face the light."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True).clip(np.finfo(float).tiny)
     seen = normal @ _towards(*VIEW) > 0
@@ -184,7 +184,7 @@ def _towards(elevation: float, azimuth: float) -> np.ndarray:
 
 
 def _frame(axes: Any, shape: BodyShape, marks: list[Mark], dimension: int, unit: str) -> None:
-    """Axes with their units, of one scale, round all that is drawn."""
+    """Set axes with their units, of one scale, around all that is drawn."""
     points = np.vstack([shape.triangles.reshape(-1, dimension), *shape.lines, *([mark.position] for mark in marks)])
     low, high = points.min(axis=0), points.max(axis=0)
     largest = (high - low).max() or 1.0
@@ -199,7 +199,7 @@ def _frame(axes: Any, shape: BodyShape, marks: list[Mark], dimension: int, unit:
 
 
 def _ticks(part: float) -> Any:
-    """Fewer numbers along shorter axes."""
+    """Set fewer numbers along shorter axes."""
     from matplotlib.ticker import MaxNLocator
 
     return MaxNLocator(nbins=max(2, round(6 * part)))
@@ -213,7 +213,7 @@ def _draw_mark(axes: Any, mark: Mark) -> None:
 
 
 def _number(figure: Any, axes: Any, marks: list[Mark]) -> None:
-    """A number beside every mark."""
+    """Write a number beside every mark."""
     figure.draw_without_rendering()
     places = axes.transData.transform([_on_paper(axes, mark.position) for mark in marks])
     for label in labels_at([(float(x), float(y)) for x, y in places], LIST * figure.bbox.width):
@@ -224,7 +224,7 @@ def _number(figure: Any, axes: Any, marks: list[Mark]) -> None:
 
 
 def _on_paper(axes: Any, position: Any) -> Any:
-    """Place in the two coordinates of the axes."""
+    """Place of a point in the two coordinates of the axes."""
     if len(position) == 2:
         return position
     from mpl_toolkits.mplot3d.proj3d import proj_transform
@@ -233,7 +233,7 @@ def _on_paper(axes: Any, position: Any) -> Any:
 
 
 def _list(figure: Any, marks: list[Mark], summary: Any, empty: bool) -> None:
-    """The marks with their numbers, names and places."""
+    """Write the marks with their numbers, names and places."""
     from matplotlib.lines import Line2D
 
     none = Line2D([], [], linestyle="none")
@@ -255,7 +255,7 @@ def _sign(line: Any, mark: Mark) -> Any:
 
 
 def _words(mark: Mark, summary: Any) -> str:
-    """For example "interface point tip" and, below, "(4, 0.5, 0.25), 4 nodes"."""
+    """Words of the list for a mark, for example "interface point tip" and, below, "(4, 0.5, 0.25), 4 nodes"."""
     name = f"{LOOKS[mark.kind].words} {textwrap.shorten(mark.name, 40, placeholder='…')}".strip()
     nodes = "" if mark.nodes is None else f", {mark.nodes} node{'s' * (mark.nodes != 1)}"
     return f"{name}\n     {told_place(mark.position, summary, 5)} {summary['units']['position']}{nodes}"

@@ -15,7 +15,7 @@ BESIDE = 6.0
 
 
 class Mark(NamedTuple):
-    """One marked place."""
+    """Marked place of a body."""
 
     name: str
     kind: str  # a key of `LOOKS`
@@ -24,7 +24,7 @@ class Mark(NamedTuple):
 
 
 class Look(NamedTuple):
-    """How a kind of places looks."""
+    """Appearance of a kind of places."""
 
     words: str
     marker: str
@@ -44,14 +44,14 @@ LOOKS = {
 
 
 class Label(NamedTuple):
-    """The numbers that stand at one place of the picture, in pixels."""
+    """Numbers that stand at one place of the picture, in pixels."""
 
     numbers: list[int]
     place: tuple[float, float]
 
     @property
     def text(self) -> str:
-        """What is written: "1, 3, 5-9"."""
+        """Text of the numbers, for example "1, 3, 5-9"."""
         rows: list[list[int]] = []
         for number in self.numbers:
             rows = [*rows[:-1], [*rows[-1], number]] if rows and number == rows[-1][-1] + 1 else [*rows, [number]]
@@ -59,21 +59,21 @@ class Label(NamedTuple):
 
     @property
     def width(self) -> float:
-        """Of its frame, in pixels."""
+        """Width of the label's frame, in pixels."""
         return DIGIT * len(self.text) + HEIGHT
 
     def within(self, right: float) -> Label:
-        """The same, moved to the left where it would reach beyond a place."""
+        """Label moved to the left where it would reach beyond a place."""
         return self._replace(place=(min(self.place[0], right - self.width), self.place[1]))
 
     def meets(self, other: Label) -> bool:
-        """Whether the frames of both overlap."""
+        """Whether the frames of two labels overlap."""
         (x, y), (u, v) = self.place, other.place
         return (x - u < other.width if x > u else u - x < self.width) and abs(y - v) < HEIGHT + 2
 
 
 def marks_of(summary: Mapping[str, Any]) -> list[Mark]:
-    """Interface points, clamp, masses, centre and groups, in the order of their numbers."""
+    """Marks of interface points, clamp, masses, centre and groups, in the order of their numbers."""
     return [*_marks(summary)]
 
 
@@ -98,7 +98,7 @@ def _placed_groups(summary: Mapping[str, Any]) -> list[tuple[str, Any]]:
 
 
 def not_marked(summary: Mapping[str, Any]) -> Iterator[str]:
-    """How many more places of a kind there are than the list has room for."""
+    """Words on how many more places of a kind there are than the list has room for."""
     numbers = {
         "interface points": len(summary["interface_points"]),
         "masses": len(summary["masses"]) + summary["not_listed"].get("masses", 0),

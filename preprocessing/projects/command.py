@@ -74,7 +74,7 @@ def _tell(
     remark: str = "",
     asked: Callable[[], str] = lambda: "",
 ) -> None:
-    """Make a folder; say what is in it, what it makes one ask, and what comes next."""
+    """Make a folder; print its files, the question that it raises, and what comes next."""
     with errors_in_words(as_json):
         files = [str(file) for file in made()]
         if warning := asked():

@@ -10,7 +10,7 @@ from toolkit.foundation.files.replaced_file import write_whole
 
 
 def refuse_occupied(folder: Path) -> None:
-    """Refuse a folder in which anything is.
+    """Refuse a folder that is not empty.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from toolkit.reduced_model.spatial_model import SURFACE_POSITION
 
 
 def beam_surface(found: Reduced, beams: SpatialBeam) -> dict[str, Any]:
-    """The surface at the nominal design; at others too where the shapes are those of the nominal one."""
+    """Surface of beams at the nominal design; at others too where the shapes are those of the nominal one."""
     z, values = found.basis.z, found.space.values
     surface = {"surface": fibre_lines(beams, z, values)}
     if not found.basis.constant:

@@ -25,7 +25,7 @@ RECIPES: tuple[type[Recipe[Any]], ...] = (
 
 
 def read_recipe(path: str | Path) -> Recipe[Any]:
-    """The file that describes a flexible body, of whatever kind it is.
+    """Recipe from the file that describes a flexible body, of whatever kind it is.
 
     Raises
     ------

@@ -17,7 +17,7 @@ File = TypeVar("File", bound=BaseModel)
 
 
 def validated(schema: type[File], content: Mapping[str, Any], whose: str, source: Path | None = None) -> File:
-    """The content of a file, checked against its schema; `whose` it is begins the message, and lines are those of the source.
+    """Content of a file, checked against its schema; `whose` it is begins the message, and lines are those of the source.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def put(content: dict[str, Any], keys: Sequence[Any], value: Any) -> None:
 
 
 def explain(item: Any, schema: type[BaseModel]) -> str:
-    """One line on one wrong key of a file with this schema: where it is, what is wrong, what would be right."""
+    """Line on one wrong key of a file with this schema: where it is, what is wrong, what would be right."""
     location = _location(item)
     key = ".".join(map(str, location))
     if item["type"] == "extra_forbidden":
@@ -56,13 +56,13 @@ def explain(item: Any, schema: type[BaseModel]) -> str:
 
 
 def _location(item: Any) -> tuple[str | int, ...]:
-    """Keys to what is wrong, without pydantic's mark for a key itself."""
+    """Keys that lead to what is wrong, without pydantic's mark for a key itself."""
     location: tuple[str | int, ...] = item["loc"][:-2] if item["loc"][-1:] == ("[key]",) else item["loc"]
     return location
 
 
 def _line(text: str, item: Any) -> str:
-    """The line of a wrong key, to append; empty where the file has none."""
+    """Line number of a wrong key, to append; empty where the file has none."""
     line = line_of(text, ".".join(map(str, _location(item))))
     return "" if line is None else f" (line {line})"
 
@@ -77,6 +77,6 @@ def _keys(schema: type[BaseModel], location: tuple[str | int, ...]) -> list[str]
 
 
 def _optional(annotation: Any) -> Any:
-    """The type of a key, without the None of one that may be left out."""
+    """Type of a key, without the None of one that may be left out."""
     options = get_args(annotation)
     return options[0] if options[1:] == (NoneType,) else annotation

@@ -33,7 +33,7 @@ Remark = Callable[[str], None]
 
 
 class Seal(NamedTuple):
-    """How a kind writes what it hashes: as its first models did, so that those are still known.
+    """Form of what a kind of recipe hashes: as for its first models, so that those are still recognised.
 
     A file stands behind its length, so that no byte can pass from one to the next unnoticed.
     """
@@ -45,7 +45,7 @@ class Seal(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Recipe(ABC, Generic[File]):
-    """A file that describes a flexible body, with the values that stand in it or with others.
+    """File that describes a flexible body, with the values in it or with others.
 
     A new kind is one subclass, which states the facts and the methods that are abstract here, and one line in `build_model.RECIPES`.
     """
@@ -67,35 +67,35 @@ class Recipe(ABC, Generic[File]):
     @property
     @abstractmethod
     def parts(self) -> tuple[str, ...]:
-        """Groups that a complete reduced model of it has."""
+        """Groups that a complete reduced model of the body has."""
 
     @property
     def warnings(self) -> Sequence[str]:
-        """What the file may mean, but is worth a look: said by every run of the command, also where the model is up to date."""
+        """Warnings of contents that may be intended, printed by every run of the command, also where the model is up to date."""
         return ()
 
     @abstractmethod
     def _named(self) -> Sequence[Path]:
-        """The files that it names, and those that these draw on."""
+        """Files that the recipe names, and those that these draw on."""
 
     @abstractmethod
     def _designs(self, remark: Remark | None) -> Any:
-        """The finite elements at all designs."""
+        """Finite elements at all designs."""
 
     @abstractmethod
     def _fields(self, designs: Any) -> dict[str, Any]:
         """Fields of the reduced model that follow from finite elements and a basis; of `writers` those that only this body had."""
 
     def _hash_mark(self) -> str:
-        """What the hash holds besides its files: physics that a file of the same words had not when its first models were built."""
+        """Mark in the hash beside its files: physics that a file of the same words had not when its first models were built."""
         return ""
 
     def _places(self) -> Mapping[str, Sequence[Any]]:
-        """Parameter -> keys that lead to it in the file."""
+        """Keys in the file that lead to each parameter."""
         return {}
 
     def _writers(self) -> dict[str, str]:
-        """Library whose version decides on the last digits -> this version."""
+        """Versions of the libraries that decide on the last digits."""
         return {"numpy": np.__version__}
 
     @classmethod
@@ -111,12 +111,12 @@ class Recipe(ABC, Generic[File]):
 
     @classmethod
     def of(cls, content: Mapping[str, Any], path: Path) -> Self:
-        """The same from the content of the file at `path`; raises as `read`."""
+        """Recipe from the content of the file at `path`; raises as `read`."""
         return cls(path, validated(cls.schema, content, repr(str(path)), path))
 
     @cached_property
     def inputs(self) -> list[Path]:
-        """The file itself, those that it names, and those that these draw on."""
+        """File of the recipe, files that it names, and files that these draw on."""
         return [self.path, *self._named()]
 
     def hash(self, changes: Mapping[str, Any] | None = None) -> str:
@@ -140,7 +140,7 @@ class Recipe(ABC, Generic[File]):
         return digest.hexdigest()
 
     def at(self, values: Mapping[str, float] | None = None, keys: Mapping[str, Any] | None = None) -> Self:
-        """The same body at another design, or modelled otherwise.
+        """Recipe of the same body at another design, or modelled otherwise.
 
         Parameters
         ----------
@@ -163,7 +163,7 @@ class Recipe(ABC, Generic[File]):
         return {name: brief.get(name) or table for name, table in theirs.items() if table != mine.get(name)}
 
     def build(self, remark: Remark | None = None) -> ReducedModel:
-        """The reduced model.
+        """Reduced model of the body.
 
         Parameters
         ----------
@@ -187,7 +187,7 @@ class Recipe(ABC, Generic[File]):
         )
 
     def _content(self, each: Path) -> bytes:
-        """Of one of the inputs, for the hash."""
+        """Content of one of the inputs, for the hash."""
         try:
             return read_whole(each, LARGEST_FILE)
         except OSError as error:
@@ -197,7 +197,7 @@ class Recipe(ABC, Generic[File]):
             ) from error
 
     def _changed(self, values: Mapping[str, float], keys: Mapping[str, Any]) -> File:
-        """The content with other values and keys, checked."""
+        """Content of the file with other values and keys, checked."""
         content = self._content_at(values)
         for key, value in keys.items():
             put(content, key.split("."), value)
@@ -205,7 +205,7 @@ class Recipe(ABC, Generic[File]):
         return file
 
     def _content_at(self, values: Mapping[str, float]) -> dict[str, Any]:
-        """The tables with other values of parameters, not checked yet."""
+        """Content of the file with other values of parameters, not checked yet."""
         content = self.file.model_dump(exclude_none=True, by_alias=True)
         for name, value in values.items():
             self._put(content, name, value)

@@ -24,7 +24,7 @@ NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(
 
 
 def interface_name(name: str) -> str:
-    """It becomes the name of a group of an HDF5 file, and part of paths in which dots separate."""
+    """Name of an interface point, refused if it cannot be an HDF5 group or part of a path with dots."""
     if not name.strip() or set(name) & set("./\0"):
         raise ValueError("this is no legal name of a point; use letters, digits and _")
     return name
@@ -69,21 +69,21 @@ class BasisTable(Table):
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """Parts of a reduced model that are there because they were asked for."""
+        """Parts of a reduced model that exist because they were asked for."""
         return ("spin",) if self.spin_stiffening else ()
 
     @property
     def richer_parts(self) -> tuple[str, ...]:
-        """Parts that tell of a frozen body of beams in more shapes."""
+        """Parts of a reduced model with a richer basis, of a frozen body of beams."""
         frozen = self.derivative == "frozen" and self.kind != "full"
         return ("richer_invariants", "richer_derivatives", "richer_affine", "richer_interfaces") if frozen else ()
 
     def choice(self) -> BasisChoice:
-        """The same, as the reduction wants it."""
+        """Basis choice of the table, as the reduction wants it."""
         return BasisChoice(**{**self.model_dump(), "chord": None if self.chord is None else tuple(self.chord)})
 
     def complaint(self, what: str, clamped: bool, clamp: str, points: Collection[str]) -> str:
-        """What is wrong with the place of the body's frame; empty if nothing is.
+        """Complaint about the place of the body's frame; empty if nothing is wrong.
 
         Parameters
         ----------

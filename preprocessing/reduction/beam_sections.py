@@ -20,7 +20,7 @@ BY_ELEMENT = ("stress_per_strain", "axial_stiffness", "torsional_stiffness", "sh
 
 
 class KeptSections(NamedTuple):
-    """The sections, and their dependence on the parameters; the fields of `ReducedModel` bear the same names."""
+    """Sections and their dependence on the parameters; the fields of `ReducedModel` have the same names."""
 
     sections: BeamSections | None = None
     section_derivatives: dict[str, Derivatives] | None = None
@@ -28,7 +28,7 @@ class KeptSections(NamedTuple):
 
 
 def beam_sections(space: DesignSpace, nominal: Discretisation, changes: Mapping[str, Change]) -> KeptSections:
-    """The sections at the nominal design; nothing of elements that are no beams.
+    """Sections at the nominal design and their dependence on the parameters; empty of elements that are no beams.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def beam_sections(space: DesignSpace, nominal: Discretisation, changes: Mapping[
 
 
 def _sums(element: LineElement, terms: list[SectionTerm], values: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """All arrays at some values of the parameters; complex where the terms make complex steps."""
+    """Arrays of the sections at some values of the parameters; complex where the terms make complex steps."""
     n, planes = len(element.connectivity), element.space.dimension - 1
     found = {name: np.zeros((n, 1), complex) for name in BY_ELEMENT}
     found["bending_stiffness"] = np.zeros((n, planes), complex)

@@ -25,7 +25,7 @@ from toolkit.reduced_model.model import InterfacePoint
 
 
 def mesh_composition(mesh: SolidMesh, volume: float | None, clamped: np.ndarray, tied: Mapping[str, np.ndarray]) -> Attributes:
-    """The composition of a body of solid elements, or of finished matrices.
+    """Composition of a body of solid elements, or of finished matrices.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def mesh_composition(mesh: SolidMesh, volume: float | None, clamped: np.ndarray,
 def line_composition(
     space: DesignSpace, nominal: Discretisation, held: Sequence[int], interfaces: Mapping[str, InterfacePoint]
 ) -> Attributes:
-    """The composition of a skin or a frame; `held` are the numbers of the clamped nodes."""
+    """Composition of a skin or a frame; `held` are the numbers of the clamped nodes."""
     nodes = np.real(nominal.nodes)
     return Composition(
         nodes=len(nodes),

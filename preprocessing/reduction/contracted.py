@@ -16,7 +16,7 @@ from toolkit.reduced_model.model import InterfacePoint
 
 
 class Rate(NamedTuple):
-    """What one parameter changes."""
+    """Changes by one parameter: of matrices, shapes and other arrays."""
 
     matrices: Matrices
     z: np.ndarray  # dZ = [dxi, dPsi] (n, 1 + n_f)
@@ -24,7 +24,7 @@ class Rate(NamedTuple):
 
 
 class Contracted(NamedTuple):
-    """The fields of `ReducedModel` bear the same names."""
+    """Invariants with derivatives and polynomials; the fields of `ReducedModel` have the same names."""
 
     invariants: AnyInvariants
     derivatives: dict[str, Derivatives]

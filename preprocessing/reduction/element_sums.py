@@ -21,7 +21,7 @@ from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 
 KINDS: dict[int, Any] = {2: Elements, 3: SpatialElements}
-"""By the dimension of space."""
+"""Class of elements by the dimension of space."""
 PLACES = ("nodes", "connectivity", "held")
 """Fields that are no sums."""
 
@@ -29,7 +29,7 @@ Arrays = dict[str, np.ndarray]
 
 
 class Rows(NamedTuple):
-    """Some rows of an array: numbers along its first axis, and what stands there."""
+    """Rows of an array with their numbers along its first axis."""
 
     numbers: np.ndarray  # (n,), of elements or of stress rows, in their order
     values: np.ndarray  # (n, ...)
@@ -61,12 +61,12 @@ def element_sums(space: DesignSpace, nominal: Discretisation, held: Sequence[int
 
 
 def _lengths(nominal: Discretisation) -> dict[str, int]:
-    """Lengths of the arrays: of the stress that of its rows, of all others the number of elements."""
+    """Lengths of the arrays: number of stress rows for the stress operator, number of elements for all others."""
     return {"stress_operator": nominal.parts.n_stress, "": len(nominal.element.connectivity)}
 
 
 def _terms(summands: Mapping[Monomial, Mapping[str, Rows]]) -> dict[str, list[Term]]:
-    """Item -> the coefficients that are not zero, monomial by monomial."""
+    """Nonzero coefficients of each item, monomial by monomial."""
     terms: dict[str, list[Term]] = {}
     for factors, found in summands.items():
         for item, (numbers, values) in found.items():
@@ -89,13 +89,13 @@ def _rates(space: DesignSpace, parameter: str, lengths: Mapping[str, int], scale
 
 
 def _counting(rate: np.ndarray, scale: Any) -> np.ndarray:
-    """Zeros in the place of entries that change by round-off of what changes most in parts of its scale."""
+    """Derivatives with zeros in place of entries that are round-off of the largest relative change."""
     parts = np.divide(np.abs(rate), scale, out=np.zeros(rate.shape), where=np.broadcast_to(scale, rate.shape) > 0)
     return np.where(parts > ROUND_OFF * parts.max(initial=0), rate, 0.0)
 
 
 def _sum(summands: Mapping[Monomial, Mapping[str, Rows]], values: Mapping[str, Any], lengths: Mapping[str, int]) -> Arrays:
-    """The arrays at values of the parameters."""
+    """Arrays of the elements at values of the parameters."""
     found: Arrays = {}
     kind = np.result_type(float, *(rows.values for arrays in summands.values() for rows in arrays.values()))
     for factors, arrays in summands.items():
@@ -108,7 +108,7 @@ def _sum(summands: Mapping[Monomial, Mapping[str, Rows]], values: Mapping[str, A
 
 
 def _by_monomial(element: LineElement, parts: Parts) -> dict[Monomial, dict[str, Rows]]:
-    """Monomial of the parameters -> what it multiplies in every array."""
+    """Coefficients of each monomial of the parameters in every array."""
     count, local = element.connectivity.shape[0], 2 * element.per_node
     xi = undeformed(element.ends.reshape(-1, element.nodes.shape[1])).reshape(count, local, 1)
     z = np.concatenate([xi, np.broadcast_to(np.eye(local), (count, local, local))], axis=2)
@@ -124,7 +124,7 @@ def _by_monomial(element: LineElement, parts: Parts) -> dict[Monomial, dict[str,
 
 
 def _joined(every: list[Rows]) -> Rows:
-    """The sum of rows at the same numbers."""
+    """Sum of rows at the same numbers."""
     added = np.concatenate([each.values for each in every])
     numbers, where = np.unique(np.concatenate([each.numbers for each in every]), return_inverse=True)
     found = np.zeros((len(numbers), *added.shape[1:]), added.dtype)
@@ -133,7 +133,7 @@ def _joined(every: list[Rows]) -> Rows:
 
 
 def _summands(part: Part, element: LineElement, z: np.ndarray) -> Iterator[tuple[str, Rows]]:
-    """What one part of one matrix adds."""
+    """Contributions of one part of one matrix to the elements' arrays."""
     local, blocks = 2 * element.per_node, part.matrix
     elements = blocks.places.elements
     if part.name == "stress":
@@ -151,7 +151,7 @@ def _summands(part: Part, element: LineElement, z: np.ndarray) -> Iterator[tuple
 
 
 def _of_mass(pair: Pair, blocks: np.ndarray, element: LineElement, z: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """What one component mass matrix adds, its blocks (n_e, p, p) on the first p rows of the elements' Z."""
+    """Contributions of one component mass matrix, its blocks (n_e, p, p) on the first p rows of the elements' Z."""
     space = element.space
     for form in (form for form in space.forms if pair in form.pairs):
         yield form.item, _placed(form, _form(form, blocks, z), len(space.pairs))
@@ -178,7 +178,7 @@ def _form(form: Form, blocks: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def _placed(form: Form, moment: np.ndarray, places: int) -> np.ndarray:
-    """A moment, as one of several of its element if it has a place among them."""
+    """Moment as one of several of its element, if it has a place among them."""
     if form.place is None:
         return moment
     found = np.zeros((len(moment), places, *moment.shape[1:]), moment.dtype)
@@ -195,7 +195,7 @@ def _symmetric(blocks: np.ndarray) -> np.ndarray:
 
 
 def _significant(arrays: Mapping[str, Rows], mass: np.ndarray) -> dict[str, Rows]:
-    """With zeros in the place of round-off; `mass` of whole elements: what only turns has none of its own."""
+    """Arrays with zeros in place of round-off; `mass` of whole elements, as what only turns has none of its own."""
     own = {name: rows.values for name, rows in arrays.items()}
     scales = _scales(own, mass[arrays["mass"].numbers] if "mass" in arrays else mass)
     return {
@@ -205,7 +205,7 @@ def _significant(arrays: Mapping[str, Rows], mass: np.ndarray) -> dict[str, Rows
 
 
 def _scales(arrays: Arrays, mass: np.ndarray) -> Arrays:
-    """How large every entry could be, element by element; see `toolkit.reduced_model.entry_scales`."""
+    """Largest possible size of every entry, element by element; see `toolkit.reduced_model.entry_scales`."""
     found: Arrays = {name: _of_squares(arrays[name]) for name in ("stiffness", "damping") if name in arrays}
     moments = {name: arrays[name] for name in ("inertia", "gyroscopic", "second_moment") if name in arrays}
     if moments:

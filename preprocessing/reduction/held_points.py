@@ -16,7 +16,7 @@ HELD = 1e-12
 def with_held_points(
     interfaces: Mapping[str, InterfacePoint], displacements: np.ndarray, size: float
 ) -> dict[str, InterfacePoint]:
-    """The interface points, with zeros where all shapes together leave a position or a rotation at rest.
+    """Interface points with zeros where all shapes together leave a position or a rotation at rest.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ least, so that twice as many show half of an error in the worst case."""
 
 
 def richer_choices(choice: BasisChoice, modes: int, n: int) -> list[BasisChoice]:
-    """Bases to be tried one after the other beside one with so many modes, of a body with n nodal coordinates.
+    """Richer bases to be tried one after the other, for a basis with so many modes and n nodal coordinates.
 
     None where nothing is frozen, or reduced.
     """
@@ -59,7 +59,7 @@ def richer_choices(choice: BasisChoice, modes: int, n: int) -> list[BasisChoice]
 
 @dataclass(frozen=True, eq=False)
 class LineSpin:
-    """Of a body at its nominal design."""
+    """Spin stiffening of a skin or frame at its nominal design."""
 
     space: DesignSpace
     nominal: Discretisation
@@ -69,7 +69,7 @@ class LineSpin:
     found: SpinStiffening
 
     def rates(self, parameter: str, d_z: Any = None) -> dict[str, np.ndarray]:
-        """Derivative by one parameter, which changes Z by d_z."""
+        """Derivative of the spin stiffening by one parameter, which changes Z by d_z."""
         space, z = self.space, self.z
         if d_z is not None:
             z = z + 1j * STEP * (sparse.csr_array(d_z) if sparse.issparse(z) else d_z)
@@ -82,13 +82,13 @@ class LineSpin:
         return {SPIN_STIFFENING: without_round_off_of_rate(rate, self.found.value, float(space.values[parameter]))}
 
     def by_monomials(self, parameters: Collection[str]) -> dict[str, Derivatives]:
-        """Derivatives by parameters that leave Z as it is."""
+        """Derivatives of the spin stiffening by parameters that leave Z as it is."""
         names = list(self.space.values)
         return joined_rates({name: self.rates(name) for name in names if name in parameters}, names)
 
 
 def line_spin(space: DesignSpace, nominal: Discretisation, z: Any, held: Sequence[int], matrices: Matrices) -> LineSpin:
-    """Of elements whose frame is tied to the nodes `held`, or floats about mean axes if there are none."""
+    """Spin stiffening of elements whose frame is tied to the nodes `held`, or floats about mean axes without them."""
     n_nodes, each = len(nominal.nodes), per_node(nominal.nodes)
     kept = np.delete(np.arange(each * n_nodes), coordinates_of(held, n_nodes, each))
     free = sparse.eye_array(each * n_nodes, format="csr")[:, kept]
@@ -101,7 +101,7 @@ def _spun(body: Discretisation, values: Mapping[str, Any], matrices: Matrices, z
 
 
 def left_out_shapes(nominal: Discretisation, matrices: Matrices, mass: Any, basis: Basis) -> LeftOutShapes | None:
-    """Of a body at its nominal design, with the mass (n, n) of its nodal coordinates; None where nothing is left out."""
+    """Static responses of left-out shapes at the nominal design, with the nodal mass (n, n); None if none is left out."""
     if basis.beyond is None or not basis.beyond.count:
         return None
     rows = nominal.interface_rows()
@@ -129,12 +129,12 @@ def pulls(nodes: np.ndarray) -> np.ndarray:
 
 
 RICHER = ("invariants", "derivatives", "affine", "interfaces", "spin")
-"""What a model holds of its richer basis; of a skin the shape too."""
+"""Parts of a model that hold its richer basis; of a skin the shape too."""
 
 
 @dataclass(frozen=True)
 class Reduced:
-    """What `reduce` found; the fields of `ReducedModel` bear the same names."""
+    """Result of `reduce`; the fields of `ReducedModel` have the same names."""
 
     space: DesignSpace  # with all parameters of the model
     basis: Basis
@@ -197,7 +197,7 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
 
 
 def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> Reduced:
-    """With one basis, as `reduce`."""
+    """Reduction with one basis, as `reduce`."""
     space = with_places(space, choice.followed)
     nominal = space.nominal()
     matrices = nominal.parts.at(space.values)
@@ -246,7 +246,7 @@ def _held(choice: BasisChoice, clamped_node: int | Sequence[int], n_nodes: int) 
 
 
 def _shape_rates(basis: Basis, changes: Sequence[Change]) -> Iterator[np.ndarray]:
-    """dZ by each parameter; where no shape follows the design, one after the other."""
+    """Derivatives dZ by each parameter; where no shape follows the design, one after the other."""
     if basis.parts:
         yield from np.moveaxis(basis.rates([change.rates for change in changes]), -1, 0)
     else:

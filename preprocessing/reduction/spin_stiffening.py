@@ -31,7 +31,7 @@ from toolkit.reduced_model.parts.spin import Spin
 
 @dataclass(frozen=True, eq=False)
 class Spun:
-    """A body at one design; complex where a parameter made a complex step."""
+    """Spinning body at one design; complex where a parameter made a complex step."""
 
     element: Element
     values: Mapping[str, Any]  # of the parameters
@@ -42,17 +42,17 @@ class Spun:
 
     @cached_property
     def stiffness(self) -> Any:
-        """On the free coordinates, sparse (n^, n^)."""
+        """Stiffness on the free coordinates, sparse (n^, n^)."""
         return self._on_free(self.matrices.stiffness)
 
     @cached_property
     def mass(self) -> Any:
-        """The same."""
+        """Mass on the free coordinates, sparse (n^, n^)."""
         return self._on_free(self.matrices.mass)
 
     @cached_property
     def loads(self) -> np.ndarray:
-        """F_k (n^, k), of a body that floats with what its inertia adds."""
+        """Centrifugal forces F_k (n^, k), for a floating body with what its inertia adds."""
         space, nodal = self.matrices.coordinates.space, self.map.shape[0]
         xi = np.asarray(self._whole_z[:, [0]].toarray() if sparse.issparse(self.z) else self._whole_z[:, [0]])
         by_pair = dict(zip(space.pairs, self.matrices.m, strict=True))
@@ -64,7 +64,7 @@ class Spun:
         return np.asarray(found - inertia @ np.linalg.solve(self.motions.T @ inertia, self.motions.T @ found))
 
     def stiffened(self, free: np.ndarray) -> np.ndarray:
-        """Psi^T K_g(u_k) Psi (k, n_f, n_f) of displacements (n^, k) on the free coordinates."""
+        """Geometric stiffness Psi^T K_g(u_k) Psi (k, n_f, n_f) of displacements (n^, k) on the free coordinates."""
         moved, psi = self.matrices.coordinates.displacement(self.map @ free), self._whole_z[:, 1:]
         every = (self.element.geometric_stiffness(self.values, u) for u in moved.T)
         products = (psi.T @ (stiffness @ psi) for stiffness in every)
@@ -80,26 +80,26 @@ class Spun:
 
 @dataclass(frozen=True, eq=False)
 class SpinStiffening:
-    """Of a body at its nominal design, with the displacements under its centrifugal forces."""
+    """Spin stiffening of a body at its nominal design, with the displacements under its centrifugal forces."""
 
     nominal: Spun
     places: np.ndarray | None = None  # (n^, d), where each free coordinate is
 
     @cached_property
     def value(self) -> np.ndarray:
-        """S (k, n_f, n_f): k = 1 in the plane, in space 6 in the order of `spatial_model.PAIRS`."""
+        """Spin stiffening S (k, n_f, n_f): k = 1 in the plane, in space 6 in the order of `spatial_model.PAIRS`."""
         return self.nominal.stiffened(self._moved)
 
     def by(self, matrices: Matrices) -> np.ndarray:
-        """S (k, n_f, n_f) of the centrifugal forces on some of its masses alone, of a body that is held."""
+        """Spin stiffening S (k, n_f, n_f) by centrifugal forces on some masses alone, of a body that is held."""
         return self.nominal.stiffened(self._system.solve(replace(self.nominal, matrices=matrices).loads))
 
     def stored(self, inv: AnyInvariants, selected: bool) -> Spin:
-        """For the reduced model; `selected`: of shapes that select coordinates, without the round-off of others."""
+        """Spin stiffening for the reduced model; `selected`: of shapes that select coordinates, without others' round-off."""
         return Spin(_without_round_off(self.value, inv) if selected else self.value)
 
     def rate(self, stepped: Spun) -> np.ndarray:
-        """Its derivative by what made a complex step, from K du = dF - dK u."""
+        """Derivative of the spin stiffening by what made a complex step, from K du = dF - dK u."""
         left = derivative_of(stepped.loads - stepped.stiffness @ self._moved + 0j)
         return np.asarray(derivative_of(stepped.stiffened(self._moved + 1j * STEP * self._system.solve(left)) + 0j))
 
@@ -116,7 +116,7 @@ class SpinStiffening:
 
 
 def _without_round_off(value: np.ndarray, inv: AnyInvariants) -> np.ndarray:
-    """S of a full basis with zeros in the place of round-off, measured by the masses of the coordinates."""
+    """Spin stiffening of a full basis with zeros in place of round-off, measured by the masses of the coordinates."""
     root = np.sqrt(np.diag(inv.inertia_about_origin)[1:])
     parts = np.abs(value) / np.outer(root, root)
     return np.where(parts > ROUND_OFF * parts.max(initial=0), value, 0.0)

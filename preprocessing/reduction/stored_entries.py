@@ -79,7 +79,7 @@ def derivatives(
 
 
 def joined_rates(rates: Rates, parameters: Sequence[str]) -> dict[str, Derivatives]:
-    """All entries that are not zero as one list for every item that has any; `rates` parameter -> item -> derivative."""
+    """Nonzero entries as one list for every item that has any; `rates` is parameter -> item -> derivative."""
     found: dict[str, list[tuple[int, np.ndarray, np.ndarray]]] = {}
     for parameter, items in rates.items():
         for item, rate in items.items():
@@ -90,7 +90,7 @@ def joined_rates(rates: Rates, parameters: Sequence[str]) -> dict[str, Derivativ
 
 
 def with_more(found: dict[str, Derivatives], others: Mapping[str, Derivatives]) -> dict[str, Derivatives]:
-    """The derivatives, and others of the same items by other parameters."""
+    """Derivatives, together with others of the same items by other parameters."""
     return found | {item: found[item] + each if item in found else each for item, each in others.items()}
 
 
@@ -100,7 +100,7 @@ def _joined(rows: Iterable[tuple[int, np.ndarray, np.ndarray]]) -> Derivatives:
 
 
 def _told(rate: np.ndarray, stored: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Places in the flattened array, and values, of what is stored."""
+    """Places in the flattened array, and values, of the stored entries."""
     entry = np.flatnonzero(stored)
     return entry, rate.ravel()[entry]
 
@@ -174,7 +174,7 @@ Monomial = tuple[tuple[int, int], ...]
 
 
 def _by_monomial(polynomial: Polynomial) -> Iterator[tuple[Monomial, np.ndarray]]:
-    """Every monomial with the numbers of all coefficients of all terms that have it."""
+    """Monomials with the numbers of all coefficients of all terms that have it."""
     terms: dict[Monomial, list[int]] = {}
     for k, (factor, power) in enumerate(zip(polynomial.factor.tolist(), polynomial.power.tolist(), strict=True)):
         terms.setdefault(tuple(sorted((f, p) for f, p in zip(factor, power, strict=True) if f >= 0)), []).append(k)
@@ -206,7 +206,7 @@ def _scale(
     inv: AnyInvariants,
     unit: float,
 ) -> np.ndarray:
-    """What the coefficients `here` of one monomial could be; `unit` is the monomial's value at the nominal design."""
+    """Largest possible size of the coefficients `here` of one monomial, whose value at the nominal design is `unit`."""
     entry, value = polynomial.entry[here], polynomial.value[here]
     row, column = np.unravel_index(entry, shape)[-2:] if len(shape) > 1 else (entry, entry)
     if item == "stress_operator":
@@ -223,7 +223,7 @@ def _scale(
 
 
 def _of_rows(row: np.ndarray, column: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """As `entry_scales` of a stress operator, of entries in a list."""
+    """Largest sizes of a stress operator's entries in a list, as `entry_scales` has them."""
     columns = np.zeros(column.max(initial=0) + 1)
     np.maximum.at(columns, column, size)
     rows = np.zeros(row.max(initial=0) + 1)

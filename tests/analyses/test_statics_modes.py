@@ -459,3 +459,49 @@ def test_a_buckled_column_is_not_reported_as_standing(force):
     """Behind the bifurcation the straight state is an equilibrium, but an unstable one, which statics promise to refuse."""
     with pytest.raises(ConvergenceError, match="unstable"):
         solve_statics(compile_scene(column(force)))
+
+
+LINKAGE = """units = "m-kg-s"
+dimension = 3
+points = { O = [0.0, 0.0, 0.0], A = [0.0, 0.2, 0.0], B = [1.0, 0.5, 0.3], C = [1.0, 0.0, 0.3] }
+bodies.crank = { type = "rigid", mass = 1.0, inertia = [0.01, 0.01, 0.01], center = "A" }
+bodies.coupler = { type = "rod", between = ["A", "B"], area = 1e-4, density = 7800.0 }
+bodies.rocker = { type = "rigid", mass = 1.0, inertia = [0.01, 0.01, 0.01], center = "B" }
+joints.crank = { type = "revolute", bodies = ["crank", "ground"], point = "O", axis = [0.0, 0.0, 1.0] }
+joints.A = { type = "spherical", bodies = ["crank", "coupler"], point = "A" }
+joints.B = { BALL, bodies = ["coupler", "rocker"], point = "B" }
+joints.rocker = { type = "revolute", bodies = ["rocker", "ground"], point = "C", axis = [0.0, 0.0, 1.0] }
+loads.spring = { type = "rotational-spring-damper", bodies = ["crank", "ground"], point = "O", axis = [0.0, 0.0, 1.0], stiffness = 50.0 }
+loads.push = { type = "point-force", body = "rocker", point = "B", force = [5.0, 0.0, 0.0] }
+responses.x = { type = "displacement", body = "rocker", point = "B", component = "x" }
+"""
+"""Weight along the axes of both cranks would do no work."""
+
+
+def pushed_linkage() -> float:
+    """x of B: of crank, coupler and rocker the least of spring's energy less the work of 5 N."""
+    length = np.sqrt(1.0 + 0.3**2 + 0.3**2)
+
+    def tip(angle: float) -> float:
+        a = np.array([-0.2 * np.sin(angle), 0.2 * np.cos(angle), 0.0])
+
+        def apart(turn: float) -> float:
+            b = np.array([1.0 - 0.5 * np.sin(turn), 0.5 * np.cos(turn), 0.3])
+            return float(np.linalg.norm(b - a)) - length
+
+        return -0.5 * np.sin(brentq(apart, -0.3, 0.3, xtol=1e-15))
+
+    def slope(angle: float, h: float = 1e-5) -> float:
+        return 50.0 * angle - 5.0 * (tip(angle + h) - tip(angle - h)) / (2 * h)
+
+    return tip(brentq(slope, -0.2, 0.2, xtol=1e-14))
+
+
+def test_a_coupler_that_turns_idly_is_named_and_the_joint_that_helps_gives_the_equilibrium(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(LINKAGE.replace("BALL", 'type = "spherical"'))
+    with pytest.raises(SingularSystemError, match=r"'coupler' turns idly about the line through 'A' and 'B'") as error:
+        compile_model(read_scene(path)).statics()
+    written = str(error.value).split("joints.B with ")[1].split(", which holds")[0].replace(" and ", ", ")
+    path.write_text(LINKAGE.replace("BALL", written))
+    assert compile_model(read_scene(path)).statics().values["x"] == pytest.approx(pushed_linkage(), rel=1e-6)

@@ -80,8 +80,9 @@ RUNS = {
     "both levels in space": ("spatial_bracket", SHORT | {"solver.formulation": "ggl"}, "transient", "none", 0),
 }
 """Model, changed values, analysis, method for gradients, and by how many variables: one column lies in memory as several do not."""
-SMALL = ("revolute", "powers", "update_poses", "update_pose_designs")
-"""The joint and the response of the rehearsal, and the energy balance, which a run in windows does without: a few seconds."""
+SMALL = ("revolute", "powers", "update_poses", "update_pose_designs", "add_lost", "choose_apart", "evaluate_states")
+"""The joint and the response of the rehearsal, and what only some verdicts ask for: the energy balance, which a run in windows does
+without, vibrations that steps take out, and the states of a motion that begins at rest. A few seconds."""
 
 
 @pytest.fixture(scope="module")

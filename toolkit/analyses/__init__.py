@@ -1,1 +1,1 @@
-"""What can be asked of a compiled scene: a motion, an equilibrium, modes; each with its verdict."""
+"""Analyses of a compiled scene: a motion, an equilibrium, modes; each with its verdict."""

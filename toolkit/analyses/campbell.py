@@ -19,7 +19,7 @@ MOST = 10_000
 
 
 def refuse_too_many(count: int) -> None:
-    """Refuse speeds before they take memory.
+    """Refuse more speeds than a diagram may have, before they take memory.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def campbell(
 
 
 def _of_all(said: list[tuple[float, Caution]]) -> Caution:
-    """One caution for all speeds, with the words of the most serious one that stands last."""
+    """One caution for all speeds, with the words of the last doubt, or of the last remark where none is a doubt."""
     doubts = [each for each in said if each[1].doubt] or said
     speeds = sorted({speed for speed, _ in doubts})
     where = f"at {speeds[0]:g}" if len(speeds) == 1 else f"at {len(speeds)} speeds from {speeds[0]:g} to {speeds[-1]:g}"

@@ -44,7 +44,7 @@ def window_bounds(n_t: int) -> list[int]:
 
 
 def solve_windows(run: Run, bounds: list[int], kept: list[Checkpoint]) -> Iterator[Solution]:
-    """The states of a run without design variables, window by window; appends the checkpoints before each window and after the last.
+    """States of a run without design variables, window by window; appends the checkpoints before each window and after the last.
 
     Raises
     ------
@@ -76,19 +76,19 @@ def solve_window(run: Run, checkpoint: Checkpoint, first: int, last: int) -> tup
 
 
 def _guesses(memory: Memory) -> tuple[np.ndarray, ...]:
-    """What first guesses are made of."""
+    """Copies of the arrays of the step memory that first guesses are made of."""
     return memory.trend.copy(), memory.fitted.copy(), memory.fit_sums.copy(), memory.learnt.copy()
 
 
 def checkpoint_states(run: Run, bounds: list[int], kept: list[Checkpoint], drift: float) -> Solution:
-    """The states at the checkpoints: all that is left of the run."""
+    """States at the checkpoints: all that is left of the run."""
     states = [np.stack([getattr(each, name) for each in kept]) for name in ("q", "v", "acc")]
     derivatives = [np.zeros((*states[0].shape, 0))] * 3
     return selected(run, (*states, *derivatives), bounds, drift)
 
 
 def selected(run: Run, states: tuple[np.ndarray, ...], steps: range | list[int], drift: float) -> Solution:
-    """Some states of a run as a solution."""
+    """Solution that holds the states of some steps of a run."""
     return Solution.from_padded(
         run.system,
         run.times[steps],

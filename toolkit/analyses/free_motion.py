@@ -1,4 +1,7 @@
-"""What nothing holds, as states that can be drawn: the given positions, and each motion that is free, by a tenth of the scene's size."""
+"""Free motions as states that can be drawn: the given positions, and each motion that nothing holds.
+
+Each motion moves its bodies by a tenth of the model size.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 FAR = 0.1
-"""How far a motion is drawn, in parts of the scene's size or rad."""
+"""Distance that a motion is drawn by, in parts of the model size or rad."""
 
 
 def free_motion_states(system: System, frames: int = 1) -> Solution:

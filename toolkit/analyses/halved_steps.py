@@ -26,7 +26,7 @@ FEW, PART, MOST_IN_ALL = 6, 0.15, 200
 """Steps of a run that may be halved, at most, or this part of all of them, and all halvings: of a run that needs more the steps are too
 long everywhere. A pendulum that turns by half a turn in a step got through with six of ten steps halved, and nothing of it was right."""
 THROWN = 0.05
-"""Local error, a part of the scene's size (or rad), above which a halved step is halved again: Newton may have found another solution."""
+"""Local error, a part of the model size (or rad), above which a halved step is halved again: Newton may have found another solution."""
 BEFORE = 3
 """Steps before the one that fails which are halved, too, where its own halves do not help: what they have left may be why."""
 
@@ -42,7 +42,7 @@ class Ahead(NamedTuple):
 
 
 def most_halvings(options: RunOptions) -> int:
-    """How often one step may be halved: as the options say, or as far as steps may change their length.
+    """Number of times that one step may be halved: as the options say, or as far as steps may change their length.
 
     Without inertia a step that fails tells of the end of a path of equilibria.
     """
@@ -91,7 +91,7 @@ def advance_in_halves(
 def _in_halves(
     run: Run, history: History, steps: tuple[int, int], error: StepError, progress: Callable[[int, int], None] | None
 ) -> tuple[Run, History, tuple[float, ...]]:
-    """The same, with the first and the last of the steps that are halved from the beginning."""
+    """Result of `advance_in_halves` for a given range of steps, the first and last of those halved from the beginning."""
     (thrown, stopped), grid = steps, run.times
     stands = thrown == stopped and run.outcome.counts[STATUS] != CONVERGED  # the memory, where the run stopped
     kept = stopped if stands else 0  # elsewhere the run begins anew
@@ -122,7 +122,7 @@ def _in_halves(
 
 
 def first_thrown(run: Run, history: History, stopped: int) -> int:
-    """The first of the last `FEW` steps before one that were too long for their own errors, see `THROWN`; itself if none was."""
+    """First of the last `FEW` steps before one that were too long for their own errors, see `THROWN`; that one if none was."""
     first, weights, n_q = max(0, stopped - FEW), run.system.weights, run.system.n_q
     changes = weights[:n_q] * np.abs(np.diff(np.real(history.acc[first : stopped + 1, :n_q]), axis=0))
     errors = abs(run.scheme.error) * run.lengths[first:stopped] ** 2 * np.max(changes, axis=1, initial=0.0)
@@ -130,18 +130,18 @@ def first_thrown(run: Run, history: History, stopped: int) -> int:
 
 
 def _halves(begin: float, step: Ahead) -> list[Ahead]:
-    """Both halves of a step, the later one first."""
+    """Halves of a step, the later one first."""
     return [Ahead(step.time, step.depth + 1), Ahead((begin + step.time) / 2, step.depth + 1)]
 
 
 def _too_many(halvings: list[Ahead], step: Ahead, steps: int) -> bool:
-    """Whether a run of so many steps may halve no more."""
+    """Whether too many steps of a run were halved for another one."""
     begun = sum(each.depth == 0 for each in [*halvings, step])
     return begun > max(FEW, PART * steps) or len(halvings) >= MOST_IN_ALL
 
 
 class Way(NamedTuple):
-    """Some steps towards the next times."""
+    """Some steps towards the next times, with the states and the run that they led to."""
 
     done: int
     states: States  # that were reached
@@ -154,7 +154,7 @@ class Way(NamedTuple):
 
 
 def _go_on(run: Run, state: States, time: float, ahead: list[Ahead]) -> Way:
-    """The next step, or the next ones that are equally long and were never halved."""
+    """Next step to take, or the next ones that are equally long and were never halved."""
     count = 1
     if ahead[-1].depth == 0:
         lengths = step_lengths(np.array([time, *(each.time for each in ahead[: -MOST - 1 : -1])]))
@@ -176,7 +176,7 @@ def _go_on(run: Run, state: States, time: float, ahead: list[Ahead]) -> Way:
 
 
 def _closed(run: Run, times: np.ndarray, q: np.ndarray) -> int:
-    """How many of these states have closed joints, up to the first that has not."""
+    """Number of these states with closed joints, up to the first whose joints are open."""
     allowed = run.options.drift_tolerance
     if not can_be_closed(run) or drift(run.system, times, q)[0] <= allowed:
         return len(q)
@@ -184,7 +184,10 @@ def _closed(run: Run, times: np.ndarray, q: np.ndarray) -> int:
 
 
 def _not_helped(way: Way, last: States, error: StepError, everywhere: bool) -> Exception:
-    """The error of the step at which a run stopped, after halves of it have failed behind a `last` state, or too many of its steps."""
+    """Error of the step at which a run stopped, where halving did not help.
+
+    Halves of it have failed behind a `last` state, or too many of its steps.
+    """
     time, step = float(way.run.times[way.done]), float(way.run.lengths[0])
     lasting = f"Halved down to {step:.2g} it fails, too, at t = {time:.4g}: the scene may ask for what cannot be done there (a mechanism "
     lasting += "that locks), or something jumps or is far stiffer than all else (a spring, a friction, a curve)."
@@ -196,7 +199,7 @@ def _not_helped(way: Way, last: States, error: StepError, everywhere: bool) -> E
 
 
 def _joined(run: Run, times: list[float], chunks: list[States]) -> tuple[Run, History]:
-    """All pieces of a run as one."""
+    """All pieces of a run, joined to one run with its times and states."""
     states = [np.concatenate(parts) for parts in zip(*chunks, strict=True)]
     found = np.array(times)
     lengths = step_lengths(found)

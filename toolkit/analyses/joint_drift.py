@@ -1,4 +1,4 @@
-"""Whether the joints of a run have come apart, and why."""
+"""Check of the joints of a run: whether they have come apart, and why."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from toolkit.validity.motion.drift import largest_drift
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 
 THROWN_OPEN = 0.05
-"""Violation of a joint, a part of the scene's size (or rad), that is no error of long steps: Newton has found another solution there."""
+"""Violation of a joint, a part of the model size (or rad), that is no error of long steps: Newton has found another solution there."""
 
 
 def can_be_closed(run: Run) -> bool:
@@ -32,7 +32,7 @@ def drift(system: System, times: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def first_opened(run: Run, q: np.ndarray, allowed: float) -> int | None:
-    """The step of a run to the first of its states (n_t, n) in which its joints are open by more than is allowed; None without any."""
+    """First step to a state (n_t, n) in which joints are open by more than is allowed; None without any."""
     if not can_be_closed(run) or drift(run.system, run.times, q)[0] <= allowed:
         return None
     ends = (k for k in range(1, len(q)) if not drift(run.system, run.times[k : k + 1], q[k : k + 1])[0] <= allowed)
@@ -40,7 +40,7 @@ def first_opened(run: Run, q: np.ndarray, allowed: float) -> int | None:
 
 
 def check_drift(run: Run, q: np.ndarray, first: int) -> float:
-    """Largest violation of any joint in states (n, ...) from step `first` on, relative to the scene's size or in rad.
+    """Largest violation of any joint in states (n, ...) from step `first` on, relative to the model size or in rad.
 
     Raises
     ------

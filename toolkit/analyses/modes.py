@@ -95,7 +95,7 @@ def _vibrations(squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _flutter(frequencies: np.ndarray, ratios: np.ndarray) -> Iterator[Caution]:
-    """What a mode of negative damping is, in numbers, where modes without dampers flutter."""
+    """Caution on a mode of negative damping, with its numbers, where modes without dampers flutter."""
     growing = np.flatnonzero(ratios < 0)
     if growing.size:
         k = int(growing[0])

@@ -42,7 +42,7 @@ def accelerated_start(system: System, options: RunOptions, found: Motion | State
 
 
 def known_start(solution: Solution) -> Motion | State | None:
-    """What `run_motion` has found for a motion: it holds for all lengths of steps."""
+    """Start that `run_motion` has found for this motion, None if it has not; it holds for all step lengths."""
     found: Motion | State | None = solution.known.get(Motion)
     return found
 
@@ -54,7 +54,7 @@ def run_levels(options: RunOptions) -> np.ndarray:
 
 @lru_cache(maxsize=8)
 def _levels(same: Itself[RunOptions]) -> np.ndarray:
-    """Of the same options, which many designs of a scene have."""
+    """Constraint levels (3,) of the accelerations at the start, kept for the many designs that have the same options."""
     return start_levels(same.item, step_lengths(time_grid(same.item)))
 
 

@@ -113,7 +113,7 @@ def spinning_modes(solution: Solution, count: int | None = None) -> Modes:
 
 
 def _scaled(shape: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """With the coordinate that moves most, in comparable units, real."""
+    """Mode shape divided by its entry for the coordinate that moves most, in comparable units, so that this entry is real."""
     place = int(np.argmax(weights * np.abs(shape)))
     return shape / shape[place]
 

@@ -34,7 +34,7 @@ Progress = Callable[[int, int], None]
 BEFORE = 0.9
 """Part of the load of a bifurcation at which its reason is looked for."""
 CLOSE = 0.05
-"""Part of the scene's size (or rad) that an equilibrium may be off that of another design from which Newton goes straight to it."""
+"""Part of the model size (or rad) that an equilibrium may be off that of another design from which Newton goes straight to it."""
 
 
 @one_thread()
@@ -102,7 +102,7 @@ def solve_statics(
 
 
 def _explained(system: System, options: RunOptions, state: Equilibrium, error: BifurcationError) -> BifurcationError:
-    """The error of a path from a state without loads, with its reason where that is no buckling."""
+    """Error of a path that began without loads, with its reason where that is no buckling."""
     try:
         before, _ = find_equilibrium(system, options, BEFORE * error.load_factor, state.q, state.acc)
     except (ConvergenceError, SingularSystemError):
@@ -187,7 +187,7 @@ def refuse_unstable(solution: Solution) -> None:
 
 
 def _with_sensitivities(system: System, options: RunOptions, state: Equilibrium, begun: float, **report: Any) -> Solution:
-    """One more factorization at the end state, one block solve for all design variables."""
+    """Static solution with its design derivatives, from one more factorization at the end state and one block solve."""
     solved = clock.perf_counter()
     rest, n_q, n_x = np.zeros_like(state.q), system.n_q, system.n_x
     dq = np.zeros((system.n, n_x))

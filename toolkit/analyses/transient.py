@@ -108,7 +108,7 @@ def simulate(
 
 
 def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
-    """What else to know where a run failed: frames that spin fast by then, or loads that act at once where it begins."""
+    """Further causes of a failed run: frames that spin fast by then, or loads that act at once where it begins."""
     if error.state is None:
         return
     time, q, v = error.state
@@ -123,7 +123,7 @@ def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
 def _integrated(
     run: Run, start: State, progress: Callable[[int, int], None] | None, along: Solution | None
 ) -> tuple[Run, History, tuple[float, ...]]:
-    """The run, over the times that it chose or halved, all its states, and the times at which halved steps began."""
+    """The run over the times that it chose or halved, all its states, and the times at which halved steps began."""
     if run.options.local_error is not None:
         return (*advance_adaptively(run, start, progress), ())
     history = allocate_history(run.system, run.options, len(run.times), start)
@@ -138,7 +138,10 @@ def _integrated(
 
 
 def _thrown_open(run: Run, history: History) -> int | None:
-    """The step of a run that has opened its joints, if it has thrown them open, or has followed upon one that was thrown out itself."""
+    """First step that has thrown the joints open; None without any.
+
+    Also a step counts that has opened the joints and followed upon one that was thrown out itself.
+    """
     if (step := first_opened(run, history.q, THROWN_OPEN)) is not None:
         return step
     step = first_opened(run, history.q, run.options.drift_tolerance)
@@ -148,7 +151,7 @@ def _thrown_open(run: Run, history: History) -> int | None:
 def _with_closed_joints(
     run: Run, history: History, halved: tuple[float, ...], progress: Callable[[int, int], None] | None
 ) -> tuple[Run, History, tuple[float, ...], float]:
-    """The run itself, or with halves of steps that threw its joints open, and how far they are open at the most."""
+    """The run, or the run with halves of steps that threw its joints open, and the largest gap of its joints."""
     try:
         return run, history, halved, check_drift(run, history.q, 0)
     except ConvergenceError as error:

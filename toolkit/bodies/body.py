@@ -1,4 +1,4 @@
-"""What the compilation asks of every body; a new kind of body is one subclass."""
+"""Base of all bodies, which says what the compilation asks of every body; a new kind of body is one subclass."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from toolkit.reduced_model.model import ReducedModel
 
 T = TypeVar("T")
 CENTRE = "(centre of mass)"
-"""In place of a point of the scene: a body's centre of mass, which moves in a body that deforms."""
+"""Name in place of a point of the scene: a body's centre of mass, which moves in a body that deforms."""
 QUATERNION = 4
 """Coordinates of an orientation that has a length to keep."""
 
 
 class Placed(Protocol):
-    """What a body may ask of its scene: where the points are, and its reduced model."""
+    """Interface of a scene to its bodies: where the points are, and the bodies' reduced models."""
 
     @property
     def bodies(self) -> Mapping[str, Any]:
@@ -30,16 +30,16 @@ class Placed(Protocol):
         """Undeformed global position of a point, shape (d,)."""
 
     def interface(self, point: str) -> Any:
-        """The point as the user wrote it."""
+        """Description of a point as the user wrote it."""
 
     def model(self, path: str, *parts: str) -> ReducedModel:
-        """Parts of the reduced model of that file, relative to the scene's folder."""
+        """Parts of the reduced model in a file, whose path is relative to the scene's folder."""
 
     def arc_lengths(self, body: Any) -> dict[str, Any]:
         """Interface points of a body that the scene puts elsewhere along it, by their names in the reduced model."""
 
     def of_body(self, body: Any, what: Hashable, make: Callable[[], T]) -> T:
-        """What is made of one of its bodies; a scene that remembers its answers has it made once."""
+        """Result of a computation for one body of the scene; a scene that remembers its answers has it made once."""
 
 
 class ConstantNumbers(NamedTuple):
@@ -64,21 +64,21 @@ class Body(InSpace):
     @property
     @abstractmethod
     def moves(self) -> int:
-        """How many coordinates the origin of its frame has."""
+        """Number of coordinates of the frame's origin."""
 
     @property
     @abstractmethod
     def turns(self) -> int:
-        """How many coordinates its orientation has."""
+        """Number of coordinates of the frame's orientation."""
 
     @property
     def frame_size(self) -> int:
-        """How many coordinates come before the elastic ones."""
+        """Number of the frame's coordinates, which come before the elastic ones."""
         return self.moves + self.turns
 
     @property
     def has_frame(self) -> bool:
-        """Whether coordinates of a frame come before the elastic ones."""
+        """Whether the body has coordinates of a frame, which come before the elastic ones."""
         return self.frame_size > 0
 
     def named_points(self) -> tuple[str, ...]:
@@ -102,7 +102,7 @@ class Body(InSpace):
 
     @abstractmethod
     def frame_motion(self, q: np.ndarray, v: np.ndarray) -> dict[str, np.ndarray]:
-        """The motion of its frame in the numbers that a scene writes: key of the body's table -> numbers, as far as its frame moves.
+        """Motion of the frame in the numbers that a scene writes: key of the body's table -> numbers, as far as the frame moves.
 
         From the body's coordinates q and velocities v: "velocity" (d,) of the frame's origin, "angular_velocity" in rad/time, (1,) in the
         plane, in space (3,) in the axes of space.
@@ -118,18 +118,18 @@ class Body(InSpace):
 
     @abstractmethod
     def marker(self, scene: Placed, point: str, name: str) -> Any:
-        """The named point of the scene as a marker on this body."""
+        """Marker on this body at the named point of the scene."""
 
     @abstractmethod
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
-        """What is constant in the body's equations."""
+        """Constant terms of the body's equations of motion."""
 
     @abstractmethod
     def whole_mass(self, scene: Placed) -> Any:
-        """Its mass."""
+        """Mass of the body."""
 
     def floating(self, _scene: Placed) -> Any:
-        """Invariants, if the body is flexible with a moving frame."""
+        """Invariants of a flexible body with a moving frame; None of other bodies."""
         return None
 
     def drag(self, _scene: Placed) -> Any:
@@ -142,6 +142,6 @@ class Body(InSpace):
 
 
 def no_constants(size: int) -> ConstantNumbers:
-    """Of a body all of whose terms move with its frame."""
+    """Constant terms without entries, for a body of this size all of whose terms move with its frame."""
     empty = np.zeros(0, int)
     return ConstantNumbers(empty, empty, np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(size))

@@ -31,12 +31,15 @@ class Strains(NamedTuple):
 
 
 def no_strains() -> Strains:
-    """Of a body whose stiffness is not factored."""
+    """Strains without rows, for a body whose stiffness is not factored."""
     return Strains(np.zeros((0, 2 * PER_NODE), np.int64), np.zeros((0, 2 * PER_NODE)), np.zeros(0))
 
 
 def chain_strains(row: np.ndarray, column: np.ndarray, stiffness: np.ndarray, n_f: int) -> Strains:
-    """Of entries of a symmetric stiffness (n_f, n_f), real or complex, of a chain that is held at one of its ends; none of other bodies."""
+    """Strains of a chain of beams that is held at one end, from the entries of its symmetric stiffness (n_f, n_f).
+
+    The entries are real or complex. Other bodies have no strains.
+    """
     count, rest = divmod(n_f, PER_NODE)
     first, second = row // PER_NODE, column // PER_NODE
     if rest or count < 2 or np.any(stiffness[np.abs(first - second) > 1] != 0):
@@ -63,12 +66,15 @@ def chain_strains(row: np.ndarray, column: np.ndarray, stiffness: np.ndarray, n_
 
 
 def _bends(bend: np.ndarray, block: np.ndarray) -> bool:
-    """Whether every element can be one of a beam: rotations have a stiffness, and displacements a share in it."""
+    """Whether every element can be a beam: rotations have a stiffness, and displacements a share in it."""
     return bool(np.all(np.real(bend) > 0) and np.all(np.any(np.real(block[:, :2, 2]) != 0, axis=1)))
 
 
 def _factors(column: np.ndarray, bend: np.ndarray, block: np.ndarray) -> Strains:
-    """Of elements (n, 6 columns) by EI/l and the block of what pulls their second node to the first, (n, 3, 3)."""
+    """Three strains of every element on its columns (n, 6), from EI/l and the block of what pulls its second node to the first.
+
+    The blocks are (n, 3, 3).
+    """
     g = block[:, :2, 2] / (3 * bend)[:, None]
     e = np.column_stack([g[:, 1], -g[:, 0]]) / np.sqrt((g * g).sum(axis=1))[:, None]
     value = np.zeros((len(bend), 3, 2 * PER_NODE), block.dtype)

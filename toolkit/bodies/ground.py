@@ -12,29 +12,29 @@ class InertialFrame(Body):
 
     @property
     def has_frame(self) -> bool:
-        """No frame coordinates."""
+        """Whether the ground has frame coordinates: never."""
         return False
 
     def coordinate_names(self, _scene: Placed) -> list[str]:
-        """None."""
+        """No names, since the ground has no coordinates."""
         return []
 
     def initial_state(self, _scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """Empty."""
+        """Empty coordinates and velocities, since the ground has no coordinates."""
         return np.zeros(0), np.zeros(0)
 
     def coordinate_lengths(self, _scene: Placed) -> np.ndarray:
-        """Empty."""
+        """No lengths, since the ground has no coordinates."""
         return np.zeros(0)
 
     def radius_of_gyration(self, _scene: Placed) -> float:
-        """No mass, no size."""
+        """Zero, since the ground has neither mass nor size."""
         return 0.0
 
     def whole_mass(self, _scene: Placed) -> float:
-        """None."""
+        """Zero, since the ground has no mass."""
         return 0.0
 
     def constant(self, _scene: Placed, _gravity: np.ndarray) -> ConstantNumbers:
-        """Nothing."""
+        """No constant terms, since the ground has no coordinates."""
         return no_constants(0)

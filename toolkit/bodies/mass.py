@@ -1,4 +1,4 @@
-"""What rigid bodies in the plane and in space share: a given mass, or the one of a uniform rod."""
+"""Mass of rigid bodies in the plane and in space: a given one, or that of a uniform rod."""
 
 from __future__ import annotations
 

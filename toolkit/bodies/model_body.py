@@ -1,4 +1,4 @@
-"""What flexible bodies in the plane and in space share: a reduced model, its parameters and its interface points."""
+"""Base of flexible bodies in the plane and in space: a reduced model, its parameters and its interface points."""
 
 # Without `from __future__ import annotations`: pydantic before 2.13 looks for the names of the type of extra keys in the modules of
 # subclasses.
@@ -25,7 +25,7 @@ MASS_DAMPING = "damping_mass"
 """Parameter of a reduced model: alpha of its damping D = alpha M + c K."""
 
 FRAME = "(frame)"
-"""In place of an interface point: the origin of the body's frame, which turns with it but does not deform."""
+"""Name in place of an interface point: the origin of the body's frame, which turns with it but does not deform."""
 
 
 class ModelBody(Body):
@@ -52,18 +52,18 @@ class ModelBody(Body):
 
     @property
     def dependence(self) -> tuple[str, ...]:
-        """Parts of its model that tell how what it needs depends on the parameters."""
+        """Parts of the reduced model that tell how what the body needs depends on the parameters."""
         return DEPENDENCE
 
     @property
     def parted(self) -> bool:
-        """Whether it is cut into parts with frames of their own."""
+        """Whether the body is cut into parts with floating frames of their own."""
         return False
 
     @property
     @abstractmethod
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
-        """Key of the body's table -> point -> displacement at the start in the body's own axes, or its velocity: what is written of it."""
+        """Written displacements at the start and their velocities: key of the table -> point -> numbers in the body's axes."""
 
     def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Elastic coordinates (n_f,) and their velocities at the start, see `start_shape`; zero where nothing is written."""
@@ -79,7 +79,7 @@ class ModelBody(Body):
         return start_shape(self.invariants(scene).stiffness, points, f"bodies.{name}.{key}")
 
     def model_values(self) -> Mapping[str, Any]:
-        """Parameters that the scene sets."""
+        """Parameters of the reduced model that the scene sets."""
         return self.model_extra or {}
 
     def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
@@ -120,7 +120,7 @@ class ModelBody(Body):
         return self.design_point(scene).invariants()
 
     def some_invariants(self, scene: Placed, *names: str) -> tuple[np.ndarray, ...]:
-        """Those of some names alone, as others cost their time."""
+        """Invariants of the given names at the scene's parameter values; the others, which would cost time, are left out."""
         return self.design_point(scene).some_invariants(*names)
 
     def stiffening(self, scene: Placed) -> np.ndarray | None:
@@ -157,7 +157,10 @@ class ModelBody(Body):
         return any(design.parameter(k) != 0 for k in own)
 
     def drag(self, scene: Placed) -> Any:
-        """Of a body whose frame turns: what all of its velocity is damped by, not only that of its deformation."""
+        """Invariants times the mass-proportional damping of a body whose frame turns; None of other bodies.
+
+        They damp all of its velocity, not only that of its deformation.
+        """
         if not self.turns:
             return None
         alpha = self.mass_damping(scene)
@@ -165,14 +168,16 @@ class ModelBody(Body):
 
     @abstractmethod
     def undamped(self, scene: Placed) -> Any:
-        """`drag` where the damping is zero: no entries at all."""
+        """Value of `drag` where the damping is zero: invariants without entries."""
 
     def whole_mass(self, scene: Placed) -> Any:
-        """That of its reduced model."""
+        """Mass of the body by its reduced model."""
         return self.invariants(scene).mass
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (d, 1 + n_f) and T_P (1 + n_f,), in space (3, 1 + n_f), of an interface point, the frame or the centre of mass.
+        """Z_P (d, 1 + n_f) and T_P of an interface point, the frame or the centre of mass.
+
+        T_P is (1 + n_f,), in space (3, 1 + n_f).
 
         Raises
         ------
@@ -208,7 +213,7 @@ class ModelBody(Body):
     @property
     @abstractmethod
     def only_axis(self) -> np.ndarray | None:
-        """The one axis that its frame can turn about, (3,) in the axes of the reduced model; None if there is more than one."""
+        """Axis that the frame can turn about, if there is one alone, (3,) in the axes of the reduced model; None otherwise."""
 
     @abstractmethod
     def spins(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -239,5 +244,5 @@ def _names(model: ReducedModel) -> str:
 
 
 def is_zero(damping: Any) -> bool:
-    """Whether it is zero and no complex step of zero."""
+    """Whether a number is zero, and not a complex step from zero."""
     return not isinstance(damping, complex) and damping == 0

@@ -23,7 +23,7 @@ TAKES_PART = 1e-6
 
 
 def start_shape(stiffness: np.ndarray, points: dict[str, tuple[np.ndarray, np.ndarray]], where: str) -> np.ndarray:
-    """Elastic coordinates (n_f,), or their velocities, real or complex.
+    """Elastic coordinates (n_f,) at the start, or their velocities, real or complex.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from toolkit.door.run import Run
 
 
 class ScipyFunction:
-    """What `for_scipy` returns.
+    """A function with its derivatives and names, ready for `scipy.optimize`, as `for_scipy` returns it.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class ScipyFunction:
 
     @property
     def last(self) -> Run | None:
-        """The run of the last design that was solved."""
+        """Run of the last design that was solved."""
         return self._function.last
 
 

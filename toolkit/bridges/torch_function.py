@@ -66,7 +66,10 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
             return cotangent @ Slopes.apply(*context.saved_tensors)
 
     class Slopes(torch.autograd.Function):  # type: ignore[misc, name-defined]
-        """First derivatives (m, n), which depend on the variables: nobody may take them for constants, whose derivatives are zeros."""
+        """First derivatives (m, n), which depend on the variables.
+
+        They must not be taken for constants, whose derivatives are zeros.
+        """
 
         @staticmethod
         def forward(_context: Any, _x: Any, slopes: Any) -> Any:

@@ -120,7 +120,7 @@ class VectorFunction:
 
 
 def _in_order(x: Any, names: Sequence[str]) -> Any:
-    """The numbers of x in the order of the names, if it names them itself; else x as it is."""
+    """Numbers of x in the order of the names, if x names them itself; else x as it is."""
     named = _named(x)
     if named is None:
         return x

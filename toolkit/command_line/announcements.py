@@ -54,7 +54,7 @@ def compile_before(scene: Scene, kind: Kind, backwards: bool = False, quiet: boo
 
 @contextmanager
 def told_compilation(dimension: int, quiet: bool = False) -> Iterator[CompileWatch]:
-    """Say it when anything is compiled in this block, show how far it has come, and say at the end what it was."""
+    """Report compilation within this block, with its progress and, at the end, what was compiled."""
     from toolkit.foundation.compiled.compile_watch import watched_compilation
     from toolkit.foundation.compiled.compiled_code import is_kept
 
@@ -79,7 +79,7 @@ def told_compilation(dimension: int, quiet: bool = False) -> Iterator[CompileWat
 
 
 EXPECTED = {2: (220, 26), 3: (270, 38)}
-"""How many functions are compiled at most, and in how many seconds, by the dimension of space.
+"""Largest numbers of functions compiled, and of seconds it takes, by the dimension of space.
 
 Measured by `python -m tests.benchmarks.first_run`, in processor time of a free core, which of a busy one is two fifths more: in the plane
 212 functions in 20 s for a motion in any formulation, which an equilibrium shares, and 14 in 2 s for its adjoint; in space 261 in 30 s, and
@@ -88,7 +88,7 @@ Measured by `python -m tests.benchmarks.first_run`, in processor time of a free 
 
 @contextmanager
 def bar(title: str, quiet: bool = False) -> Iterator[Progress]:
-    """A bar on standard error, with the time that went and that is left, if that is a terminal and nobody asked for quiet."""
+    """Progress bar on standard error with elapsed and remaining time, if that is a terminal and `quiet` is off."""
     console = Console(stderr=True)
     if quiet or not console.is_terminal:
         yield lambda _done, _total: None

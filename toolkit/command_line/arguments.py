@@ -53,7 +53,7 @@ Dask = Annotated[
 
 
 def read(path: Path, changes: list[str] | None, quiet: bool = False) -> Scene:
-    """The scene with its changed values; a remark tells what it takes from outside of its folder."""
+    """Scene with its changed values; a note lists what it takes from outside of its folder."""
     from toolkit.scene_file.reader import read_scene
 
     pairs = dict(split(change) for change in changes or [])
@@ -72,7 +72,7 @@ def split(change: str) -> tuple[str, str]:
 
 
 def with_options(table: str, kind: type[Table], wanted: dict[str, Any]) -> Table:
-    """A table of a study with what options of the command line say instead of the file.
+    """Table of a study in which options of the command line replace values of the file.
 
     Raises
     ------

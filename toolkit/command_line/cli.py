@@ -49,7 +49,7 @@ from toolkit.sensitivity.method_names import Method
 
 
 def in_words(shown: Callable[..., None]) -> Callable[..., None]:
-    """How warnings are shown: those of the toolkit as plain sentences, others as before."""
+    """Function that shows warnings: those of the toolkit as plain sentences, others as before."""
 
     def show(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
         if category.__module__.startswith("toolkit."):
@@ -61,10 +61,10 @@ def in_words(shown: Callable[..., None]) -> Callable[..., None]:
 
 
 class Commands(TyperGroup):
-    """All commands: an error of the toolkit becomes one plain message and exit code 1."""
+    """Group of all commands, in which an error of the toolkit becomes one plain message and exit code 1."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Read what stands before the name of a command."""
+        """Read the arguments before the name of a command."""
         with usage_in_json("--json" in args):
             return super().parse_args(ctx, args)
 

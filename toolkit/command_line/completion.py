@@ -11,7 +11,7 @@ import typer
 
 
 def variables(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Names of variables for the last of some that are separated by commas."""
+    """Completions of the last of several variable names that are separated by commas."""
     before, comma, last = incomplete.rpartition(",")
     scene = _scene(ctx)
     known = [] if scene is None else [*scene.design, *scene.available_paths()]
@@ -19,7 +19,7 @@ def variables(ctx: typer.Context, incomplete: str) -> list[str]:
 
 
 def changes(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Paths that `--set` can change: numbers of the scene, and keys of its solver."""
+    """Completions of `--set`: paths to numbers of the scene, and keys of its solver."""
     from toolkit.description.run_options import RunOptions
 
     scene = _scene(ctx)
@@ -28,7 +28,7 @@ def changes(ctx: typer.Context, incomplete: str) -> list[str]:
 
 
 def _scene(ctx: typer.Context) -> Any:
-    """The scene of the line that is typed; None if there is none, or it cannot be read."""
+    """Scene named in the line being typed; None if there is none, or it cannot be read."""
     from toolkit.foundation.errors import ToolkitError
     from toolkit.scene_file.reader import read_scene
 
@@ -41,5 +41,5 @@ def _scene(ctx: typer.Context) -> Any:
 
 
 def _typed() -> list[str]:
-    """Words of the line, which stand before what was parsed of it."""
+    """Words of the line being typed, also those before the parsed ones."""
     return [*os.environ.get("COMP_WORDS", "").split(), *sys.argv[1:]]

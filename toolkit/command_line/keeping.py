@@ -32,7 +32,7 @@ Models = Annotated[
 
 
 def check_output(path: Path | None, scene: Scene) -> None:
-    """Refuse a path where no results file belongs, or where that is which the scene begins from, before anything long begins."""
+    """Refuse a path for results that is unsuitable, or that the scene begins from, before anything long begins."""
     if path is not None:
         from toolkit.results.results_file import refuse_foreign, refuse_own_start
 
@@ -41,7 +41,7 @@ def check_output(path: Path | None, scene: Scene) -> None:
 
 
 def keep(found: Result, path: Path | None, text: str, changes: list[str] | None, quiet: bool = False) -> None:
-    """Write the results file, if one was asked for, and say so."""
+    """Write the results file, if one was asked for, and report where it is."""
     if path is None:
         return
     from toolkit.results.results_file import save_results
@@ -87,7 +87,7 @@ def motion_of(
     check: Callable[[Scene], None] = lambda _: None,
     static: bool = False,
 ) -> Callable[[], Solution]:
-    """What gives the motion of a file that was just checked: results that are read now, or a scene that is solved when asked.
+    """Function that returns the motion of a checked file: results, read now, or a scene, solved when it is called.
 
     `check` refuses a scene that cannot be used, before it is solved; `static` asks for its equilibrium instead of its motion.
     """
@@ -125,7 +125,7 @@ SWING = 20
 
 
 def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | None, frames: int) -> Callable[[], Solution]:
-    """What gives the free motions of a scene, each in so many states."""
+    """Function that returns the free motions of a scene, each in so many states."""
     if is_results(file) or times:
         raise InputError(
             "--free-motions are those of a scene as it is given, without times. Give a scene (.toml), and leave --time out."
@@ -144,7 +144,7 @@ def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | 
 
 
 def solved(scene: Scene, kind: Kind, quiet: bool) -> Solution:
-    """The motion or the equilibrium of a scene, with a progress bar; judged as `ffrf simulate` and `ffrf statics` judge it."""
+    """Motion or equilibrium of a scene, with a progress bar; judged as `ffrf simulate` and `ffrf statics` judge it."""
     from toolkit.door.model import compile_model
 
     with at_work("load steps" if kind == "static" else "time steps", scene, kind, quiet=quiet) as progress:

@@ -10,7 +10,7 @@ from toolkit.foundation.files.own_files import leave_nothing, list_own, missing,
 
 
 def prepare_folder(path: Path, *names: str) -> Path:
-    """Make the folder that results go to, before anything long begins; if the command puts nothing into it, it is gone at its end.
+    """Make the folder for results before anything long begins; it is removed at the end if the command leaves it empty.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def save_drawing(drawn: Callable[[], Drawing], folder: Path, quiet: bool) -> list[Path]:
-    """Files of a drawing; none where matplotlib is not installed, which is said."""
+    """Files of a saved drawing; none, with a note, where matplotlib is not installed."""
     try:
         require("matplotlib")
     except RenderError as error:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.description.point import Point
@@ -27,6 +29,7 @@ from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE, Space
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
+from toolkit.sensitivity.errors.lost_parts import lost_parts
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.preparation import Kind, prepare, solve
 from toolkit.system.formulas import formulas_of
@@ -43,7 +46,8 @@ def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
     evaluate_responses(solution)
     judge(solution)
     if len(solution.times) > 1:
-        energy_balance(solution)  # a verdict asks for it where there are more steps than one
+        energy_balance(solution)  # a verdict asks for these where there are more steps than one
+        lost_parts(solution, None, 0.0, np.ones(1), np.zeros(1))
     if backwards and has_adjoint(small, kind):
         adjoint_gradients(system, solution)
 
@@ -68,7 +72,7 @@ def rehearse_everything(space: Space) -> None:
 
 
 def pendulum_like(scene: Scene) -> Scene:
-    """A hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
+    """Hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
     judged = [*scene.responses.values(), *(getattr(each, "of", None) for each in scene.responses.values())]
     forced = any(isinstance(each, JointForce) for each in judged)
     coiled = any(isinstance(load, Load) and load.turn for load in scene.loads.values())
@@ -76,7 +80,7 @@ def pendulum_like(scene: Scene) -> Scene:
 
 
 def _small(space: Space, formulation: Formulation, forced: bool, coiled: bool) -> Scene:
-    """The hanging rod, on request with the force of its joint as a response, and with a spring whose turns are counted."""
+    """Smallest scene, a hanging rod; on request with its joint's force as a response, and with a spring whose turns count."""
     options = RunOptions(end_time=1e-3, step=1e-3, formulation=formulation, load_steps=1)
     force = {"force": JointForce(joint="hinge", component="x")} if forced else {}
     common: dict[str, Any] = {
@@ -87,7 +91,7 @@ def _small(space: Space, formulation: Formulation, forced: bool, coiled: bool) -
 
 
 ENDS: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
-"""Of the rod."""
+"""Fields of the rod of the smallest scene."""
 
 
 def _planar(_coiled: bool) -> dict[str, Any]:
@@ -100,7 +104,7 @@ def _planar(_coiled: bool) -> dict[str, Any]:
 
 
 def _spatial(coiled: bool) -> dict[str, Any]:
-    """With a rotational spring, whose turns are counted by compiled code, on request."""
+    """Fields of the smallest spatial scene; on request with a rotational spring, whose turns compiled code counts."""
     spring = SpatialRotationalSpringDamper(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0), stiffness=1.0)
     return {
         "dimension": 3,

@@ -1,4 +1,4 @@
-"""What a scene's numbers cannot mean, refused by name before anything is compiled."""
+"""Checks of a scene's numbers: those that are invalid are refused by name before anything is compiled."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from toolkit.reduced_model.parameter_checks import check_parameters
 from toolkit.scene.scene import Scene
 
 SAME_PLACE = 1e-12
-"""Distance of two points, relative to the scene's size, below which no direction leads from one to the other."""
+"""Distance of two points, relative to the model size, below which no direction leads from one to the other."""
 
 
 def check_numbers(scene: Scene, placed: Remembered | None = None) -> None:

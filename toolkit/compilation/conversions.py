@@ -11,5 +11,5 @@ def ints(parts: list) -> np.ndarray:
 
 
 def starts(lengths: list[int]) -> np.ndarray:
-    """Where each block starts, and the end of the last."""
+    """Start of each block, and the end of the last, from the lengths of the blocks."""
     return np.concatenate([[0], np.cumsum(np.asarray(lengths, np.int64))]).astype(np.int64)

@@ -1,4 +1,4 @@
-"""What a number of a scene can change: only the items that name its owner, directly or through others.
+"""Dependence on a number of a scene: it can change only the items that name its owner, directly or through others.
 
 A joint finds its bodies, a rod its points, a point its body by name; gravity alone acts on all without being named, and a body alone
 depends on points that name it. So a step in one number needs to evaluate those items only, which keeps the compilation of hundreds of
@@ -27,12 +27,15 @@ class Affected(NamedTuple):
     markers: frozenset[int]
 
     def __and__(self, other: Affected) -> Affected:  # type: ignore[override]
-        """What numbers of both may change: mixed derivatives of all else are zero."""
+        """Items and markers that the numbers of both may change; mixed derivatives of all else are zero."""
         return Affected(self.items & other.items, self.markers & other.markers)
 
 
 def affected_by(scene: Scene, markers: Sequence[tuple[str, ...]], paths: list[str], users: dict[str, list[Item]]) -> Affected:
-    """All that the numbers at some paths may change; `users` are those of `users_by_name`, `markers` those of the numbering."""
+    """Items and markers that the numbers at some paths may change.
+
+    `users` are those of `users_by_name`, `markers` those of the numbering.
+    """
     found = [affected_items(scene, path, users) for path in paths]
     everything = {(group, name) for group in ("bodies", "joints", "loads") for name in _names(scene, group)}
     items = frozenset().union(*(everything if each is None else each for each in found))
@@ -46,7 +49,7 @@ def _names(scene: Scene, group: str) -> list[str]:
 
 
 def _behind(grip: tuple[str, ...]) -> list[Item]:
-    """What a marker's numbers follow from: its body, its point, and the component whose axes it has."""
+    """Items that a marker's numbers follow from: its body, its point, and the component whose axes it has."""
     body, point, *component = grip
     return [("bodies", body), ("points", point), *((owner.partition(".")[0], owner.partition(".")[2]) for owner in component)]
 

@@ -40,7 +40,10 @@ def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen) 
 def renewed_derivatives(
     scene: Scene, numbering: Numbering, design: Design, placed: Remembered, known: Sequence[Quantities], among: Affected
 ) -> list[Quantities]:
-    """Those of the same owners at other numbers of the scene, as far as these affect them; `placed` has answered for its values."""
+    """Derivatives by each design variable at other numbers of the scene, for the same owners as far as these affect them.
+
+    `placed` has answered for the scene's values.
+    """
     found, affected = [], {group: set(owners) for group, owners in owners_of(scene, numbering, among).items()}
     for variable, before in zip(design, known, strict=True):
         moved = scene.moved(variable, 1j * STEP)
@@ -60,14 +63,14 @@ def _rates(moved: Quantities, wanted: Callable[[str, Any], bool] = lambda _group
 
 
 def _is_reached(group: str, part: Any) -> bool:
-    """Whether any number is complex, be its imaginary part zero or not, or could be at other numbers of the scene."""
+    """Whether any number is complex, even with a zero imaginary part, or could be at other numbers of the scene."""
     if isinstance(part, tuple):
         return any(_is_reached(group, each) for each in part)
     return group in OPEN or isinstance(part, Curve) or np.iscomplexobj(part)
 
 
 def _stirred(seen: Seen, moved: Remembered) -> Callable[[str, int, Part], bool]:
-    """Whether the numbers of an item can be others in a scene of which other numbers are `moved`."""
+    """Test whether the numbers of an item can be others in a scene of which other numbers are `moved`."""
     same: dict[Any, bool] = {}
 
     def unchanged(question: Any) -> bool:

@@ -1,4 +1,4 @@
-"""What the frame of a body has to do with an error: one that is fixed to the ground by mistake, or one that is not."""
+"""Hints on an error that a body's frame may explain: one that is fixed to the ground by mistake, or one that is not."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def grounded(scene: Scene) -> dict[str, Body]:
 
 
 def floats_with_its_clamp(scene: Scene, name: str) -> bool:
-    """Whether it is a flexible body that its own model clamps, in a frame that moves."""
+    """Whether a body is a flexible one that its own model clamps, in a frame that moves."""
     body = scene.bodies.get(name)
     return isinstance(body, ModelBody) and body.has_frame and scene.model(body.model).reference_condition != MEAN_AXES
 

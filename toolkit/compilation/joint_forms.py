@@ -24,13 +24,16 @@ class Terms:
 
 
 def spatial_terms(form: Form) -> Terms:
-    """Pairs of vectors as they are."""
+    """Structure of a form in space, whose pairs of vectors stay as they are."""
     pairs = [(i, k) for i, k, _ in form.pairs]
     return Terms(_places(form), pairs, [*_slots(form), *((PAIR, e, 0, 1.0) for e in range(len(pairs)))])
 
 
 def planar_terms(form: Form) -> Terms:
-    """Products with both axes of a marker are one pair with two values, see `joints.kernels.planar.joint_kernel`."""
+    """Structure of a form in the plane.
+
+    Products with both axes of a marker are one pair with two values, see `joints.kernels.planar.joint_kernel`.
+    """
     found = [_planar_pair(*sorted((i, k))) for i, k, _ in form.pairs]
     pairs = list(dict.fromkeys(pair for pair, _, _ in found))
     return Terms(_places(form), pairs, [*_slots(form), *((PAIR, pairs.index(pair), v, sign) for pair, v, sign in found)])
@@ -41,7 +44,7 @@ def _places(form: Form) -> list[int]:
 
 
 def _slots(form: Form) -> list[tuple[int, int, int, float]]:
-    """Of the constant and of the linear terms."""
+    """Places of a form's constant and linear terms: (kind, which one, which value, sign) of each."""
     return [(CONSTANT, 0, 0, 1.0), *((LINEAR, e, 0, 1.0) for e in range(len(form.linear)))]
 
 
@@ -86,13 +89,16 @@ class JointForms:
     first: np.ndarray
 
     def numbers(self, given: np.ndarray, dtype: type) -> dict[str, np.ndarray]:
-        """Places and values of all forms, these from the numbers of all joints."""
+        """Arrays of the places and values of all forms, the values from the numbers of all joints."""
         value: np.ndarray = np.zeros(len(self.place), dtype)
         np.add.at(value, self.at, self.sign * given)
         return {"start": self.start, "place": self.place, "value": value}
 
     def changes(self, changes: list[list[tuple[int, int, float]]]) -> dict[str, np.ndarray]:
-        """Place and derivative of every number of a form that a variable changes, see `Joints`; (variable, number, derivative) by joint."""
+        """Arrays of the place and derivative of every number of a form that a variable changes, see `Joints`.
+
+        `changes` are (variable, number, derivative) by joint.
+        """
         found = [(x, self.first[j] + number, value) for j, each in enumerate(changes) for x, number, value in each]
         table = [(x, *self.owner[n][:4]) for x, n, _ in found]
         values = [self.sign[n] * value * UNITS[self.owner[n][4]] for _, n, value in found]
@@ -106,7 +112,7 @@ PLANE, UNITS = 2, np.eye(2)
 
 
 def joint_forms(joints: Sequence[Joint]) -> JointForms:
-    """The forms of joints, in the plane or in space."""
+    """Forms of joints, in the plane or in space, with the places of their numbers."""
     planar = all(joint.dimension == PLANE for joint in joints)
     rows = [tuple(joint.constraint(None)) for joint in joints]
     terms = [planar_terms(form) if planar else spatial_terms(form) for each in rows for form in forms_of(each)]
@@ -131,13 +137,13 @@ def form_starts(terms: list[Terms]) -> np.ndarray:
 
 
 def _place(first: int, pairs: int, slot: tuple[int, int, int, float]) -> tuple[int, int, float]:
-    """Where a number's term begins, which value of it, and the sign."""
+    """Place where a number's term begins, which of its values the number is, and its sign."""
     kind, e, v, sign = slot
     return {CONSTANT: first, LINEAR: first + 1 + e, PAIR: pairs + 2 * e}[kind], v, sign
 
 
 def felt(rows: list[tuple[Row, ...]], most: int) -> dict[str, Any]:
-    """Vectors in space that every row feels, `most` lists for every joint; nothing in the plane."""
+    """Arrays of the vectors in space that every row feels, `most` lists for every joint; None in the plane."""
     if not most:
         return {"felt_start": None, "felt": None}
     found: list[list[int]] = []

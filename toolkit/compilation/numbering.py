@@ -57,11 +57,11 @@ class Numbering:
 
     @cached_property
     def forms(self) -> JointForms:
-        """Forms of all joints."""
+        """Forms of all joints of the scene."""
         return joint_forms(self.joints)
 
     def affected_by(self, scene: Scene, paths: Sequence[str]) -> Affected:
-        """All that the numbers at some paths may change, in this scene at any numbers."""
+        """Items and markers that the numbers at some paths may change, in this scene at any numbers."""
         if (key := tuple(paths)) not in self._affected:
             self._affected[key] = affected_by(scene, self.markers, list(paths), self.users)
         return self._affected[key]
@@ -72,18 +72,18 @@ class Numbering:
 
     @cached_property
     def row_lengths(self) -> np.ndarray:
-        """What rows of joints, and the lengths of quaternions, are compared with: 1 for a length, nan for an angle."""
+        """Lengths that rows of joints, and the lengths of quaternions, are compared with: 1 for a length, nan for an angle."""
         rows = [np.nan if row.quantity == "angle" else 1.0 for each in self.forms.rows for row in each]
         return np.array([*rows, *(np.nan for _ in self.length)])
 
     @cached_property
     def runs(self) -> dict[Any, Any]:
-        """What `body_arrays` has found out about entries that are not zero in derivatives of the bodies' matrices."""
+        """Store of what `body_arrays` has found out about entries that are not zero in derivatives of the bodies' matrices."""
         return {}
 
     @cached_property
     def owners(self) -> dict[Affected | None, Any]:
-        """What `quantities.owners_of` has found."""
+        """Store of what `quantities.owners_of` has found."""
         return {}
 
     @property
@@ -101,20 +101,20 @@ class Numbering:
 
     @cached_property
     def states(self) -> np.ndarray:
-        """Coordinates that are states of loads."""
+        """Numbers of the coordinates that are states of loads."""
         return np.array([first for owner, first in self.first.items() if "." in owner], np.int64)
 
     def bodies_of(self, unknowns: np.ndarray) -> list[str]:
-        """Bodies that some of the unknowns are coordinates of."""
+        """Bodies that have some of the unknowns as coordinates."""
         return [owner for owner in _owners(self.first, self.n_q, unknowns) if "." not in owner]
 
     def joints_of(self, unknowns: np.ndarray) -> list[str]:
-        """Joints that some of the unknowns are forces of."""
+        """Joints that have some of the unknowns as forces."""
         return _owners(self.row, min(self.length.values(), default=self.n), unknowns)
 
 
 def _owners(first: dict[str, int], end: int, unknowns: np.ndarray) -> list[str]:
-    """Names whose unknowns, from their first to the next one's, hold some of the given ones."""
+    """Names of the owners of some of the given unknowns; an owner's unknowns go from its first to the next one's."""
     edges = [*first.values(), end]
     return [
         name for name, low, high in zip(first, edges, edges[1:], strict=False) if np.any((low <= unknowns) & (unknowns < high))
@@ -122,7 +122,7 @@ def _owners(first: dict[str, int], end: int, unknowns: np.ndarray) -> list[str]:
 
 
 def grips_of(path: str, component: Component) -> list[tuple[str, ...]]:
-    """The markers of a component: (body, point), and its path if they have axes of its own."""
+    """Markers of a component: (body, point), and its path if they have axes of its own."""
     own = () if component.axes is None else (path,)
     return [(*grip, *own) for grip in component.grips]
 
@@ -176,7 +176,7 @@ def _with_state(scene: Scene) -> dict[str, Load]:
 
 
 def weights(scene: Scene, numbering: Numbering, remembered: Remembered | None = None) -> np.ndarray:
-    """What makes each unknown comparable, shape (n,): displacement over the scene's size, or angle; free of units.
+    """Weights that make the unknowns comparable, (n,): displacement over the model size, or angle; free of units.
 
     For a coordinate it scales its change, for a multiplier the violation of its constraint row; states of loads are integrals over time,
     which all systems of units count in seconds.

@@ -55,7 +55,7 @@ def build_plan(
     sizes: np.ndarray,
     kept: Kept | None = None,
 ) -> Plan:
-    """All arrays of the compiled scene.
+    """Plan of the compiled loop, with all arrays of the scene.
 
     Parameters
     ----------
@@ -107,12 +107,12 @@ def build_plan(
 
 
 def _needs(part: str, derivatives: list[Quantities]) -> set[str]:
-    """Groups of numbers that a part follows from."""
+    """Groups of numbers that a part of the plan follows from."""
     return NEEDS[part] | ({"markers"} if derivatives and part in THROUGH_MARKERS else set())
 
 
 def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> dict[str, Callable[[], Any]]:
-    """Bodies with a moving frame and markers in the plane."""
+    """Parts of a plan in the plane, each with a function that makes it: bodies with a moving frame, and markers."""
     first = list(numbering.first.values())
     return {
         "floating": lambda: floating_part(first, values, derivatives, pattern, dtype),
@@ -123,7 +123,7 @@ def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype
 
 
 def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> dict[str, Callable[[], Any]]:
-    """The same in space, and pressures."""
+    """Parts of a plan in space, each with a function that makes it: bodies with a turning frame, markers and pressures."""
 
     def markers() -> Any:
         frames = frames_part(scene, numbering, values, pattern)
@@ -138,11 +138,11 @@ def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtyp
 
 
 _PARTS = {PLANE: _planar_parts, SPACE: _spatial_parts}
-"""What the plan has of bodies, markers and pressures."""
+"""Functions for the parts of a plan: bodies, markers and pressures."""
 
 
 def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_rows: list, columns: list[np.ndarray]) -> Pattern:
-    """Union of what all parts of the scene fill."""
+    """Sparsity pattern of the scene: the union of what all its parts fill."""
     entries = list(constant_rows)
     everybody = scene.all_bodies()
     names = list(everybody)

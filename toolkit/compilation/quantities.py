@@ -48,7 +48,7 @@ GROUPS = tuple(field.name for field in fields(Quantities) if field.name != "grav
 
 
 class Part(NamedTuple):
-    """One item's share of a group: what the scene writes about it, and its numbers as they follow from a scene."""
+    """Share of one item in a group: what the scene writes about it, and its numbers as they follow from a scene."""
 
     written: tuple[Any, ...]
     make: Callable[[Any], Any]
@@ -60,7 +60,7 @@ OPEN = ("joints", "loads")
 
 
 class Seen(NamedTuple):
-    """How some numbers of a scene came about."""
+    """Record of how some numbers of a scene came about."""
 
     placed: Remembered
     parts: dict[str, dict[int, Part]]
@@ -68,7 +68,10 @@ class Seen(NamedTuple):
 
     @property
     def asked_by_components(self) -> Asked:
-        """By joints and loads, whose formulas anybody writes: what they ask may depend on the scene's numbers."""
+        """Questions that joints and loads have asked of the scene, by owner.
+
+        Anybody may write their formulas, so that what they ask may depend on the scene's numbers.
+        """
         return {owner: asked for owner, asked in self.asked.items() if owner[0] in OPEN}
 
 
@@ -77,7 +80,7 @@ Owners = Mapping[str, Collection[int]]
 
 
 def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Quantities:
-    """All numbers of a scene, or those of some items and markers."""
+    """Quantities of a scene, of all or of some items and markers."""
     return made_of(parts_of(scene, numbering, owners_of(scene, numbering, affected)), Remembered(scene), scene)
 
 
@@ -88,7 +91,10 @@ def seen_quantities(
     remembered: Remembered | None = None,
     watched: Collection[str] | None = None,
 ) -> tuple[Quantities, Seen]:
-    """The same, and how they came about; what is asked for them only in groups that are `watched`, by default in all."""
+    """Quantities of a scene and how they came about.
+
+    What is asked for them is noted only in groups that are `watched`, by default in all.
+    """
     placed, parts = remembered or Remembered(scene), parts_of(scene, numbering, owners_of(scene, numbering, affected))
     asked: Asked = {}
     groups: dict[str, dict[int, Any]] = {group: {} for group in parts}
@@ -102,18 +108,18 @@ def seen_quantities(
 
 
 def made_of(parts: Mapping[str, Mapping[int, Part]], placed: Remembered, scene: Scene) -> Quantities:
-    """Numbers from the parts of a scene."""
+    """Quantities from the parts of a scene."""
     return _quantities({group: {k: part.make(placed) for k, part in owners.items()} for group, owners in parts.items()}, scene)
 
 
 def _quantities(groups: dict[str, dict[int, Any]], scene: Scene) -> Quantities:
-    """Those bodies alone have invariants of a moving frame that have such a frame."""
+    """Quantities from groups of numbers, where only bodies with a moving frame have the invariants of such a frame."""
     moving = {of: {b: block for b, block in groups[of].items() if block is not None} for of in ("floating", "drag")}
     return Quantities(**{**groups, **moving}, gravity=np.asarray(scene.gravity))
 
 
 def owners_of(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Owners:
-    """All owners of a scene's numbers, or those among some items and markers; looked up once for all numbers of the scene."""
+    """Owners of a scene's numbers, all or those among some items and markers; looked up once for all numbers of the scene."""
     known = numbering.owners
     if affected not in known:
         known[affected] = _owners_of(scene, numbering, affected)
@@ -140,7 +146,7 @@ def _owners_of(scene: Scene, numbering: Numbering, affected: Affected | None) ->
 
 
 def parts_of(scene: Scene, numbering: Numbering, owners: Owners) -> dict[str, dict[int, Part]]:
-    """What some owners have numbers from, by group and number."""
+    """Parts that some owners have numbers from, by group and number."""
     everybody: Mapping[str, Any] = scene.all_bodies()
     bodies, joints = list(everybody.values()), list(scene.joints.values())
     loads = loads_of(scene) if owners["loads"] else []
@@ -185,7 +191,7 @@ def _itself(curve: Curve, _: Any) -> Curve:
 
 
 def _marker(scene: Scene, everybody: Mapping[str, Any], grip: tuple[str, ...]) -> Part:
-    """One marker, in space with the axes of its component if it has some."""
+    """Part of one marker, in space with the axes of its component if it has some."""
     body, point = grip[:2]
     if len(grip) == 2:
         return Part((everybody[body],), partial(_placed_marker, everybody[body], point, body, ()))
@@ -199,28 +205,28 @@ def _placed_marker(body: Any, point: str, name: str, axes: tuple[Any, ...], plac
 
 
 def _owner(grip: tuple[str, ...]) -> Item:
-    """The component whose axes a marker has."""
+    """Group and name of the component whose axes a marker has."""
     group, _, name = grip[2].partition(".") if len(grip) == 3 else ("", "", "")
     return group, name
 
 
 def loads_of(scene: Scene) -> list[Load]:
-    """Loads that grip markers; gravity does not."""
+    """Loads of a scene that grip markers, which gravity does not."""
     return list(named_loads(scene).values())
 
 
 def named_loads(scene: Scene) -> dict[str, Load]:
-    """The same with their names."""
+    """Loads of a scene that grip markers, by their names."""
     return {name: load for name, load in scene.loads.items() if isinstance(load, Load)}
 
 
 def pressures_of(scene: Scene) -> dict[str, Pressure]:
-    """Loads on surfaces of flexible bodies, by name."""
+    """Loads on surfaces of flexible bodies, by their names."""
     return {name: load for name, load in scene.loads.items() if isinstance(load, Pressure)}
 
 
 def pressures_on_pieces(scene: Scene) -> list[tuple[str, Pressure]]:
-    """The same as the equations have them: on every part of a cut body one, with the name of the load."""
+    """Pressures as the equations have them: one on every part of a cut body, with the name of the load."""
     return [
         (name, load if piece == load.body else load.model_copy(update={"body": piece}))
         for name, load in pressures_of(scene).items()
@@ -229,7 +235,7 @@ def pressures_on_pieces(scene: Scene) -> list[tuple[str, Pressure]]:
 
 
 def curves_of(scene: Scene) -> list[tuple[Item, Curve]]:
-    """Time curves of joints, then of loads, then of pressures, and whose they are."""
+    """Time curves of joints, then of loads, then of pressures, each with its owner."""
     components: list[tuple[str, Mapping[str, Component]]] = [("joints", scene.joints), ("loads", named_loads(scene))]
     found = [((group, name), component.time_curve) for group, items in components for name, component in items.items()]
     found += [(("loads", name), pressure.curve) for name, pressure in pressures_of(scene).items()]

@@ -20,7 +20,7 @@ processor. No ratio of lengths that people choose."""
 
 
 class Rows(NamedTuple):
-    """Numbers of rows."""
+    """Numbers of the rows of a Jacobian that are kept, of those that repeat others, and of those that nearly do."""
 
     kept: np.ndarray
     repeating: np.ndarray
@@ -52,7 +52,9 @@ def independent_rows(jacobian: np.ndarray, weights: np.ndarray, first: np.ndarra
 
 
 def null_vectors(jacobian: np.ndarray, kept: np.ndarray, repeating: np.ndarray) -> np.ndarray:
-    """N (n_lam, k) with J^T N = 0, one for every repeating row d: N_d = e_d - C_d^T, J_d = C_d J_K for the rows K that are kept.
+    """Null vectors N (n_lam, k) with J^T N = 0, one for every repeating row d.
+
+    N_d = e_d - C_d^T with J_d = C_d J_K for the rows K that are kept.
 
     Complex-safe: without a conjugate.
     """

@@ -16,7 +16,9 @@ T = TypeVar("T")
 
 
 class Remembered:
-    """What bodies, joints and loads ask of a scene (`bodies.body.Placed`), with every answer kept: many ask for the same point or model.
+    """A scene as bodies, joints and loads ask it (`bodies.body.Placed`), with every answer kept.
+
+    Many ask for the same point or model.
 
     Parameters
     ----------
@@ -38,7 +40,7 @@ class Remembered:
         return getattr(self._scene, name)
 
     def watched(self, make: Callable[[Remembered], T]) -> tuple[T, frozenset[Any]]:
-        """What is made of this scene, and all questions that were asked for it."""
+        """Result of `make` for this scene, and all questions that were asked for it."""
         self._asked = set()
         try:
             return make(self), frozenset(self._asked)
@@ -72,7 +74,7 @@ class Remembered:
         return isinstance(written, Point) and other.points.get(point) is written
 
     def interface(self, point: str) -> Any:
-        """The point as it was written."""
+        """Description of a point as it was written."""
         return self.once(("interface", point), lambda: self._scene.interface(point))
 
     def position(self, point: str) -> np.ndarray:
@@ -80,7 +82,7 @@ class Remembered:
         return self.once(("position", point), lambda: position_in(self, point))
 
     def model(self, path: str, *parts: str) -> ReducedModel:
-        """Parts of the reduced model of that file."""
+        """Parts of the reduced model in a file."""
         return self.once(("model", path, *parts), lambda: self._read(path, *parts))
 
     def _read(self, path: str, *parts: str) -> ReducedModel:
@@ -93,7 +95,10 @@ class Remembered:
         return self.once(("arc lengths", Itself(body)), lambda: self._scene.arc_lengths(body))
 
     def of_body(self, body: Any, what: Hashable, make: Callable[[], T]) -> T:
-        """What is made of one of its bodies, once. Its questions count each time, as if it were made each time."""
+        """Result of a computation for one body, made once.
+
+        Its questions count each time, as if it were made each time.
+        """
         key, outer = (what, id(body)), self._asked
         if key not in self._kept:
             self._asked = set()
@@ -109,11 +114,11 @@ class Remembered:
 
     @property
     def size(self) -> float:
-        """The length that displacements are compared with, see `Scene.size`."""
+        """Length that displacements are compared with, see `Scene.size`."""
         return self.once(("size",), lambda: size_of(self))
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:
-        """What is made when it is first asked for under this key."""
+        """Result of `make`, made when it is first asked for under this key."""
         outer, self._asked = self._asked, None  # what answers a question asks others, which the answer speaks for
         if outer is not None:
             outer.add(key)

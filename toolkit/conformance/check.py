@@ -1,4 +1,4 @@
-"""What a user calls: is my joint, my load, my scene right in all its derivatives?"""
+"""Checks for users: whether one's own joint, load or scene is right in all its derivatives."""
 
 from __future__ import annotations
 
@@ -120,5 +120,5 @@ def check_scene(scene: Scene, seed: int = 0) -> None:
 
 
 def _alone(scene: Scene, **component: Any) -> Scene:
-    """The scene's bodies and points with one component, which is refused if it names others."""
+    """Scene with its bodies and points and one component alone, which is refused if it names others."""
     return Scene(**{**dict(scene), "joints": {}, "loads": {}, "responses": {}, "design": {}, **component})

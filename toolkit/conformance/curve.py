@@ -51,7 +51,7 @@ def check_curve(curve: Curve, interval: tuple[float, float] = (0.0, 1.0), seed: 
 
 
 def _times(curve: Curve, interval: tuple[float, float], rng: np.random.Generator) -> np.ndarray:
-    """Times of the interval that are clear of corners."""
+    """Random times of the interval that are clear of corners."""
     low, high = interval
     corners = np.real(np.array(curve.corners(), complex))
     times = np.sort(rng.uniform(low, high, 60))
@@ -64,7 +64,7 @@ def _times(curve: Curve, interval: tuple[float, float], rng: np.random.Generator
 
 
 def _finite(curve: Curve, times: np.ndarray) -> np.ndarray:
-    """The rates, (n_t, 3)."""
+    """Rates f, f', f'' of a curve at the times, (n_t, 3), refused if they are not finite."""
     if (count := len(curve.rates(times))) != 3:
         raise ConformanceError(f"`rates` of the time curve {curve.kind!r} gives {count} arrays; three are needed: f, f', f''.")
     found = curve.evaluate(times)
@@ -74,7 +74,7 @@ def _finite(curve: Curve, times: np.ndarray) -> np.ndarray:
 
 
 def _least(values: np.ndarray, interval: tuple[float, float]) -> float:
-    """Slope of what changes by round-off within the interval: what is constant has no slope."""
+    """Least scale of derivatives: the slope of a curve that changes by its largest value within the interval."""
     return float(np.abs(values).max() / (interval[1] - interval[0]))
 
 

@@ -17,7 +17,7 @@ from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 
 VECTORS = ("position", "axis 1", "axis 2", "axis 3")
-"""Of a marker in space."""
+"""Vectors of the pose of a marker in space."""
 POSES = {
     2: [f"{what} of {body}" for body in ("a", "b") for what in ("x", "y", "angle")],
     3: [f"{axis} of {vector} of {body}" for body in ("a", "b") for vector in VECTORS for axis in "xyz"],
@@ -108,7 +108,7 @@ def moved_numbers(group: str, component: Component, scene: Scene) -> np.ndarray:
 
 
 def argument_names(used: np.ndarray, size: int, dimension: int) -> list[str]:
-    """What the arguments are; the last of `size` is the curve of a load."""
+    """Names of the arguments in use; the last of `size` is the curve of a load."""
     poses = POSES[dimension]
     return [poses[k] if k < len(poses) else "curve" if k == size - 1 else f"parameter z[{k}]" for k in used]
 

@@ -91,12 +91,12 @@ def random_state(system: System, seed: int = 0) -> tuple[np.ndarray, np.ndarray,
 
 
 def inputs(system: System, levels: np.ndarray = LEVELS) -> Inputs:
-    """What acts at some time, with the loads scaled."""
+    """Inputs of the equations at some time, with the loads scaled."""
     return system.inputs(0.37, levels, 0.8)
 
 
 def plain_terms(system: System, given: Inputs, q: Any, v: Any, acc: Any, linearize: bool = False) -> Terms:
-    """Evaluate as plain Python, with complex arrays if the state is complex."""
+    """Terms of the equations, evaluated as plain Python, with complex arrays if the state is complex."""
     scene, dtype = system.scene, np.result_type(q, v, acc, system.dtype).type
     functions = plain_formulas_of(scene)
     terms, work = allocate_terms(system.plan, dtype), allocate_work(system.plan, dtype)

@@ -1,1 +1,1 @@
-"""What a scene costs and why: what its compilation keeps and drops, and what everything put back would cost."""
+"""Cost of a scene and its reasons: what its compilation keeps and drops, and what everything put back would cost."""

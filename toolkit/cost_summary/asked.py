@@ -1,4 +1,4 @@
-"""What was asked of a scene: derivative blocks of the variables, fields of the responses, points that are gripped."""
+"""Requests to a scene: derivative blocks of the variables, fields of the responses, points that are gripped."""
 
 from __future__ import annotations
 

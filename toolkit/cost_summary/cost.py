@@ -1,4 +1,4 @@
-"""What a scene costs with more and less of it: counted, and measured by interleaved runs of the scene itself."""
+"""Cost of a scene with more and less of it: counted, and measured by interleaved runs of the scene itself."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ REPEATS, PATIENCE = 9, 3.0
 
 @dataclass(frozen=True)
 class Cost:
-    """What one way to compile the scene costs; `step_us` is the processor time of a step, None if it was not measured, and then `reason`.
+    """Cost of one way to compile the scene.
+
+    `step_us` is the processor time of a step, None if it was not measured, and then `reason` says why.
 
     `factorization` and `solution` are multiplications, see `unknowns.multiplications`.
     """
@@ -47,7 +49,7 @@ class Cost:
 
 
 def costs(scene: Scene, design: list[str], measured: bool = True) -> list[Cost]:
-    """The motion alone; with gradients; with the frames of grounded bodies; with everything.
+    """Costs of the motion alone, with gradients, with the frames of grounded bodies, and with everything.
 
     Parameters
     ----------
@@ -104,7 +106,7 @@ def _step_times(systems: dict[str, System], options: RunOptions) -> tuple[dict[s
 
 
 def _enough_steps(dearest: System, times: np.ndarray, options: RunOptions) -> int:
-    """So many steps that their time can be measured, or all."""
+    """Number of steps that take long enough to be measured, or of all."""
     count = min(FIRST, len(times) - 1)
     while count < len(times) - 1 and _seconds(dearest, _until(times, count, options)) < LONG:
         count = min(2 * count, len(times) - 1)
@@ -112,13 +114,16 @@ def _enough_steps(dearest: System, times: np.ndarray, options: RunOptions) -> in
 
 
 def _until(times: np.ndarray, count: int, options: RunOptions) -> RunOptions:
-    """The first steps of a run."""
+    """Options of a run over the first steps of another."""
     first = tuple(float(time) for time in times[: count + 1])
     return options.model_copy(update={"times": first, "end_time": first[-1], "local_error": None})
 
 
 def _seconds(system: System, options: RunOptions) -> float:
-    """Processor time: other programs on the machine slow a run down, but do not make it work more."""
+    """Processor time of a run in s.
+
+    Other programs on the machine slow a run down, but do not make it work more.
+    """
     begun = clock.process_time()
     simulate(system, options)
     return clock.process_time() - begun

@@ -19,7 +19,7 @@ def grounded_bodies(scene: Scene) -> dict[str, ModelBody]:
 
 
 def with_frames(scene: Scene) -> Scene:
-    """The scene with the frames of its grounded bodies: they may move, and a rigid joint to the ground holds each where it was.
+    """Scene with the frames of its grounded bodies: they may move, and a rigid joint to the ground holds each where it was.
 
     Frames in space that only turn, or only move, stay what they are.
     """

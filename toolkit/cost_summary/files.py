@@ -1,4 +1,4 @@
-"""What was read of the files of reduced models, and why the rest was not."""
+"""Bytes that were read of the files of reduced models, and why the rest was not."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def model_paths(system: System) -> list[str]:
 
 
 def groups(system: System, path: str) -> list[Line]:
-    """Bytes of every group of one file, and of what surrounds them."""
+    """Bytes of every group of one file, and of what surrounds the groups."""
     read, full = system.scene.model(path).bytes_read, system.scene.directory / path
     stored = stored_bytes(full)
     lines = [
@@ -60,7 +60,7 @@ def groups(system: System, path: str) -> list[Line]:
 
 
 def meshes(system: System) -> dict[str, Any]:
-    """File -> how exact the stress of its mesh is, of those of which it was estimated."""
+    """File -> stress error of its mesh, for files of which it was estimated."""
     records = {path: mesh_record(system.scene.model(path)) for path in model_paths(system)}
     return {path: record for path, record in records.items() if record}
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Line(NamedTuple):
-    """How much of something is kept and how much is dropped, in the unit of its section, and why."""
+    """A line of the summary: how much of something is kept and dropped, in the unit of its section, and why."""
 
     what: str
     kept: int

@@ -12,7 +12,7 @@ from toolkit.system.system import System
 
 
 def terms(system: System) -> list[Line]:
-    """Mass, stiffness, damping, terms of a rotating frame, weight, and loads."""
+    """Lines for mass, stiffness, damping, terms of a rotating frame, weight, and loads."""
     numbers = {name: number for number, name in enumerate(system.scene.all_bodies())}
     flexible = {name: numbers[name] for name in deforming(system.scene)}
     rigid = [numbers[name] for name in rigid_bodies(system)]
@@ -30,7 +30,10 @@ def rigid_bodies(system: System) -> list[str]:
 
 
 def _rigid(system: System, numbers: list[int]) -> list[Line]:
-    """Of all rigid bodies; in the plane their mass is constant, in space only that of those that do not turn."""
+    """Lines for the mass and quadratic velocity of all rigid bodies.
+
+    In the plane their mass is constant, in space only that of those that do not turn.
+    """
     lines = [Line("mass of rigid bodies", sum(_filled(system.values.constant[number].mass) for number in numbers))]
     if system.scene.space.constant_rigid_mass:
         return [*lines, Line("quadratic velocity of rigid bodies", 0, 2 * len(numbers), "frame at the centre of mass")]
@@ -56,7 +59,7 @@ def _flexible(system: System, number: int, name: str) -> list[Line]:
 
 
 def frame_of(body: Body) -> str:
-    """What the frame of a flexible body does, in a word."""
+    """Word for what the frame of a flexible body does, as the scene writes it; empty for other bodies."""
     return str(getattr(body, "frame", ""))
 
 

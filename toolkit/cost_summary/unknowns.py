@@ -20,11 +20,11 @@ IDLE = {
     "translating": "it does not turn",
     "turning": "it turns about one axis and does not move",
 }
-"""What frames of fewer coordinates do not do."""
+"""Reasons why frames of fewer coordinates lack the others: what they do not do."""
 
 
 def coordinates(system: System) -> list[Line]:
-    """Coordinates of each flexible body, and of all rigid ones."""
+    """Lines for the coordinates of each flexible body, and of all rigid ones."""
     scene, rigid = system.scene, rigid_bodies(system)
     bodies = deforming(scene)
     lines = [Line(name, len(body.coordinate_names(scene)), *_missing(body)) for name, body in bodies.items()]
@@ -37,13 +37,13 @@ def coordinates(system: System) -> list[Line]:
 
 
 def _missing(body: Body) -> tuple[int, str]:
-    """Coordinates that a flexible body's frame does not have, and why."""
+    """Number of coordinates that a flexible body's frame does not have, and why."""
     missing = SPACES[body.dimension].frame_size - body.frame_size
     return (missing, f"{frame_of(body)} frame: {IDLE[frame_of(body)]}") if missing else (0, "")
 
 
 def rows(system: System) -> list[Line]:
-    """Constraint rows of the joints by their kind, and those that would hold a grounded frame if it could move."""
+    """Lines for the constraint rows of the joints by kind, and for those that would hold a grounded frame if it could move."""
     joints = list(system.scene.joints.values())
     kinds = {
         kind: [len(joint.row_names) for joint in joints if _kind(joint) == kind] for kind in dict.fromkeys(map(_kind, joints))
@@ -62,7 +62,7 @@ def _kind(joint: Joint) -> str:
 
 
 def matrix(system: System) -> list[Line]:
-    """Entries of the Jacobian and of its factors."""
+    """Lines for the entries of the Jacobian and of its factors."""
     entries, stored, n = len(system.plan.indices), int(system.lu_plan.row_start[-1]), system.n
     return [
         Line("Jacobian", entries, n * n - entries, "entries that no part of the scene fills"),
@@ -71,7 +71,7 @@ def matrix(system: System) -> list[Line]:
 
 
 def multiplications(plan: LUPlan) -> tuple[int, int]:
-    """Multiplications of one factorization, and of one solution of the factored equations.
+    """Number of multiplications of one factorization, and of one solution of the factored equations.
 
         factorization: sum_k u_k^2 + u_k
         solution:      sum_k 2 u_k + 1

@@ -17,11 +17,11 @@ from toolkit.description.description import Registered
 from toolkit.foundation.listed_names import SHORT, meant
 
 PLACEHOLDER = "any time curve"
-"""What stands in a JSON schema of one class for a curve of any kind."""
+"""Comment in a JSON schema of one class that stands for a curve of any kind."""
 
 
 def _any_curve(value: Any) -> Curve:
-    """A curve as it is, or one from its table.
+    """Curve as it is, or one made from its table.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def _any_curve(value: Any) -> Curve:
 
 
 class Part(NamedTuple):
-    """A curve inside of another one, and when it counts."""
+    """A curve inside of another one, with the times between which it counts."""
 
     path: str
     curve: Curve
@@ -70,20 +70,23 @@ class Curve(Registered):
         return ()
 
     def kink(self) -> str:
-        """Where the slope jumps, so that there is no second derivative, and what would be right, in words; empty if it jumps nowhere."""
+        """Sentence on where the slope jumps, and on what would be right; empty if it jumps nowhere.
+
+        There is no second derivative where the slope jumps.
+        """
         return ""
 
     @property
     def is_constant(self) -> bool:
-        """Whether it has one value at all times."""
+        """Whether the curve has one value at all times."""
         return False
 
     def periods(self) -> tuple[float, ...]:
-        """Of what oscillates in it."""
+        """Periods of the oscillations that the curve holds, in time."""
         return ()
 
     def parts(self) -> tuple[Part, ...]:
-        """Curves that it is made of."""
+        """Curves that this curve is made of."""
         return ()
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
@@ -105,7 +108,7 @@ class Curve(Registered):
 
     @model_serializer(mode="wrap")
     def _with_type(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """The table that a file would have."""
+        """Table of the curve as a file would have it, with its `type`."""
         return {"type": self.kind, **plain(self)}
 
     @classmethod
@@ -120,7 +123,10 @@ class Curve(Registered):
 
 
 def _mean(left: np.ndarray, right: np.ndarray, here: np.ndarray, apart: np.ndarray) -> np.ndarray:
-    """Mean of both sides, (n, 3), which were evaluated a little `apart` (n,); where f or f' does not jump it is what it is `here`."""
+    """Mean of both sides (n, 3), which were evaluated a little `apart` (n,).
+
+    Where f or f' does not jump it is what it is `here`.
+    """
     mean = (left + right) / 2
     reach = 4 * apart[:, None] * np.maximum(np.abs(np.real(left)), np.abs(np.real(right)))[:, 1:]
     alike = np.abs(np.real(right - left))[:, :2] <= reach
@@ -129,5 +135,5 @@ def _mean(left: np.ndarray, right: np.ndarray, here: np.ndarray, apart: np.ndarr
 
 
 def _beside(time: np.ndarray, direction: float) -> np.ndarray:
-    """The numbers next to the times, on one side; imaginary parts stay."""
+    """Numbers next to the times, on one side; imaginary parts stay."""
     return np.nextafter(np.real(time), direction) + (1j * np.imag(time) if np.iscomplexobj(time) else 0)

@@ -1,1 +1,1 @@
-"""What a person writes besides bodies, joints and loads: frozen, validated records whose numbers have paths."""
+"""Descriptions of all but bodies, joints and loads: frozen, validated records whose numbers have paths."""

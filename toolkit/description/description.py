@@ -1,4 +1,4 @@
-"""What a person writes: frozen, validated records whose numbers can be reached by a path."""
+"""Base of all that a person writes: frozen, validated records whose numbers can be reached by a path."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Description(BaseModel):
         return True
 
     def quantity_of(self, field: str) -> Quantity | None:
-        """What the numbers of a field measure, as it stands beside the field; None if nobody has said it."""
+        """Measure of a field's numbers, as it stands beside the field; None if nobody has said it."""
         described = (kind.model_fields.get(field) for kind in type(self).__mro__ if issubclass(kind, Description))
         facts = (each for info in described if info is not None for each in info.metadata)
         return next((each for each in facts if isinstance(each, Quantity)), None)
@@ -74,7 +74,7 @@ class Description(BaseModel):
         return self.with_all({path: value})
 
     def with_all(self, values: Mapping[str, Any]) -> Self:
-        """The same with several numbers by their paths, of which there is at least one."""
+        """A copy in which the numbers at several paths, at least one, have other values."""
         found: Self = _replace(self, [(path.split("."), value, path) for path, value in values.items()])
         return found
 
@@ -88,7 +88,7 @@ class Registered(Description):
 
     kind: ClassVar[str] = ""
     dimension: ClassVar[int] = 0
-    """Of the space that it belongs to; 0 of what belongs to none, as every neutral base."""
+    """Dimension of the space that it belongs to; 0 of what belongs to none, as every neutral base."""
     kinds: ClassVar[dict[str, type[Registered]]] = {}
 
     @classmethod
@@ -139,7 +139,7 @@ def holds_complex(value: Any) -> bool:
 
 
 def number_at(value: Any, keys: Sequence[str]) -> Any | None:
-    """The number that keys lead to from a value, as `numbers_below` names it; None if there is none."""
+    """Number that keys lead to from a value, as `numbers_below` names it; None if there is none."""
     for key in keys:
         if isinstance(value, Description):
             extra = value.model_extra or {}

@@ -36,7 +36,7 @@ class CommonVariable(Description):
 
     @property
     def shares(self) -> tuple[float, ...]:
-        """The factors, also where they are not written."""
+        """Factors of the numbers, also where they are not written."""
         return (1.0,) * len(self.of) if self.factors is None else self.factors
 
 
@@ -56,7 +56,7 @@ def check_shares(of: tuple[str, ...] | None, factors: tuple[float, ...] | None) 
 
 
 def _entry(value: Any) -> Any:
-    """A path as it is, or the table of a variable of several numbers."""
+    """Path as it is, or the table of a variable of several numbers."""
     if isinstance(value, str | CommonVariable):
         return value
     if isinstance(value, Mapping):
@@ -67,7 +67,7 @@ def _entry(value: Any) -> Any:
 
 
 DesignEntry = Annotated[str | CommonVariable, BeforeValidator(_entry)]
-"""What stands beside a name in the table [design]."""
+"""Entry beside a name in the table [design]."""
 
 
 @dataclass(frozen=True)
@@ -84,17 +84,17 @@ class DesignVariable:
 
     @property
     def path(self) -> str:
-        """Of the first number, whose unit and kind all have."""
+        """Path of the first number, whose unit and kind all numbers of the variable have."""
         return self.paths[0]
 
     def record(self) -> dict[str, Any]:
-        """Path and value; of several numbers all paths and factors too."""
+        """Path and value of the variable; for several numbers all paths and factors too."""
         several = {"of": list(self.paths), "factors": list(self.factors)} if len(self.paths) > 1 or self.factors != (1.0,) else {}
         return {"path": self.path, "value": self.value, **several}
 
 
 def label(record: Mapping[str, Any]) -> str:
-    """All paths of a variable, from its `record`, with factors that are not one."""
+    """Text with all paths of a variable, from its `record`, and with factors that are not one."""
     paths, factors = record.get("of", [record["path"]]), record.get("factors", [1.0])
     return ", ".join(path if factor == 1 else f"{factor:g} {path}" for path, factor in zip(paths, factors, strict=True))
 
@@ -113,10 +113,10 @@ class Design:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Short names, in column order."""
+        """Short names of the variables, in column order."""
         return tuple(variable.name for variable in self.variables)
 
     @property
     def values(self) -> Mapping[str, float]:
-        """Short name to value."""
+        """Values of the variables by short name."""
         return {variable.name: variable.value for variable in self.variables}

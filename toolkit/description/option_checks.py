@@ -33,7 +33,7 @@ def known_start(value: str) -> str:
 
 
 def contradictions(options: RunOptions) -> Iterator[str]:
-    """One sentence for each."""
+    """Sentences on options that contradict each other, one for each contradiction."""
     if options.times is not None:
         yield from _of_times(options, options.times)
     if options.scheme == "paper" and (options.local_error is not None or options.formulation != "index-1"):

@@ -28,7 +28,7 @@ class Point(Description):
     z: Annotated[Number | None, Quantity("length")] = None
 
     def position(self) -> np.ndarray:
-        """Its coordinates, shape (2,) or (3,)."""
+        """Coordinates of the point, shape (2,) or (3,)."""
         return np.array([self.x, self.y] if self.z is None else [self.x, self.y, self.z])
 
 

@@ -1,4 +1,4 @@
-"""What a number measures, said beside its field: `mass: Annotated[Positive, Quantity("mass")]`."""
+"""Measure of a number, said beside its field: `mass: Annotated[Positive, Quantity("mass")]`."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ ANGLE = "angle"
 
 
 class Measure(NamedTuple):
-    """What one number measures: its dimension, and the power of an angle, which has a unit but no dimension."""
+    """Measure of one number: its dimension, and the power of an angle, which has a unit but no dimension."""
 
     dimension: Dimension
     angle: int = 0
 
 
 class Quantity:
-    """What the numbers of a field measure: of all of them in one, or of each in its order.
+    """Measure of the numbers of a field: of all of them in one, or of each in its order.
 
     Words are those of `toolkit.foundation.dimensions.LABELLED`; factors stand apart by spaces, a slash divides by what follows it:
     "mass", "mass length^2", "length/time^2", "1/time", "none". Conversion of units, labels of gradients, schema and documentation read it.
@@ -40,19 +40,19 @@ class Quantity:
 
     @property
     def of_owner(self) -> bool:
-        """Whether it is said where the record stands, as of the values of a time curve."""
+        """Whether the measure is said where the record stands, as that of the values of a time curve is."""
         return not self.each
 
     def measure_of(self, values: Measure, place: int = 0) -> Measure:
-        """Of the number at a place, where the owner of the record has said what its values measure."""
+        """Measure of the number at a place of a field; `values` is what the owner of the record says that its values measure."""
         return values if self.of_owner else self.measure(place)
 
     def measure(self, place: int = 0) -> Measure:
-        """Of the number at a place of a list; of all, where one text stands for all."""
+        """Measure of the number at a place of a list, or of all numbers where one text stands for all."""
         return self._measures[place if len(self._measures) > 1 else 0]
 
     def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> dict[str, Any]:
-        """The schema says it in words, for those who write a file."""
+        """JSON schema of the field with its measure in words, for those who write a file."""
         schema = handler(core_schema)
         if any(text != "none" for text in self.each) and "$ref" not in schema:
             schema["description"] = ", ".join(self.each)
@@ -63,7 +63,10 @@ class PerTime(Quantity):
     """Coefficients of a polynomial of time: what its values measure, per time to the power of the place."""
 
     def measure_of(self, values: Measure, place: int = 0) -> Measure:
-        """The first is a value itself."""
+        """Measure of the coefficient at a place: `values` per time to the power of the place.
+
+        The first coefficient is a value itself.
+        """
         return Measure(values.dimension.times(LABELLED["time"].power(-place)), values.angle)
 
 
@@ -72,13 +75,13 @@ class OverAngle(Quantity):
 
 
 OF_OWNER = Quantity()
-"""Of a value of a time curve: what it measures is said where the curve stands."""
+"""Measure of a value of a time curve, which is said where the curve stands."""
 OF_OWNER_PER_TIME = PerTime()
-"""Of coefficients of a polynomial."""
+"""Measure of coefficients of a polynomial of time, which is said where the curve stands."""
 
 
 def _measure(text: str) -> Measure:
-    """The measure that a text such as "force time/length" stands for."""
+    """Measure that a text such as "force time/length" stands for."""
     found, angle = NONE, 0
     for k, factors in enumerate(text.split("/")):
         for word in factors.split():

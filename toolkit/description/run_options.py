@@ -1,4 +1,4 @@
-"""How a scene is to be solved; every number can be overridden by its path."""
+"""Options for solving a scene; every number can be overridden by its path."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ class RunOptions(Description):
 
     @property
     def start_file(self) -> str | None:
-        """The results file that a motion begins from, None if it begins elsewhere."""
+        """Results file that a motion begins from, None if it begins elsewhere."""
         return None if self.start in STARTS else self.start
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""What pydantic found wrong, in words for the person who wrote it: the key as it stands in the file, and what would be right."""
+"""Messages on what pydantic found wrong: the key as it stands in the file, and what would be right."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def messages(error: ValidationError, kind: type[BaseModel], value: Any, where: s
 
 
 def _causes(error: ValidationError) -> list[Any]:
-    """All mistakes but those that follow from others: a list is not too short because its entries are wrong."""
+    """Mistakes that do not follow from others: a list is not too short because its entries are wrong."""
     found = error.errors()
     below = {each["loc"][:depth] for each in found for depth in range(len(each["loc"]))}
     return [each for each in found if each["type"] != "too_short" or each["loc"] not in below]

@@ -11,7 +11,7 @@ AXES = ("x", "y", "z")
 
 
 def numbered(path: str, groups: Mapping[str, Mapping[str, Any]]) -> str:
-    """The path with the number of the axis: `loads.pull.force.z` is `loads.pull.force.2`; any other path as it is.
+    """Path with the number of the axis: `loads.pull.force.z` is `loads.pull.force.2`; any other path as it is.
 
     So is `bodies.beam.deflection.tip.z`, of one vector among several that have names.
 
@@ -33,7 +33,7 @@ def numbered(path: str, groups: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def lettered(path: str, known: Container[str]) -> str:
-    """The path of a pair's number by its letter, `coefficients.0` is `coefficients.x`, where that is the one among the `known` paths.
+    """Path of a pair's number by its letter, `coefficients.0` as `coefficients.x`, where that is the one among the `known` paths.
 
     Two numbers are taken for a vector of the plane, also where they are a list that could be longer.
     """

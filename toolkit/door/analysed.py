@@ -34,7 +34,7 @@ def analysed(
     timed: bool = False,
     keep_states: bool = False,
 ) -> Run:
-    """A run; arguments as of `Model.run`.
+    """Run of a compiled scene; arguments as of `Model.run`.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def check_method(gradients: bool | str) -> None:
 
 
 def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Run, progress: Progress | None) -> Run:
-    """A run that begins in the last state of another one."""
+    """Run that begins in the last state of another one."""
     if gradients not in (False, True, "direct"):
         raise InputError(
             f"gradients of a run with a start are found by direct differentiation, not {gradients!r}. Write gradients=True."
@@ -94,7 +94,7 @@ def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Ru
 
 
 def _not_in_more_shapes() -> NoReturn:
-    """The refusal to begin with more shapes where a run with fewer has ended."""
+    """Refuse to begin with a richer basis where a run with a frozen basis has ended."""
     raise InputError(
         "The motion begins in the last state of a run with the shapes of the frozen basis, which tells no more of them."
     )

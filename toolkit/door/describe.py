@@ -17,7 +17,7 @@ PLAIN = "plain HDF5 of another program: no checksum tells whether a bit of it wa
 
 
 def describe(model: str | Path | ReducedModel) -> dict[str, Any]:
-    """What is in a reduced model, as `ffrf inspect --json` tells it: what body it is of, its basis, parameters and what depends on them.
+    """Content of a reduced model, as `ffrf inspect --json` prints it: its body, basis, parameters and what depends on them.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def describe(model: str | Path | ReducedModel) -> dict[str, Any]:
 
 
 def dependences(model: ReducedModel, items: Mapping[str, Any] | None) -> dict[str, str]:
-    """Parameter -> the arrays that depend on it, by polynomials or by derivatives."""
+    """Arrays that depend on each parameter, by polynomials or by derivatives."""
     found = {
         parameter: ", ".join(item for item, dependence in (items or {}).items() if dependence.depends_on(k))
         for k, parameter in enumerate(model.parameters)
@@ -84,7 +84,7 @@ def sizes(model: ReducedModel) -> dict[str, int]:
 
 
 def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
-    """Where an interface point is and how far it may be moved."""
+    """Position of an interface point and how far it may be moved."""
     low, high = (float(end) for end in point.arc_length_range)
     movable = f"from {low:.6g} to {high:.6g}" if low < high else "no: at a node, no derivative by the arc length"
     return {"arc_length": float(point.arc_length), "unit": length, "movable": movable}

@@ -35,7 +35,7 @@ FREE = Caution(
     "motions.",
     doubt=False,
 )
-"""What is said of the modes of bodies that float."""
+"""Caution about the modes of bodies that float."""
 
 
 def compile_model(scene: Scene, variables: Sequence[str] = ()) -> Model:
@@ -90,7 +90,7 @@ class Model:
 
     @property
     def scene(self) -> Scene:
-        """The scene at its own numbers."""
+        """Scene at its own numbers."""
         return self._compiled.scene
 
     @property
@@ -99,7 +99,7 @@ class Model:
         return dict(self._compiled.design.values)
 
     def at(self, numbers: Mapping[str, float]) -> Model:
-        """The model at other numbers.
+        """Model at other numbers of the scene.
 
         Parameters
         ----------
@@ -252,7 +252,7 @@ class Model:
     def _modes_of(
         self, compiled: Compiled, count: int, undeformed: bool, spinning: bool, progress: Progress | None = None
     ) -> Modes:
-        """Modes without what frozen bases do to them."""
+        """Modes without cautions about frozen bases."""
         floating = not (undeformed or spinning) and _floats(self.scene)
         as_given = undeformed or floating
         system = (compiled.of_one_frame() if as_given else compiled.analysed_by("static")).primal
@@ -414,7 +414,7 @@ class Model:
 
 
 def kind_of(analysis: str) -> Kind:
-    """The kind of an analysis by its word, or by the name of the method that does it.
+    """Kind of an analysis from its name, or from the name of the method that does it.
 
     Raises
     ------
@@ -429,23 +429,23 @@ def kind_of(analysis: str) -> Kind:
 
 
 def _without_responses(state: Solution) -> Solution:
-    """A state of a scene without its responses, whose doubts are none of the modes about it."""
+    """State of a scene without its responses, whose doubts do not apply to the modes about it."""
     scene = state.system.scene.model_copy(update={"responses": {}})
     return replace(state, system=replace(state.system, scene=scene))
 
 
 def _named(frequencies: np.ndarray) -> dict[str, float]:
-    """Frequencies by what messages call them."""
+    """Frequencies by the names that messages give them."""
     return {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
 
 
 def _named_by_speed(found: Campbell) -> dict[str, float]:
-    """The same at several speeds of a spin."""
+    """Frequencies at several speeds of a spin, by the names that messages give them."""
     rows = zip(found.speeds, found.frequencies, strict=True)
     return {f"frequency {k + 1} at {speed:g} rad/time": float(each) for speed, row in rows for k, each in enumerate(row)}
 
 
 def _floats(scene: Scene) -> bool:
-    """Whether no joint holds a body and no load but its weight acts, so that there is no equilibrium but the given positions, falling."""
+    """Whether no joint holds a body and only its weight acts: its only equilibrium are the given positions, falling."""
     weight_alone = all(isinstance(load, UniformGravity) for load in scene.loads.values())
     return weight_alone and not scene.joints and all(body.has_frame for body in scene.bodies.values())

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Run(Result):
-    """A motion or an equilibrium of a scene: values of its responses, their gradients, and the states that they come from.
+    """Motion or equilibrium of a scene: values of its responses, their gradients, and the states behind them.
 
     Nobody makes one by hand: `Model.simulate` and `Model.statics` return it, and `load` reads one back. `print(run)` shows a short table
     with the verdict, and a notebook shows the same.
@@ -45,7 +45,7 @@ class Run(Result):
 
     @classmethod
     def of(cls, result: Result) -> Self:
-        """The result of an analysis as a run."""
+        """Run that holds the result of an analysis."""
         return cls(**{field.name: getattr(result, field.name) for field in fields(Result)})
 
     @cached_property
@@ -62,7 +62,7 @@ class Run(Result):
 
     @property
     def scene(self) -> Scene:
-        """The scene that was run, at the numbers of the run."""
+        """Scene that was run, at the numbers of the run."""
         return self.solution.system.scene
 
     def table(self) -> str:
@@ -188,7 +188,7 @@ class Run(Result):
         return f"<Run: {kind}, {values or 'no responses'}; method {self.method}>"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """HTML that a notebook shows."""
         return "".join(table.html() for table in self._tables()) + f"<pre>{escape(str(self.verdict))}</pre>"
 
     def _tables(self) -> list[Any]:

@@ -13,14 +13,14 @@ from toolkit.studies.study.study_reader import naming_study_lines, read_study
 
 @contextmanager
 def study_of(study: Study | str | Path) -> Iterator[Study]:
-    """A study, which is read unless it is one; errors about keys of a file say in which line they stand."""
+    """Study, read from its file unless it is one already; errors about keys of the file name their line."""
     described = study if isinstance(study, Study) else read_study(study)
     with naming_study_lines(study):
         yield described
 
 
 def made_folder(path: str | Path | None) -> Path | None:
-    """The folder, which is made unless it is there; None stays None.
+    """Folder, which is made unless it is there; None stays None.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What the design changes in the steps of a backward run, summed up over many of them at once, or for all variables together.
+"""Sums of what the design changes in the steps of a backward run, over many steps at once, or for all variables together.
 
 With the multiplier mu of a step its gradient grows by mu^T (f_I I_x + f_A A_x). Some of that changes by the design, and not with time:
 
@@ -23,7 +23,7 @@ TOGETHER = 16
 
 
 class GatheredPlan(NamedTuple):
-    """What is summed up that way."""
+    """Parts of a plan whose effect in a backward run is summed up over many steps, or for all variables together."""
 
     mass: Changes
     damping: Changes
@@ -35,7 +35,7 @@ class GatheredPlan(NamedTuple):
 
 
 class DesignSums(NamedTuple):
-    """The sums, one column for every response, and what the next ones need."""
+    """Sums of a backward run, one column for every response, and what the next sums need."""
 
     plan: GatheredPlan
     gradient: np.ndarray  # (n_x, n_r filled up) what matrices have added
@@ -51,7 +51,7 @@ class DesignSums(NamedTuple):
 
 
 def design_sums(plan: GatheredPlan, n_x: int, n: int, n_m: int, n_columns: int, n_r: int) -> DesignSums:
-    """Nothing summed up yet, for n unknowns, and n_m markers with n_columns columns."""
+    """Empty sums for n unknowns, and n_m markers with n_columns columns."""
     return DesignSums(
         plan=plan,
         gradient=np.zeros((n_x, filled_up(n_r))),
@@ -67,7 +67,7 @@ def design_sums(plan: GatheredPlan, n_x: int, n: int, n_m: int, n_columns: int, 
 
 @inner
 def gather(plan, sums, scheme, levels, state, factor_i, factor_a, q, v, acc, block):
-    """Take up the share of one multiplier, a block (n, n_r filled up), at the state that has been evaluated last."""
+    """Add the share of one multiplier, a block (n, n_r filled up), at the state that has been evaluated last."""
     at, inertia = sums.steps[0], factor_i if scheme.inertia else 0.0
     for k in sums.plan.column:
         sums.inertial[k, at], sums.rate[k, at], sums.place[k, at] = inertia * acc[k], factor_a * v[k], factor_a * q[k]
@@ -81,7 +81,7 @@ def gather(plan, sums, scheme, levels, state, factor_i, factor_a, q, v, acc, blo
 
 @inlined
 def pull_points(plane, plan, sums, levels, state, factor_i, factor_a, q, v, acc, block):
-    """The share of points of pins."""
+    """Add the share of the points of pins to the sums."""
     if plane is not None:
         for p in range(len(sums.plan.pin)):
             pull_pin(
@@ -92,7 +92,7 @@ def pull_points(plane, plan, sums, levels, state, factor_i, factor_a, q, v, acc,
 
 @inner
 def add_up(sums):
-    """The share of matrices in the last steps."""
+    """Add the share of the matrices in the last steps to the sums."""
     for k in sums.plan.column:
         for at in range(sums.steps[0], TOGETHER):
             sums.inertial[k, at], sums.rate[k, at], sums.place[k, at] = 0.0, 0.0, 0.0

@@ -50,7 +50,7 @@ class Plan(NamedTuple):
 
 
 class Terms(NamedTuple):
-    """What `evaluate` fills."""
+    """Residual in two groups and its derivatives by state and design, which `evaluate` fills."""
 
     inertial: np.ndarray  # (n,)
     applied: np.ndarray  # (n,)
@@ -80,7 +80,7 @@ class Work(NamedTuple):
 
 @by_value
 class Inputs(NamedTuple):
-    """What acts at one time: values f, f', f'' of every time curve, their design derivatives, load scale, constraint levels.
+    """Inputs at one time: values f, f', f'' of every time curve, their design derivatives, load scale, constraint levels.
 
     Without `inertia` bodies feel neither accelerations nor, apart from dampers, velocities. With `joints_only` all other terms are zero.
     """
@@ -94,7 +94,7 @@ class Inputs(NamedTuple):
 
 
 def allocate_terms(plan: Plan, dtype: type) -> Terms:
-    """Memory for the result, with two rows and columns of derivatives by the design at least, see `of_variables`."""
+    """Memory for the terms, with two rows and columns of derivatives by the design at least, see `of_variables`."""
     vectors: list[Any] = [np.zeros(plan.n, dtype) for _ in range(2)]
     entries: Any = np.zeros((4, len(plan.indices)), dtype)  # in one piece, of which a processor keeps track in larger pages
     # one row or column lies in both orders: another type, for which everything is compiled anew
@@ -104,12 +104,12 @@ def allocate_terms(plan: Plan, dtype: type) -> Terms:
 
 
 def of_variables(plan: Plan, terms: Terms) -> Terms:
-    """The terms without the rows and columns of memory that belong to no unknown and no design variable."""
+    """Terms without the rows and columns of memory that belong to no unknown and no design variable."""
     return terms._replace(I_x=terms.I_x[: plan.n, : plan.n_x], A_x=terms.A_x[: plan.n, : plan.n_x])
 
 
 def allocate_work(plan: Plan, dtype: type) -> Work:
-    """Scratch memory."""
+    """Scratch memory for `evaluate`."""
     return Work(
         markers=plan.markers.state(dtype),
         scratch=np.zeros((3, 3), dtype),
@@ -125,7 +125,7 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
 
 @inlined
 def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
-    """Both groups of the residual, and if `linearize` their derivatives by the state."""
+    """Compute both groups of the residual, and if `linearize` their derivatives by the state."""
     terms.inertial[:] = 0
     terms.applied[:] = 0
     rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
@@ -198,7 +198,7 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
 
 @inlined
 def drop_rows(plan, acc, linearize, by_a, terms):
-    """lam = 0 in the place of redundant constraints."""
+    """Put lam = 0 in the place of redundant constraints."""
     for row in plan.dropped:
         terms.inertial[row], terms.applied[row] = acc[row], 0
         for e in range(plan.indptr[row], plan.indptr[row + 1] if linearize else plan.indptr[row]):
@@ -208,7 +208,7 @@ def drop_rows(plan, acc, linearize, by_a, terms):
 
 @inlined
 def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
-    """Partial derivatives of the residual by the design, at the state of the last evaluation."""
+    """Compute the partial derivatives of the residual by the design, at the state of the last evaluation."""
     for e in range(len(plan.touched_row)):
         i, x = plan.touched_row[e], plan.touched_variable[e]
         terms.I_x[i, x], terms.A_x[i, x] = 0, 0
@@ -250,7 +250,7 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
 
 @kernel
 def evaluate_all(plan, functions, inputs, q, v, acc, linearize, design, terms, work):
-    """Residual; if `linearize` its derivatives by the state; if `design` its partial derivatives by the design."""
+    """Compute the residual; if `linearize` its derivatives by the state; if `design` its partial derivatives by the design."""
     evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work)
     if design:
         evaluate_design(plan, functions, inputs, q, v, acc, terms, work)
@@ -258,7 +258,7 @@ def evaluate_all(plan, functions, inputs, q, v, acc, linearize, design, terms, w
 
 @kernel
 def evaluate_states(evaluator, plan, functions, curves, curves_x, levels, joints_only, q, v, acc, terms, work, residuals, values):
-    """The residual of k states (k, 2, n), and its derivatives by the state (k, 4, n_entries): both in the order of `Terms`."""
+    """Compute the residuals (k, 2, n) of k states and their derivatives by the state (k, 4, n_entries), ordered as `Terms`."""
     for k in range(len(q)):
         inputs = Inputs(curves[k], curves_x[k], 1.0, levels, True, joints_only)
         evaluator(plan, functions, inputs, q[k], v[k], acc[k], True, False, terms, work)

@@ -1,1 +1,1 @@
-"""What every room may use: errors, verdicts, units, the decorator of compiled formulas, and rules that no last digit decides."""
+"""Foundation of all rooms: errors, verdicts, units, the decorator of compiled formulas, and rules that no last digit decides."""

@@ -17,11 +17,11 @@ class Dimension(NamedTuple):
     time: int = 0
 
     def power(self, exponent: int) -> Dimension:
-        """The dimension of a power."""
+        """Dimension of a power of the quantity."""
         return Dimension(*(exponent * each for each in self))
 
     def times(self, other: Dimension) -> Dimension:
-        """The dimension of a product."""
+        """Dimension of the product with another quantity."""
         return Dimension(*(a + b for a, b in zip(self, other, strict=True)))
 
 
@@ -33,14 +33,14 @@ LABELLED = {
     "rate": Dimension(0, 0, -1), "velocity": Dimension(0, 1, -1), "acceleration": Dimension(0, 1, -2),
     "angular_velocity": Dimension(0, 0, -1), "power": Dimension(1, 2, -3),
 }  # fmt: skip
-"""Of the quantities that `toolkit.foundation.units` has labels for."""
+"""Dimensions of the quantities that `toolkit.foundation.units` has labels for."""
 
 _IN_KG_M_S = {"m-kg-s": (1.0, 1.0, 1.0), "mm-t-s": (1e3, 1e-3, 1.0)}
 """Units of mass, length and time of each system, in kg, m and s."""
 
 
 def factor(dimension: Dimension, source: str, target: str) -> float:
-    """What a number in the units of `source` is multiplied by to be one in those of `target`.
+    """Factor that turns a number in the units of `source` into one in those of `target`.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def factor(dimension: Dimension, source: str, target: str) -> float:
 
 
 def dimension_of_label(label: str, units: str) -> Dimension:
-    """The dimension that a unit's label such as "MPa" stands for.
+    """Dimension that a unit's label such as "MPa" stands for.
 
     Raises
     ------

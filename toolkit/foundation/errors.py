@@ -9,12 +9,15 @@ class ToolkitError(Exception):
     """Base of every error that the toolkit raises on purpose; the command line prints its text without a traceback."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """How other processes get it: with its text and attributes, whatever its constructor takes."""
+        """Form in which other processes get the error: with its text and attributes, whatever its constructor takes."""
         return error_again, (type(self), *self.args), dict(self.__dict__)
 
 
 def error_again(kind: type[ToolkitError], *args: Any) -> ToolkitError:
-    """An error of a kind with its text; Python itself would call the constructor with the text alone, which some do not take."""
+    """Error of a kind with its text.
+
+    Python itself would call the constructor with the text alone, which some do not take.
+    """
     return kind.__new__(kind, *args)
 
 
@@ -22,31 +25,31 @@ Told = TypeVar("Told", bound=ToolkitError)
 
 
 def retold(error: Told, text: str) -> Told:
-    """The same error with another text; what else it carries stays."""
+    """Copy of an error with another text; what else it carries stays."""
     found = copy(error)
     found.args = (text,)
     return found
 
 
 def refusal(error: OSError) -> str:
-    """What the system refused, where nobody nearer to it knew what to say."""
+    """Message on what the system refused, where nobody nearer to it knew what to say."""
     where = f" at {str(error.filename)!r}" if error.filename is not None else ""
     return f"the system refused to go on{where}: {error.strerror or error}. Fix the path, or make room on the disk."
 
 
 def out_of_memory(error: MemoryError) -> str:
-    """What does not fit into memory, where nobody nearer to it counted it before."""
+    """Message on what does not fit into memory, where nobody nearer to it counted it before."""
     what = str(error) or "the system gives no more"
     return f"the memory does not hold what this takes ({what}). Describe it by fewer numbers, or take a larger machine."
 
 
 def without_content(reason: str) -> str:
-    """What a library says about a file that it cannot read, less what it quotes of the file: that may be anybody's."""
+    """Message of a library on a file that it cannot read, without what it quotes of the file, which may be anybody's."""
     return re.sub(r"""["'`].*["'`]""", "...", reason, flags=re.DOTALL)
 
 
 class InputError(ToolkitError, ValueError):
-    """What the user wrote is invalid: a scene, a path, a number, an option."""
+    """The user's input is invalid: a scene, a path, a number, an option."""
 
 
 class NoDerivativeError(InputError):

@@ -10,7 +10,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class Itself(Generic[T]):
-    """Something that equals itself alone, whatever is in it."""
+    """Key that equals itself alone, whatever is in it."""
 
     item: T
 

@@ -24,7 +24,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.rare_collections import rare_collections
 
 SETTINGS = {"error_model": "numpy", "_nrt": False, "forceinline": False}
-"""Of numba, for all formulas; one that did not say whether it becomes part of its callers would take that from the first of them."""
+"""Settings of numba for all formulas; one that did not say whether it becomes part of its callers would take that from the first
+of them."""
 
 
 def kernel(function: Callable) -> CPUDispatcher:
@@ -77,13 +78,13 @@ SLOTS = 8
 
 @inner
 def copy(source, target):
-    """target = source, for vectors."""
+    """Copy a vector into another: target = source."""
     for i in range(len(source)):
         target[i] = source[i]
 
 
 def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
-    """The functions as the fixed-length tuple of one type that the compiled loop accepts.
+    """Functions as the fixed-length tuple of one type that the compiled loop accepts.
 
     Raises
     ------
@@ -111,7 +112,7 @@ def first_class(function: CPUDispatcher, signature: Any) -> Any:
 
 @cache
 def plain(function: CPUDispatcher) -> FunctionType:
-    """The same formula as plain Python, together with every kernel that it calls; it takes complex arrays."""
+    """Formula as plain Python, together with every kernel that it calls; it takes complex arrays."""
     if not isinstance(function, CPUDispatcher):
         return function
     source = function.py_func

@@ -9,10 +9,10 @@ from itertools import groupby
 from reprlib import Repr
 
 ALIKE = 0.6
-"""How alike two names are, by difflib's measure, of which one is taken for the other."""
+"""Likeness of two names, by difflib's measure, from which one is taken for the other."""
 NUMBERED = re.compile(r"(.*?)(\d+)$")
 SHORT = Repr()
-"""How values are shown in a message."""
+"""Form in which values are shown in a message."""
 SHORT.maxstring = SHORT.maxother = 60
 
 
@@ -26,7 +26,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def meant(name: str, names: Iterable[str]) -> str:
-    """What was probably meant by a name that is none of these, as a part of a sentence; empty if nothing is like it."""
+    """Part of a sentence with the probable meaning of a name that is none of these; empty if nothing is like it."""
     close = get_close_matches(name, list(names), n=1, cutoff=ALIKE)
     return f", did you mean {close[0]!r}" if close else ""
 

@@ -20,6 +20,6 @@ def zeros_in_large_pages(*shape: int) -> np.ndarray:
 
 
 def in_gigabytes(count: float) -> str:
-    """A number of bytes for messages."""
+    """Text of a number of bytes for messages, in gigabytes."""
     size = count / GIGABYTE
     return f"{size:.0f} GB" if size >= 1 else f"{size:.2g} GB"

@@ -9,12 +9,14 @@ BAND = 1e-6
 """Part of the largest by which sizes that mean the same may differ: round-off of a mechanism's state is far below, a difference
 that a reader would see far above."""
 SAME = 1e-9
-"""Of values of which one is the result: what stiff bodies leave of their digits."""
+"""Band for values of which one is the result: what stiff bodies leave of their digits."""
 
 
 def first_largest(sizes: np.ndarray, band: float = BAND) -> int:
-    """Number of the first size (n,) that is the largest but for a part `band` of it; of the first that is no number, if there is
-    one."""
+    """Number of the first size (n,) that is the largest but for a part `band` of it.
+
+    Where a size is not a number, it is that of the first such one.
+    """
     lost = np.isnan(sizes)
     if lost.any():
         return int(np.argmax(lost))

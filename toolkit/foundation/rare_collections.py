@@ -12,7 +12,10 @@ OBJECTS = 500_000
 
 @contextmanager
 def rare_collections() -> Iterator[None]:
-    """Have Python look for garbage rarely: measured, an eighth of a command, and of the time to compile the step loop, goes into that."""
+    """Context in which Python looks for garbage rarely.
+
+    Measured, an eighth of a command, and of the time to compile the step loop, goes into that.
+    """
     before = gc.get_threshold()
     gc.set_threshold(OBJECTS, *before[1:])
     try:
@@ -23,7 +26,10 @@ def rare_collections() -> Iterator[None]:
 
 @contextmanager
 def last_work() -> Iterator[None]:
-    """The same for what a process does last: Python does not look through all that is left when it ends, a quarter of a warm command."""
+    """Context for the last work of a process, as `rare_collections`.
+
+    Python does not look through all that is left when it ends, a quarter of a warm command.
+    """
     with rare_collections():
         try:
             yield

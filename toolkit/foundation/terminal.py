@@ -1,4 +1,4 @@
-"""What the programs `ffrf` and `ffrf-preprocess` have in common on the terminal: options, JSON, and errors as one plain message."""
+"""Parts that `ffrf` and `ffrf-preprocess` share on the terminal: options, JSON, and errors as one plain message."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ def print_json(record: dict[str, Any]) -> None:
 
 
 UsageError: Any = typer.BadParameter.__base__
-"""What typer raises where a command line is invalid."""
+"""Error that typer raises where a command line is invalid."""
 
 
 @contextmanager
 def usage_in_json(as_json: bool) -> Iterator[None]:
-    """An invalid command line is told as JSON too, where that was asked for; the exit code stays typer's, 2."""
+    """Context in which an invalid command line is told as JSON too, where that was asked for; the exit code stays typer's, 2."""
     try:
         yield
     except UsageError as error:
@@ -53,8 +53,10 @@ def usage_in_json(as_json: bool) -> Iterator[None]:
 
 @contextmanager
 def errors_in_words(as_json: bool) -> Iterator[None]:
-    """An error of the toolkit becomes one plain message on standard error and exit code 1, where JSON was asked for an object too; so
-    does Ctrl-C, with a code of its own."""
+    """Context in which an error of the toolkit becomes one plain message on standard error and exit code 1.
+
+    Where JSON was asked for, it becomes an object too. So does Ctrl-C, with a code of its own.
+    """
     try:
         yield
     except ToolkitError as error:
@@ -71,7 +73,10 @@ def errors_in_words(as_json: bool) -> Iterator[None]:
 
 @contextmanager
 def answered() -> Iterator[None]:
-    """What an answer lacks that has been printed is told on standard error alone, with exit code 1: one JSON object is enough."""
+    """Context in which errors after a printed answer go to standard error alone, with exit code 1.
+
+    One JSON object is enough.
+    """
     try:
         yield
     except ToolkitError as error:
@@ -79,7 +84,7 @@ def answered() -> Iterator[None]:
 
 
 def _failed(message: str, as_json: bool, code: int = 1) -> typer.Exit:
-    """Say what went wrong."""
+    """Print what went wrong, and return the exit to raise."""
     typer.echo(message, err=True)
     if as_json:
         print_json({"error": message})

@@ -1,4 +1,4 @@
-"""Whether the numbers of a run can be trusted, with reasons: the same in Python, in JSON and on the terminal."""
+"""Verdict on the numbers of a run, with reasons: the same in Python, in JSON and on the terminal."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from typing import Any
 PAGE = "docs/doubts.md"
 """The page with all codes of cautions."""
 REGISTRY = Path(__file__).with_name("codes.toml")
-"""What that page is made from: one line for each code."""
+"""File that the page is made from: one line for each code."""
 
 
 @dataclass(frozen=True)
 class Code:
-    """What a code of cautions stands for.
+    """Meaning of one code of cautions.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Code:
 
 @cache
 def codes() -> Mapping[str, Code]:
-    """All codes that cautions can have, and what each stands for."""
+    """All codes that cautions can have, and the meaning of each."""
     import tomllib
 
     return {code: Code(**row) for code, row in tomllib.loads(REGISTRY.read_text(encoding="utf-8")).items()}
@@ -44,7 +44,7 @@ def codes() -> Mapping[str, Code]:
 
 @dataclass(frozen=True)
 class Caution:
-    """One thing that whoever reads the numbers of a run has to know.
+    """A reason to doubt the numbers of a run, or a remark on what they mean.
 
     Attributes
     ----------
@@ -84,12 +84,12 @@ class Verdict:
 
     @classmethod
     def of(cls, cautions: Iterable[Caution], measures: Mapping[str, Any] | None = None) -> Verdict:
-        """The verdict that follows from cautions: each is said once, doubts before remarks."""
+        """Verdict that follows from cautions: each is said once, doubts before remarks."""
         return cls(tuple(sorted(dict.fromkeys(cautions), key=lambda each: not each.doubt)), measures or {})
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Verdict:
-        """The verdict that `record` was made of."""
+        """Verdict that `record` was made of."""
         reasons = record["verdict"]["reasons"]
         cautions = [Caution(each["code"], each["text"], each["text"] in reasons) for each in record["warnings"]]
         return cls.of(cautions, {name: value for name, value in record.items() if name not in ("verdict", "warnings")})
@@ -101,17 +101,20 @@ class Verdict:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """Why the numbers are not to be trusted; empty if they are."""
+        """Reasons why the numbers are not to be trusted; empty if they are."""
         return tuple(each.text for each in self.warnings if each.doubt)
 
     def __str__(self) -> str:
-        """One sentence for the verdict, and one for each caution."""
+        """Text with one sentence for the verdict, and one for each caution."""
         said = "Trusted: no check found a reason against these numbers." if self.trusted else "NOT TO BE TRUSTED, because:"
         return "\n".join([said, *(f"{'-' if each.doubt else 'note:'} {each.text}" for each in self.warnings)])
 
     @property
     def codes(self) -> tuple[str, ...]:
-        """Short names of all cautions, each once; docs/doubts.md and `explained` say what they mean, from which size on, and what helps."""
+        """Short names of all cautions, each once.
+
+        docs/doubts.md and `explained` say what they mean, from which size on, and what helps.
+        """
         return tuple(dict.fromkeys(each.code for each in self.warnings))
 
     @property
@@ -129,7 +132,7 @@ class Verdict:
 
 
 def finite(value: Any) -> Any:
-    """The same with None for numbers that JSON does not know."""
+    """The same value, with None for numbers that JSON does not know."""
     if isinstance(value, Mapping):
         return {key: finite(each) for key, each in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,4 +1,4 @@
-"""What drivers in the plane and in space share: a joint coordinate that follows a time curve."""
+"""Base of drivers in the plane and in space: a joint coordinate that follows a time curve."""
 
 from __future__ import annotations
 
@@ -29,5 +29,5 @@ class Driven(Description):
 
     @property
     def time_curve(self) -> Curve:
-        """The curve that is followed."""
+        """Time curve that the joint coordinate follows."""
         return self.curve

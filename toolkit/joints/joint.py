@@ -31,16 +31,19 @@ class Joint(Component):
 
     @abstractmethod
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """The rows; without a scene their names and structure are right, their numbers need not be."""
+        """Rows of the joint.
+
+        Without a scene their names and structure are right, their numbers need not be.
+        """
 
     @property
     @abstractmethod
     def poses(self) -> Poses:
-        """What its rows are made of."""
+        """Poses of the two markers, of which the joint's rows are made."""
 
     @property
     def laws(self) -> list[Any]:
-        """Open formulas of its rows."""
+        """Open formulas of the joint's rows."""
         return [row.law for row in self.constraint(None) if row.law is not None]
 
     @property
@@ -50,7 +53,7 @@ class Joint(Component):
 
     @property
     def row_names(self) -> list[str]:
-        """Names of the rows."""
+        """Names of the joint's rows."""
         return [name for name, _ in self.rows]
 
     @property
@@ -59,11 +62,11 @@ class Joint(Component):
         """Whether the rows have second derivatives by the poses, or the poses such by what two bodies share."""
 
     def opening(self, _scene: Skeleton, _row: int, violation: Any) -> Any:
-        """How far one of its rows is open, in the unit of what it measures, where it is violated by so much."""
+        """Size by which one row is open, in the unit of what it measures, where it is violated by so much."""
         return violation
 
     def parameters(self, scene: Skeleton) -> list[Any]:
-        """The numbers that stand in its rows."""
+        """Numbers that stand in the joint's rows."""
         return row_numbers(self.constraint(scene))
 
     @classmethod

@@ -1,4 +1,4 @@
-"""What joints in the plane and in space share: where they grip."""
+"""Points at which joints in the plane and in space grip their bodies."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class AtPoint(Description):
 
     @property
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at the point."""
+        """Bodies of the joint, each with the point where it is gripped."""
         first, second = on_both(self.point)
         return (self.bodies[0], first), (self.bodies[1], second)
 
@@ -45,15 +45,15 @@ class AtPoints(Description):
 
     @property
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at its own point."""
+        """Bodies of the joint, each with its own point."""
         return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
 
     def circles(self, _scene: Skeleton) -> list[tuple[int, float]]:
-        """What rolls, for pictures: at which of the points, and its radius."""
+        """Circles of what rolls, for pictures: (number of the point, radius)."""
         return []
 
     def apart(self, scene: Skeleton) -> np.ndarray:
-        """From point b to point a in the undeformed configuration."""
+        """Vector from point b to point a in the undeformed configuration."""
         return scene.position(self.points[0]) - scene.position(self.points[1])
 
 
@@ -77,6 +77,6 @@ class BetweenPoints(AtPoints):
         return self
 
     def own_length(self, scene: Skeleton) -> Any:
-        """The length that the joint keeps."""
+        """Length that the joint keeps."""
         d = self.apart(scene)
         return np.sqrt(d @ d) if self.length is None else self.length

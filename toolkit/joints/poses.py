@@ -23,12 +23,12 @@ class Pose:
     turned: Form | None = None
 
     def e(self, i: int) -> Vector:
-        """Axis e_i, counted from 1."""
+        """Axis e_i of the marker, counted from 1."""
         return self.axes[i - 1]
 
     @property
     def angle(self) -> Form:
-        """Rotation since the undeformed configuration."""
+        """Rotation of the marker since the undeformed configuration."""
         if self.turned is None:
             raise TypeError("a pose in space has no one angle; take `poses.turned`, or products of axes")
         return self.turned
@@ -36,7 +36,7 @@ class Pose:
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """Both poses, and rows of them. `for a, b in [poses]` or `a, b = poses` gives the poses."""
+    """Poses of the two markers of a joint, and rows of them. `for a, b in [poses]` or `a, b = poses` gives the poses."""
 
     a: Pose
     b: Pose
@@ -49,23 +49,23 @@ class Poses:
 
     @cached_property
     def together(self) -> tuple[Row, ...]:
-        """r_a = r_b: two points coincide."""
+        """Rows of r_a = r_b: two points coincide."""
         return tuple(Row("xyz"[c], "length", self.a.r[c] - self.b.r[c]) for c in range(self.a.r.size))
 
     @property
     @abstractmethod
     def locked(self) -> tuple[Row, ...]:
-        """No relative rotation."""
+        """Rows that leave no relative rotation."""
 
     @property
     @abstractmethod
     def on_line(self) -> tuple[Row, ...]:
-        """Point a stays on the joint's axis through point b."""
+        """Rows that keep point a on the joint's axis through point b."""
 
     @property
     @abstractmethod
     def turned(self) -> Row:
-        """Rotation of marker a against marker b, in space about the joint's axis."""
+        """Row of the rotation of marker a against marker b, in space about the joint's axis."""
 
     def on_axis(self, j: int, name: str, offset: Any = 0.0) -> Row:
         """Axis e_j of marker b . (r_a - r_b) - offset = 0."""
@@ -78,28 +78,28 @@ class Poses:
 
 
 class PlanePoses(Poses):
-    """In the plane; the first axis is that along which a joint slides, the second one its normal."""
+    """Poses of two markers in the plane; the first axis is that along which a joint slides, the second one its normal."""
 
     along = 1
 
     @cached_property
     def locked(self) -> tuple[Row, ...]:
-        """angle_a = angle_b."""
+        """Row of angle_a = angle_b, which leaves no relative rotation."""
         return (self.turned,)
 
     @cached_property
     def on_line(self) -> tuple[Row, ...]:
-        """One normal."""
+        """Row of one normal direction, which keeps point a on the joint's axis."""
         return (self.on_axis(2, "normal"),)
 
     @cached_property
     def turned(self) -> Row:
-        """angle_a - angle_b, of any number of turns."""
+        """Row of the relative rotation angle_a - angle_b, of any number of turns."""
         return Row("rotation", "angle", self.a.angle - self.b.angle)
 
 
 class SpacePoses(Poses):
-    """In space; the third axis is that about or along which a joint moves."""
+    """Poses of two markers in space, whose third axis is that about or along which a joint moves."""
 
     along = 3
 
@@ -109,22 +109,25 @@ class SpacePoses(Poses):
 
     @cached_property
     def aligned(self) -> tuple[Row, ...]:
-        """The third axes of both markers stay parallel: that of b is normal to two axes of a, whatever the angle about it."""
+        """Rows that keep the third axes of both markers parallel.
+
+        That of b is normal to two axes of a, whatever the angle about it.
+        """
         return (self.perpendicular(2, 3, "about the first axis"), self.perpendicular(1, 3, "about the second axis"))
 
     @cached_property
     def locked(self) -> tuple[Row, ...]:
-        """Three rotations."""
+        """Rows of three rotations, which leave no relative rotation."""
         return (*self.aligned, self.perpendicular(1, 2, "about the third axis"))
 
     @cached_property
     def on_line(self) -> tuple[Row, ...]:
-        """Two normals."""
+        """Rows of two normal directions, which keep point a on the joint's axis."""
         return (self.on_axis(1, "first normal"), self.on_axis(2, "second normal"))
 
     @cached_property
     def turned(self) -> Row:
-        """Rotation about the third axis, measured in marker b: atan2(e_1a . e_2b, e_1a . e_1b)."""
+        """Row of the rotation about the third axis, measured in marker b: atan2(e_1a . e_2b, e_1a . e_1b)."""
         (a, b), name = self, "rotation"
         return angle(name, cosine=a.e(1) @ b.e(1), sine=a.e(1) @ b.e(2))
 
@@ -149,6 +152,6 @@ def _space_pose(first: int) -> Pose:
 
 
 PLANE = plane_poses()
-"""With the axes of the coordinates."""
+"""Poses in the plane with the axes of the coordinates."""
 SPACE = SpacePoses(_space_pose(0), _space_pose(4))
 """Vectors 0 to 7 are r, e_1, e_2, e_3 of a and of b, numbers 0 to 23 their components; the axes of markers in space are the joint's own."""

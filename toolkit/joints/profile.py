@@ -26,14 +26,14 @@ MOST = 2000
 """Pieces of a profile."""
 NODES = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
 BETWEEN = np.append((NODES[:-1] + NODES[1:]) / 2, [-1 + 1e-6, 1 - 1e-6])
-"""Where polynomials meet a piece, and where their error is looked at, from -1 to 1."""
+"""Places where polynomials meet a piece, and where their error is looked at, from -1 to 1."""
 _AT_NODES, _AT_BETWEEN = (np.vander(places, DEGREE + 1, increasing=True) for places in (NODES, BETWEEN))
 KEPT = 64
 """Curves of which it is remembered what was found: a scene asks its cams again and again, and a curve never changes."""
 
 
 class _Same:
-    """A curve by which one it is, and not by its numbers."""
+    """Key of a curve that equals that of the very same curve alone, whatever its numbers are."""
 
     def __init__(self, curve: Curve) -> None:
         self.curve = curve
@@ -57,7 +57,7 @@ def _remembered(function: Callable[[Curve], R]) -> Callable[[Curve], R]:
 
 @_remembered
 def profile_form(curve: Curve) -> Form:
-    """The numbers of f(t) - f(0) for t from 0 to 2 pi, as `kernels.profile` reads them, real or complex.
+    """Form with the numbers of f(t) - f(0) for t from 0 to 2 pi, as `kernels.profile` reads them, real or complex.
 
     Raises
     ------

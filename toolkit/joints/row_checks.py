@@ -15,7 +15,10 @@ NUMBERS, VECTORS = {2: 6, 3: 24}, {2: BETWEEN + 1, 3: 8}
 
 
 def keeps_rows(joint: Joint, scene: Skeleton, known: Sequence[Row]) -> bool:
-    """Whether the rows in this scene have the structure of the `known` ones: other numbers may cut a profile into other pieces."""
+    """Whether the rows in this scene have the structure of the `known` ones.
+
+    Other numbers may cut a profile into other pieces.
+    """
     return [_structure(row) for row in joint.constraint(scene)] == [_structure(row) for row in known]
 
 
@@ -46,7 +49,7 @@ def check_rows(joint: Joint, scene: Skeleton) -> None:
 
 
 def _check_size(joint: Joint, row: Row) -> None:
-    """A row without law is one form, a law takes a few."""
+    """Check the number of forms: one for a row without law, a few for a law."""
     count = len(row.forms)
     if row.law is None and count != 1:
         raise InputError(
@@ -57,6 +60,6 @@ def _check_size(joint: Joint, row: Row) -> None:
 
 
 def _structure(row: Row) -> tuple:
-    """Everything but the values."""
+    """Everything of a row but its values."""
     terms = (([place for place, _ in form.linear], [pair[:2] for pair in form.pairs]) for form in row.forms)
     return (row.name, row.quantity, row.law, *terms)

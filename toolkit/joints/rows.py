@@ -1,4 +1,4 @@
-"""What joints are stated in, in the plane and in space: rows of forms of the poses of two markers, see `poses`."""
+"""Rows of joints, in the plane and in space: forms of the poses of two markers, see `poses`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from toolkit.joints.kernels.laws import angle_law
 BETWEEN = 6
 """Number of the vector r_a - r_b in the plane, behind r, e_1, e_2 of a and of b."""
 RowQuantity = Literal["length", "angle"]
-"""What a row of a constraint measures."""
+"""Quantity that a row of a constraint measures."""
 ROW_QUANTITIES = get_args(RowQuantity)
 
 
@@ -59,7 +59,7 @@ class Form:
 
     @property
     def numbers(self) -> list[Any]:
-        """Its constant, the values of its linear terms and those of its pairs."""
+        """Numbers of the form: its constant, the values of its linear terms and those of its pairs."""
         return [self.constant, *(value for *_, value in self.linear), *(value for *_, value in self.pairs)]
 
 
@@ -92,19 +92,19 @@ class Vector:
     __rmul__ = __mul__
 
     def __getitem__(self, c: int) -> Form:
-        """Component along a coordinate axis."""
+        """Component of the vector along a coordinate axis, as a form."""
         if any(place < 0 for _, place, _ in self.parts):
             raise TypeError("components of axes in the plane are no forms: take the scalar product with another vector")
         return Form(linear=tuple((place + c, factor) for _, place, factor in self._ends))
 
     @property
     def _ends(self) -> tuple[tuple[int, int, Any], ...]:
-        """The parts, with both positions in the place of their difference."""
+        """Parts of the vector, with both positions in the place of their difference."""
         found = [[part] if part[0] != BETWEEN or self.size > 2 else [(0, 0, part[2]), (3, 3, -part[2])] for part in self.parts]
         return tuple(part for each in found for part in each)
 
     def __matmul__(self, other: Any) -> Form:
-        """Scalar product, with a vector of the poses or with numbers."""
+        """Scalar product with a vector of the poses or with numbers, as a form."""
         if not isinstance(other, Vector):
             return sum((self[c] * other[c] for c in range(self.size)), Form())
         mixed = self.position or other.position
@@ -114,7 +114,7 @@ class Vector:
 
 
 def _united(terms: Iterable[tuple]) -> list[tuple[tuple, Any]]:
-    """Terms of the same places as one, in the order in which they come up first."""
+    """Terms with those of the same places united to one, in the order in which they come up first."""
     found: dict[tuple, Any] = {}
     for *places, value in terms:
         found[tuple(places)] = found[tuple(places)] + value if tuple(places) in found else value
@@ -142,21 +142,21 @@ class Row:
 
     @property
     def forms(self) -> tuple[Form, ...]:
-        """All of them."""
+        """Forms of the row, all that its law takes."""
         given = self.form if isinstance(self.form, tuple) else (self.form,)
         return tuple(each if isinstance(each, Form) else Form(each) for each in given)
 
 
 def angle(name: str, cosine: Form, sine: Form) -> Row:
-    """atan2(sine, cosine) = 0, taken next to the curve that it follows."""
+    """Row of atan2(sine, cosine) = 0, taken next to the curve that it follows."""
     return Row(name, "angle", (cosine, sine), angle_law)
 
 
 def forms_of(rows: Iterable[Row]) -> list[Form]:
-    """The forms of a joint, in order."""
+    """Forms of all rows of a joint, in order."""
     return [form for row in rows for form in row.forms]
 
 
 def row_numbers(rows: Iterable[Row]) -> list[Any]:
-    """All numbers of all forms, in order."""
+    """Numbers of all forms of all rows, in order."""
     return [number for form in forms_of(rows) for number in form.numbers]

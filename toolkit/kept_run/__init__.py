@@ -1,1 +1,1 @@
-"""What a results file holds, and the state in which the run that it keeps has ended."""
+"""Content of a results file, and the state in which the run that it keeps has ended."""

@@ -1,4 +1,4 @@
-"""What a results file says in words: everything that is no array, checked when it is read."""
+"""Words of a results file: everything that is no array, checked when it is read."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ Numbers = dict[str, float]
 
 
 class Variable(BaseModel):
-    """A design variable: where it is in the scene, and its value in the run; of one that drives several numbers, which and how."""
+    """A design variable: where it is in the scene, and its value in the run.
+
+    One that drives several numbers also tells which and how.
+    """
 
     model_config = ConfigDict(extra="forbid")
     path: str
@@ -26,7 +29,7 @@ class Variable(BaseModel):
 
 
 class SceneWords(BaseModel):
-    """`SceneRecord` without the text of the scene's file."""
+    """Record of the scene in a results file: `SceneRecord` without the text of the scene's file."""
 
     model_config = ConfigDict(extra="forbid")
     table: dict[str, Any]
@@ -37,7 +40,7 @@ class SceneWords(BaseModel):
 
 
 class Run(BaseModel):
-    """What a run cost, wall times in s, and how well its joints held."""
+    """Cost of a run, wall times in s, and how well its joints held."""
 
     model_config = ConfigDict(extra="forbid")
     drift: float
@@ -49,7 +52,7 @@ class Run(BaseModel):
 
 
 class Kept(BaseModel):
-    """Whether the run's numbers were trusted."""
+    """Record of whether the run's numbers were trusted."""
 
     model_config = ConfigDict(extra="forbid")
     trusted: bool
@@ -57,7 +60,7 @@ class Kept(BaseModel):
 
 
 class Warned(BaseModel):
-    """One thing that whoever reads the numbers has to know."""
+    """A reason to doubt the numbers of a run, or a remark on what they mean."""
 
     model_config = ConfigDict(extra="forbid")
     code: str
@@ -65,7 +68,7 @@ class Warned(BaseModel):
 
 
 class Judged(BaseModel):
-    """The verdict of a run and what it was made of, as `Verdict.record` gives it; what was measured stands beside under its names."""
+    """Verdict of a run and its reasons, as `Verdict.record` gives it; measured values stand beside it under their names."""
 
     model_config = ConfigDict(extra="allow")
     verdict: Kept
@@ -73,7 +76,7 @@ class Judged(BaseModel):
 
 
 class About(BaseModel):
-    """The fields of `Results` that are no arrays, under the same names."""
+    """Fields of `Results` that are no arrays, under the same names."""
 
     model_config = ConfigDict(extra="forbid")
     kind: Literal["transient", "static"]

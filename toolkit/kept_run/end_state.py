@@ -24,7 +24,7 @@ GROUPS = ("points", "bodies", "joints", "loads")
 
 @dataclass(frozen=True, eq=False)
 class EndState:
-    """Where a run has ended.
+    """Last state of a run, with its design derivatives and what it is a state of.
 
     Attributes
     ----------
@@ -64,13 +64,13 @@ class EndState:
     models: Mapping[str, str]
 
     def has(self, path: str) -> bool:
-        """Whether the scene that was run had what a number at a path belongs to."""
+        """Whether the scene that was run had the item that a number at a path belongs to."""
         group, name = path.split(".")[:2]
         return (group, name) in self.items
 
 
 def end_state(path: Path) -> EndState:
-    """The last state of the run in a results file, which is read once as long as it is the same file.
+    """Last state of the run in a results file, which is read once as long as it is the same file.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def _read_before(path: Path, _changed: int, _size: int) -> EndState:
 
 
 def check_schema(attributes: Mapping[str, Any], path: Path) -> None:
-    """Refuse what is no results file, or one of another version.
+    """Refuse a file that is no results file, or one of another version.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def check_schema(attributes: Mapping[str, Any], path: Path) -> None:
 
 
 def about_of(content: Content) -> About:
-    """All that a results file says in words. Raises ValueError if it is not what it should be."""
+    """Record of all that a results file says in words. Raises ValueError if it is not what it should be."""
     return About.model_validate(json.loads(layout.text(content, "about")))
 
 
@@ -147,7 +147,7 @@ def _read(content: Content, path: Path) -> EndState:
 
 
 def _groups(table: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """The tables of a scene that can hold design variables, as far as they can be believed."""
+    """Tables of a scene that can hold design variables, as far as they can be believed."""
     found = {group: table.get(group, {}) for group in GROUPS}
     if not all(isinstance(items, dict) for items in [*found.values(), *found["bodies"].values()]):
         raise ValueError("its scene is none")

@@ -1,4 +1,4 @@
-"""What a results file holds: groups, arrays, and the axes that have to agree."""
+"""Layout of a results file: groups, arrays, and the axes that have to agree."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def names(content: Content, name: str, count: int) -> list[str]:
 
 
 def text(content: Content, name: str) -> str:
-    """Read a text."""
+    """Text under a name in a file."""
     value = content.array(name)
     if value.dtype.kind != "S" or value.ndim:
         raise ValueError(f"{name} is {value.dtype} with {value.ndim} axes instead of a text")
@@ -83,5 +83,5 @@ def text(content: Content, name: str) -> str:
 
 
 def damaged(path: Path, problem: str) -> ResultsFileError:
-    """The error for a file that cannot be trusted."""
+    """Error for a file that cannot be trusted."""
     return ResultsFileError(f"results file {str(path)!r} is damaged or incomplete: {problem}. Run the scene again with --output.")

@@ -57,7 +57,7 @@ MOMENTS = 1 / (POWERS[:, None] + POWERS + 1)
 
 @dataclass(frozen=True, eq=False)
 class BeamElements:
-    """Some elements at one design; complex where their ends, or Phi, make a complex step."""
+    """Beam elements at one design; complex where their ends, or Phi, make a complex step."""
 
     ends: np.ndarray  # (n_e, 2, 3)
     axes: np.ndarray  # (n_e, 3, 3) unit vectors e_1, e_2, e_3 as rows
@@ -66,7 +66,10 @@ class BeamElements:
 
     @classmethod
     def in_space(cls, ends: np.ndarray, orientation: np.ndarray, phi: np.ndarray | None = None) -> BeamElements:
-        """Between ends (n_e, 2, 3); e_3 is the orientation (n_e, 3) without its part along e_1, to which it must not be parallel."""
+        """Elements in space between ends (n_e, 2, 3).
+
+        e_3 is the orientation (n_e, 3) without its part along e_1, to which it must not be parallel.
+        """
         along = (ends[:, 1] - ends[:, 0]) / length(ends)[:, None]
         third = orientation - (orientation * along).sum(axis=1)[:, None] * along
         third = third / np.sqrt((third**2).sum(axis=1))[:, None]
@@ -74,7 +77,7 @@ class BeamElements:
 
     @classmethod
     def in_plane(cls, ends: np.ndarray, phi: np.ndarray | None = None) -> BeamElements:
-        """Between ends (n_e, 2, 2), with Phi (n_e,)."""
+        """Elements in the plane between ends (n_e, 2, 2), with Phi (n_e,)."""
         flat = np.concatenate([ends, np.zeros((len(ends), 2, 1))], axis=2)
         both = None if phi is None else np.column_stack([phi, 0 * phi])
         spatial = cls.in_space(flat, np.tile([0.0, 0.0, 1.0], (len(ends), 1)), both)
@@ -82,7 +85,7 @@ class BeamElements:
 
     @cached_property
     def lengths(self) -> np.ndarray:
-        """L, (n_e,)."""
+        """Lengths L of the elements, (n_e,)."""
         return length(self.ends)
 
     @property
@@ -104,7 +107,10 @@ class BeamElements:
 
     @cached_property
     def offsets(self) -> list[np.ndarray]:
-        """Of every plane the coefficients of r^k in [R(r), e], which moves a point of the section at a unit of e, (n_e, 4, d, p + 1)."""
+        """Coefficients of r^k in [R(r), e] in every plane, (n_e, 4, d, p + 1).
+
+        [R(r), e] moves a point of the section at a unit of e.
+        """
         return [self._offset(axis) for axis in self.planes]
 
     @cached_property
@@ -114,7 +120,10 @@ class BeamElements:
 
     @cached_property
     def rotary_mass(self) -> list[np.ndarray]:
-        """Of every plane the same of the section's spread, L int [R, e]_a^T [R, e]_b dr, for unit rho int y^2 dA, one coordinate larger."""
+        """Component mass matrices L int [R, e]_a^T [R, e]_b dr in every plane, for unit rho int y^2 dA.
+
+        They are `component_mass` for the section's spread, one coordinate larger.
+        """
         return [self.products(each) for each in self.offsets]
 
     @cached_property
@@ -129,7 +138,10 @@ class BeamElements:
 
     @cached_property
     def curvature(self) -> list[np.ndarray]:
-        """Of every plane rows v''/L^2 at both ends, (n_e, 2, p); the strain at y is -y times it. Positive turns from e_1 to e_2 or e_3."""
+        """Rows v''/L^2 at both ends in every plane, (n_e, 2, p); the strain at y is -y times it.
+
+        Positive turns from e_1 to e_2 or e_3.
+        """
         return [self._own(self._curvature(axis)) for axis in self.planes]
 
     @cached_property
@@ -144,7 +156,7 @@ class BeamElements:
 
     @cached_property
     def bending(self) -> list[np.ndarray]:
-        """Of every plane rows F (n_e, 2, p) of the stiffness F^T F for unit E int y^2 dA.
+        """Rows F (n_e, 2, p) of the bending stiffness F^T F in every plane, for unit E int y^2 dA.
 
         The curvature is linear along the element, and the integral of its square is that of its mean and of its difference between the
         ends, L (mean^2 + difference^2 / 12).
@@ -155,18 +167,18 @@ class BeamElements:
 
     @cached_property
     def shearing(self) -> list[np.ndarray]:
-        """Of every plane rows F (n_e, 1, p) of the stiffness F^T F for unit kappa G A; zero without shear."""
+        """Rows F (n_e, 1, p) of the shear stiffness F^T F in every plane, for unit kappa G A; zero without shear."""
         return [self._own(self._root * self._shear_strain(axis)[:, None]) for axis in self.planes]
 
     @cached_property
     def turning(self) -> list[np.ndarray]:
-        """Of every plane rows F (n_e, 3, p) whose squares sum up to the integral of v'^2 along the element."""
+        """Rows F (n_e, 3, p) in every plane whose squares sum up to the integral of v'^2 along the element."""
         root = np.linalg.cholesky(MOMENTS[:3, :3])  # a slope is quadratic
         slopes = (self._slope(self._transverse(axis))[:, :3] for axis in self.planes)
         return [self._own(self._root * np.einsum("jk,ejp->ekp", root, each)) for each in slopes]
 
     def _own(self, coefficients: np.ndarray, *more: int) -> np.ndarray:
-        """Of the coordinates that the elements have."""
+        """Coefficients of the coordinates that the elements have: all in space, some in the plane."""
         return coefficients[..., [*IN_PLANE, *more]] if self.planar else coefficients
 
     @property
@@ -182,7 +194,7 @@ class BeamElements:
         return found + (self.lengths[:, None] * self._shear_strain(axis))[:, None, :] * TILTED[:, None]
 
     def _turned_about(self, axis: int) -> np.ndarray:
-        """The axis about which a slope along `axis` turns, (n_e, 3)."""
+        """Axis about which a slope along `axis` turns, (n_e, 3)."""
         return self.axes[:, THIRD] if axis == SECOND else -self.axes[:, SECOND]
 
     def _shear_strain(self, axis: int) -> np.ndarray:
@@ -229,7 +241,7 @@ class BeamElements:
         return self._own(coefficients[:, :, :2] if self.planar else coefficients, 12)
 
     def products(self, functions: np.ndarray) -> np.ndarray:
-        """L int S_a^T S_b dr, (n_e, d, d, p, p), of functions by their coefficients of r^k, (n_e, 4, d, p)."""
+        """Integrals L int S_a^T S_b dr, (n_e, d, d, p, p), of functions by their coefficients of r^k, (n_e, 4, d, p)."""
         integral = np.einsum("ejap,jk,ekbq->eabpq", functions, MOMENTS, functions, optimize=True)
         return self.lengths[:, None, None, None, None] * integral
 

@@ -13,7 +13,7 @@ import numpy as np
 from toolkit.foundation.kernel import inner
 
 TERMS = 20
-"""Of the series: round-off up to a full turn."""
+"""Number of terms of the series: they leave round-off up to a full turn."""
 
 
 def _series() -> np.ndarray:
@@ -41,7 +41,7 @@ class TurnedVector(NamedTuple):
 
 
 def turned_vector(dtype: type) -> TurnedVector:
-    """Memory for one vector."""
+    """Scratch memory for one turned vector and its derivatives."""
     return TurnedVector(*(np.zeros(shape, dtype) for shape in ((3,), (3, 3), (3, 3, 3), (3, 3), (3, 3), (3, 3))))
 
 
@@ -70,7 +70,7 @@ def unit_cross(i, e, c):
 
 @inner
 def turn(phi, rate, growth, e, out):
-    """R e and all its derivatives."""
+    """Compute R e and all its derivatives."""
     x, along, step, square = dot(phi, phi), dot(phi, e), dot(phi, rate), dot(rate, rate)
     for c in range(3):
         out.value[c] = e[c]
@@ -119,7 +119,7 @@ def form(which, phi, rate, e, x, along, step, square, c):
 
 @inner
 def by_component(which, phi, e, along, i, c):
-    """Component c of dP/dphi_i."""
+    """Component c of the derivative dP/dphi_i."""
     if which == 0:
         return unit_cross(i, e, c)
     return (along if c == i else 0 * along) + phi[c] * e[i] - 2 * phi[i] * e[c]
@@ -127,7 +127,7 @@ def by_component(which, phi, e, along, i, c):
 
 @inner
 def twice(which, e, i, m, c):
-    """Component c of d2P/dphi_i dphi_m."""
+    """Component c of the second derivative d2P/dphi_i dphi_m."""
     if which == 0:
         return 0 * e[0]
     return (e[m] if c == i else 0 * e[0]) + (e[i] if c == m else 0 * e[0]) - (2 * e[c] if i == m else 0 * e[0])

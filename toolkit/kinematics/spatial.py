@@ -23,7 +23,7 @@ from toolkit.foundation.near_ties import first_smallest
 
 
 class Frames(NamedTuple):
-    """Frames that turn. What never changes."""
+    """Constant numbers of the frames that turn."""
 
     first: np.ndarray  # (n,) global number of the first orientation coordinate
     turns: np.ndarray  # (n,) 4 for a quaternion, 1 for an angle
@@ -33,7 +33,7 @@ class Frames(NamedTuple):
 
 
 class FrameState(NamedTuple):
-    """The matrices of the head of this file, for every frame, and last for a frame that does not turn."""
+    """Matrices of the head of this file, for every frame, and last for a frame that does not turn."""
 
     A: np.ndarray  # (n, 3, 3)
     A_k: np.ndarray  # (n, 4, 3, 3)
@@ -95,7 +95,7 @@ def weighted_sum(out, parts, vector, first, factor):
 
 @inner
 def update_angle(frames, state, f, q, v, acc):
-    """The matrices of a frame that turns about a fixed axis."""
+    """Compute the matrices of a frame that turns about a fixed axis."""
     at, n = frames.first[f], frames.axis[f]
     c, s, rate, growth = np.cos(q[at]), np.sin(q[at]), v[at], acc[at]
     for i in range(3):
@@ -113,7 +113,7 @@ def update_angle(frames, state, f, q, v, acc):
 
 @inner
 def update_frames(frames, state, q, v, acc):
-    """Evaluate the matrices of all frames."""
+    """Compute the matrices of all frames."""
     for f in range(len(frames.first)):
         at = frames.first[f]
         if frames.turns[f] == 1:
@@ -181,7 +181,7 @@ def lengths_jacobian(frames, q, v, acc, levels, parts, I_acc, I_q, A_q, A_v):
 
 
 def skew(vector: np.ndarray) -> np.ndarray:
-    """The matrix of the cross product: skew(a) b = a x b."""
+    """Matrix of the cross product: skew(a) b = a x b."""
     x, y, z = vector
     return np.array([[0 * x, -z, y], [z, 0 * x, -x], [-y, x, 0 * x]])
 
@@ -203,7 +203,7 @@ def matrix_of(quaternion: np.ndarray) -> np.ndarray:
 
 
 def quaternion_rate(quaternion: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """p' for an angular velocity in the body's axes, p' = p o (0, omega) / 2."""
+    """Rate p' = p o (0, omega) / 2 of a quaternion for an angular velocity in the body's axes."""
     a, b, c, d = quaternion
     x, y, z = omega
     return np.array([-b * x - c * y - d * z, a * x + c * z - d * y, a * y + d * x - b * z, a * z + b * y - c * x]) / 2

@@ -63,7 +63,10 @@ def minimum_degree(
 
 
 def _alike(indptr: np.ndarray, indices: np.ndarray, n_q: int, moving: np.ndarray) -> list[np.ndarray]:
-    """Unknowns that couple to the same ones and to each other, multipliers and what moves apart; in the order of their first."""
+    """Groups of unknowns that couple to the same ones and to each other, in the order of their first.
+
+    Multipliers and what moves stand apart.
+    """
     found: dict[tuple[bool, bool, bytes], list[int]] = {}
     for i in range(len(indptr) - 1):
         found.setdefault((i < n_q, bool(moving[i]), indices[indptr[i] : indptr[i + 1]].tobytes()), []).append(i)

@@ -14,7 +14,7 @@ from toolkit.foundation.vectors.rows import add_rows
 
 
 class Factored(NamedTuple):
-    """Rows of B, compressed, the diagonal of D, and columns of B, compressed."""
+    """A symmetric matrix K = B^T D B: rows of B, compressed, the diagonal of D, and columns of B, compressed."""
 
     start: np.ndarray  # (n_rows + 1,) into the next two
     column: np.ndarray
@@ -27,7 +27,7 @@ class Factored(NamedTuple):
 
 
 def strain_rows(matrix: Factored, count: int) -> scipy.sparse.csr_array:
-    """B on so many coordinates, (n_rows, count)."""
+    """Matrix B on so many coordinates, (n_rows, count)."""
     return scipy.sparse.csr_array((matrix.value, matrix.column.astype(int), matrix.start), shape=(len(matrix.weight), count))
 
 
@@ -43,7 +43,7 @@ class FactoredChanges(NamedTuple):
 
 @inner
 def row_times(matrix, row, x):
-    """Entry of B x."""
+    """Entry number `row` of the product B x."""
     total = 0.0 * x[0]
     for p in range(matrix.start[row], matrix.start[row + 1]):
         total += matrix.value[p] * x[matrix.column[p]]
@@ -52,7 +52,7 @@ def row_times(matrix, row, x):
 
 @inner
 def add_factored(matrix, x, out):
-    """out += K x, for vectors."""
+    """Add K x to a vector: out += K x."""
     for row in range(len(matrix.weight)):
         force = matrix.weight[row] * row_times(matrix, row, x)
         for p in range(matrix.start[row], matrix.start[row + 1]):
@@ -73,7 +73,7 @@ def add_factored_block(matrix, factor, block, scratch, out):
 
 @inner
 def add_factored_changes(matrix, changes, x, out):
-    """out (n, n_x) += the change of K by every variable, times x."""
+    """Add the change of K by every variable, times x, to out (n, n_x)."""
     for d in range(len(changes.row)):
         row, variable, at = changes.row[d], changes.variable[d], changes.start[d] - matrix.start[changes.row[d]]
         strain, change = row_times(matrix, row, x), 0.0 * x[0]

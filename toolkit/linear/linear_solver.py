@@ -39,7 +39,7 @@ what a step leaves: the wing's are off by 8e-10 on some processors with ten time
 
 
 class LinearSolver(NamedTuple):
-    """Symbolic analysis and all memory; `mode[0]` is 1 while the factors are dense."""
+    """Symbolic analysis of a pattern and all memory of the solver; `mode[0]` is 1 while the factors are dense."""
 
     plan: LUPlan
     lu: np.ndarray
@@ -59,7 +59,7 @@ class LinearSolver(NamedTuple):
 
 
 def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> LinearSolver:
-    """Reserve memory for an analysed pattern; `weights` are those of the n_q coordinates."""
+    """Solver with memory for an analysed pattern; `weights` are those of the n_q coordinates."""
     n = len(plan.order)
     return LinearSolver(
         plan,
@@ -81,7 +81,7 @@ def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> L
 
 
 def cleared(solver: LinearSolver, weights: np.ndarray) -> None:
-    """Make used memory what `linear_solver` reserves; `weights` are copied."""
+    """Clear used memory to what `linear_solver` reserves; `weights` are copied."""
     for memory in (solver.lu, *solver.kept, solver.work, solver.residual, solver.pivots, solver.scale, solver.mode):
         memory.fill(0)
     for block in (solver.work_block, solver.residual_block, solver.solution_block):
@@ -91,7 +91,10 @@ def cleared(solver: LinearSolver, weights: np.ndarray) -> None:
 
 
 def updates_of(plan: LUPlan) -> int:
-    """Multiplications of a sparse factorisation: every entry right of a pivot that changes meets all of them in each row below."""
+    """Number of multiplications of a sparse factorisation.
+
+    Every entry right of a pivot that changes meets all of them in each row below.
+    """
     beside = (plan.row_start[1:] - plan.diagonal - 1)[plan.still[0] :]
     return int(beside @ (beside + 1))
 
@@ -117,7 +120,7 @@ def factorize(solver, indptr, indices, values):
 
 @inner
 def factorize_dense(solver, indptr, indices, values):
-    """Factor with pivoting."""
+    """Factor a matrix with pivoting; results as those of `factorize`."""
     solver.mode[0] = 1
     to_dense(indptr, indices, values, solver.dense)
     return dense_factor(solver.dense, solver.pivots, solver.scale, DENSE_TOLERANCE)
@@ -143,9 +146,9 @@ def apply_inverse_block(solver, block):
 
 @inner
 def refine(solver, indptr, indices, values, rhs, solution):
-    """One step of iterative refinement; whether it changed so little that the factors can be trusted.
+    """Make one step of iterative refinement; returns whether it changed so little that the factors can be trusted.
 
-    Compared by coordinates alone, in units of the scene's size: multipliers follow from them. (A comparison row by row fails where
+    Compared by coordinates alone, in units of the model size: multipliers follow from them. (A comparison row by row fails where
     all terms of a row are zero but for round-off.)
     """
     multiply(indptr, indices, values, solution, solver.residual)
@@ -209,7 +212,7 @@ def solve_refined_block(solver, indptr, indices, values, factored, factor, fresh
 
 @inner
 def copy_columns(block, target):
-    """As many columns as both have."""
+    """Copy as many columns of a block to a target as both have."""
     columns = min(block.shape[1], target.shape[1])
     for i in range(len(block)):
         source, row = block[i], target[i]

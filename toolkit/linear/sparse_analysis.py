@@ -17,7 +17,9 @@ four times, which halves the time of dense bodies."""
 
 
 class LUPlan(NamedTuple):
-    """Where every entry goes; integer arrays only. "Position" is the place of an unknown in the order of elimination.
+    """Places of all entries in the factors; integer arrays only.
+
+    "Position" is the place of an unknown in the order of elimination.
 
     L (its unit diagonal is not stored), the inverse pivots and U share one array `lu` in rows of the permuted matrix. Index lists
     are unsigned because numba then skips the test for indices counted from the end, a quarter of the time.
@@ -88,7 +90,9 @@ def _check(indptr: np.ndarray, indices: np.ndarray) -> None:
 
 
 def _plan(order: np.ndarray, upper: list[np.ndarray], value_row: np.ndarray, value_column: np.ndarray, still: int) -> LUPlan:
-    """Storage of L + U and its updates, from the columns of each row of U and the place of each CSR value (all as positions).
+    """Storage of L + U and its updates.
+
+    It is made from the columns of each row of U and the place of each CSR value (all as positions).
 
     The first pivots, so many as are `still`, never change.
     """
@@ -119,7 +123,7 @@ def _plan(order: np.ndarray, upper: list[np.ndarray], value_row: np.ndarray, val
 
 
 class _Updates(NamedTuple):
-    """As in `LUPlan`, the updated entries as row * n + column."""
+    """Updates of a factorisation; fields as in `LUPlan`, with the updated entries as row * n + column."""
 
     run: np.ndarray
     together: np.ndarray
@@ -130,7 +134,10 @@ class _Updates(NamedTuple):
 
 
 def _updates(upper: list[np.ndarray], still: int) -> _Updates:
-    """What each pivot, or each group of pivots, updates; from the columns of each row of U. A group ends with those that are `still`."""
+    """Updates that each pivot, or each group of pivots, makes; from the columns of each row of U.
+
+    A group ends with those that are `still`.
+    """
     n, k, nothing = len(upper), 0, np.zeros(0, np.int64)
     run, together = np.zeros((2, n), np.int64)
     first, length, updated, of_still = [nothing], [nothing], [nothing], (0, 0)

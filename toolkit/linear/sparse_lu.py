@@ -32,7 +32,10 @@ from toolkit.linear.sparse_analysis import TOGETHER, LUPlan
 
 
 class StillPivots(NamedTuple):
-    """What the pivots that never change have left to the later ones, so that they are eliminated once for many matrices."""
+    """Rows that the pivots which never change have left to the later ones.
+
+    So they are eliminated once for many matrices.
+    """
 
     made: np.ndarray  # (1,) 1 once they have been eliminated
     values: np.ndarray  # of `plan.still_value`, which they belong to
@@ -41,7 +44,7 @@ class StillPivots(NamedTuple):
 
 
 def still_pivots(plan: LUPlan, dtype: type) -> StillPivots:
-    """Memory for them."""
+    """Memory for the `StillPivots` of a plan."""
     later = len(plan.own_value)
     rows = int(plan.row_start[-1] - plan.row_start[len(plan.order) - later]) if plan.still[0] else 0
     return StillPivots(
@@ -85,7 +88,7 @@ def factor(plan, values, lu, work, tolerance, kept):
 
 @inlined
 def _unchanged(plan, values, kept):
-    """Whether the first pivots meet what they met last time."""
+    """Whether the first pivots meet the same values as last time."""
     changed = kept.made[0] == 0
     for p in range(plan.still_value.size):
         changed |= values[plan.still_value[p]] != kept.values[p]
@@ -94,7 +97,10 @@ def _unchanged(plan, values, kept):
 
 @inlined
 def _load_still(plan, values, lu, work):
-    """As `_load`, without the values of the later pivots."""
+    """Load the values of the first pivots into `lu`, and the first term of their `size`.
+
+    This is `_load` without the values of the later pivots.
+    """
     for p in range(lu.size):
         lu[p] = 0.0
     for p in range(plan.still_value.size):
@@ -105,7 +111,7 @@ def _load_still(plan, values, lu, work):
 
 @inlined
 def _keep(plan, values, lu, work, kept):
-    """What the first pivots have left."""
+    """Keep what the first pivots have left."""
     first, still = plan.row_start[plan.still[0]], plan.still[0]
     for p in range(kept.lu.size):
         kept.lu[p] = lu[first + p]
@@ -118,7 +124,7 @@ def _keep(plan, values, lu, work, kept):
 
 @inlined
 def _load_later(plan, values, lu, work, kept):
-    """The rows of the later pivots: what the first ones have left, and their own values."""
+    """Load the rows of the later pivots: what the first ones have left, and their own values."""
     first, still = plan.row_start[plan.still[0]], plan.still[0]
     for p in range(kept.lu.size):
         lu[first + p] = kept.lu[p]
@@ -130,7 +136,7 @@ def _load_later(plan, values, lu, work, kept):
 
 @inner
 def _eliminate(plan, lu, work, tolerance, first, last, update, run):
-    """Pivots first ... last - 1, before which others have used so many updates and runs; as `factor`."""
+    """Eliminate pivots first ... last - 1, before which others have used so many updates and runs; as `factor`."""
     k = first
     while k < last:
         if plan.together[k] > 0:
@@ -163,7 +169,7 @@ def _eliminate(plan, lu, work, tolerance, first, last, update, run):
 
 @inlined
 def _factor_together(plan, lu, work, tolerance, first):
-    """The rows of TOGETHER pivots, whose columns are the same; -1, or the pivot that is refused."""
+    """Factor the rows of TOGETHER pivots, whose columns are the same; -1, or the pivot that is refused."""
     for k in range(first, first + TOGETHER):
         diagonal = plan.diagonal[k]
         if not abs(lu[diagonal].real) > tolerance * work[k].real:
@@ -180,7 +186,10 @@ def _factor_together(plan, lu, work, tolerance, first):
 
 @inlined
 def _eliminate_together(plan, lu, work, first, update, run):
-    """All later rows without TOGETHER pivots, two rows at a time; `update` and `run` count what the pivots before them have used."""
+    """Update all later rows by TOGETHER pivots, two rows at a time.
+
+    `update` and `run` count what the pivots before them have used.
+    """
     a, b, c, d = plan.diagonal[first], plan.diagonal[first + 1], plan.diagonal[first + 2], plan.diagonal[first + 3]
     behind, count = plan.row_start[first + 4] - d - 1, plan.together[first]
     row_a, row_b, row_c, row_d = lu[a + 4 :], lu[b + 3 :], lu[c + 2 :], lu[d + 1 :]
@@ -217,7 +226,7 @@ def _eliminate_together(plan, lu, work, first, update, run):
 
 @inner
 def _load(plan, values, lu, size):
-    """Matrix entries into `lu`, zero at the fill, and the first term of `size`."""
+    """Load matrix entries into `lu`, zero at the fill, and the first term of `size`."""
     for p in range(lu.size):
         lu[p] = 0.0
     for p in range(values.size):

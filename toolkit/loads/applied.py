@@ -1,4 +1,4 @@
-"""What forces and torques in the plane and in space share: where they act, and their time curve."""
+"""Base of forces and torques in the plane and in space: where they act, and their time curve."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ class AppliedForce(Description):
 
     @property
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """The body; nothing reacts but the ground."""
+        """Points where the load grips: the body, and the ground, which alone reacts."""
         return (self.body, self.point), ("ground", self.point)
 
     @property
     def time_curve(self) -> Curve:
-        """s(t)."""
+        """Time curve s(t) that scales the force."""
         return self.curve
 
 
@@ -78,11 +78,11 @@ class AppliedTorque(Description):
 
     @property
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at the point."""
+        """Points where the load grips: the body and its reaction, each at the point."""
         first, second = on_both(self.point)
         return (self.body, first), (self.reaction, second)
 
     @property
     def time_curve(self) -> Curve:
-        """s(t)."""
+        """Time curve s(t) that scales the torque."""
         return self.curve

@@ -1,4 +1,4 @@
-"""What controllers in the plane and in space share: a set value over time, and their gains."""
+"""Base of controllers in the plane and in space: a set value over time, and their gains."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ class Controlled(Acting):
 
     @property
     def time_curve(self) -> Curve:
-        """The set value."""
+        """Time curve of the set value."""
         return self.curve
 
     @property
     def state(self) -> RowQuantity | None:
-        """The integral."""
+        """Quantity of the controller's integral, that of what it measures; None without integral action."""
         return None if self.integral_gain is None else self.measured
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """The gains."""
+        """Gains of the controller: proportional, derivative, integral."""
         return [self.proportional_gain, self.derivative_gain, 0.0 if self.integral_gain is None else self.integral_gain]
 
 

@@ -1,4 +1,4 @@
-"""What friction in the plane and in space shares: its level, and the width of its regularisation."""
+"""Base of friction in the plane and in space: its level, and the width of its regularisation."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class Friction(BetweenBodies):
     """
 
     measure: ClassVar[CPUDispatcher]
-    """What slides or turns, g, see `measured`."""
+    """Function g that measures what slides or turns, see `measured`."""
     rate: ClassVar[str]
-    """What g' is, a quantity of `toolkit.foundation.units`."""
+    """Quantity of the rate g', one of `toolkit.foundation.units`."""
 
     level: Annotated[NotNegative, Quantity("force")]
     width: Annotated[Positive, Quantity("length/time")]
@@ -37,16 +37,19 @@ class Friction(BetweenBodies):
 
     @property
     def time_curve(self) -> Curve:
-        """s(t)."""
+        """Time curve s(t) that scales the friction."""
         return self.curve
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """Level and width."""
+        """Parameters of the friction law: level and width."""
         return [self.level, self.width]
 
     @classmethod
     def measured(cls) -> CPUDispatcher:
-        """The function itself; reached through an instance it would be bound to it."""
+        """Function that measures what slides or turns.
+
+        Reached through an instance it would be bound to it.
+        """
         return cls.measure
 
 

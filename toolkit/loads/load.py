@@ -10,7 +10,7 @@ from toolkit.markers.component import Component
 
 
 class AnyLoad(InSpace):
-    """What acts on bodies: loads on markers, and those on whole bodies and surfaces."""
+    """Base of all loads: those on markers, and those on whole bodies and surfaces."""
 
     siblings: ClassVar[str] = "PlanarLoad or SpatialLoad"
     proportional: ClassVar[tuple[str, ...]] = ()
@@ -28,10 +28,16 @@ class Load(AnyLoad, Component):
 
     @property
     def turn(self) -> Literal["zero", "state", "curve"] | None:
-        """What the turn of its angle in space is next to, of which an axis says nothing: where it is lost the torque jumps."""
+        """Reference next to which the turn of the load's angle in space is taken, as an axis says nothing of turns.
+
+        Where the turn is lost the torque jumps. None if the load feels no angle.
+        """
         return None
 
     @property
     def state(self) -> RowQuantity | None:
-        """What its own state is compared with, also as an integral over time: a length or an angle (and pure numbers); None without one."""
+        """Quantity that the load's own state is compared with, also as an integral over time; None without a state.
+
+        It is a length or an angle; pure numbers count as angles.
+        """
         return None

@@ -1,4 +1,4 @@
-"""Where loads between two bodies grip: both at a point, or each at a point of its own."""
+"""Points at which loads between two bodies grip: one for both, or one for each."""
 
 from __future__ import annotations
 
@@ -58,5 +58,5 @@ class BetweenPoints(Description):
 
     @property
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at its own point."""
+        """Bodies of the load, each with its own point."""
         return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])

@@ -1,4 +1,4 @@
-"""What spring-dampers in the plane and in space share: their numbers, and where they grip."""
+"""Base of spring-dampers in the plane and in space: their numbers, and where they grip."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class PointSpring(BetweenPoints, Acting):
     length: Annotated[NotNegative | None, Quantity("length")] = None
 
     def parameters(self, scene: Skeleton) -> list[Any]:
-        """Stiffness, damping, relaxed length."""
+        """Parameters of the law: stiffness, damping, relaxed length."""
         d = scene.position(self.points[0]) - scene.position(self.points[1])
         return [self.stiffness, self.damping, np.sqrt(d @ d) if self.length is None else self.length]
 
@@ -54,5 +54,5 @@ class TurnSpring(BetweenBodies, Acting):
     rest_angle: Annotated[Number, Quantity("angle")] = 0.0
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """Stiffness, damping, relaxed angle."""
+        """Parameters of the law: stiffness, damping, relaxed angle."""
         return [self.stiffness, self.damping, self.rest_angle]

@@ -1,4 +1,4 @@
-"""What joints and loads about an axis in space share."""
+"""Base of joints and loads about an axis in space."""
 
 from __future__ import annotations
 
@@ -32,5 +32,5 @@ class AboutAxis(Description):
 
     @property
     def axes(self) -> np.ndarray:
-        """The third one along the axis."""
+        """Axes of the markers, (3, 3) as columns, the third one along the axis."""
         return axes_along(self.axis)

@@ -1,4 +1,4 @@
-"""What joints and loads along an axis in the plane share."""
+"""Base of joints and loads along an axis in the plane."""
 
 from __future__ import annotations
 

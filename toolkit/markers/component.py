@@ -16,19 +16,19 @@ Place = str | tuple[str, str]
 
 
 def on_both(place: Place) -> tuple[str, str]:
-    """The point on the first body and that on the second."""
+    """Names of the point on the first body and of that on the second."""
     return (place, place) if isinstance(place, str) else place
 
 
 class Skeleton(Protocol):
-    """What a component may ask of its scene: where the points are in the undeformed configuration."""
+    """Interface of a scene to its components: where the points are in the undeformed configuration."""
 
     def position(self, point: str) -> np.ndarray:
         """Undeformed global position of a point, shape (d,)."""
 
 
 class Component(InSpace):
-    """Base of joints and loads.
+    """Base of joints and loads, with its compiled law, its parameters, and the bodies that it grips.
 
     `formula` of a load is the compiled law of its kind with all its derivatives; a subclass without one cannot be created. Its parameters
     enter the formula as arguments behind the two poses, so that their design derivatives come with the formula's. Joints state rows.
@@ -36,35 +36,41 @@ class Component(InSpace):
 
     formula: ClassVar[CPUDispatcher]
     stated_by: ClassVar[str] = "formula"
-    """What a kind of component states its law by."""
+    """Name of the attribute by which a kind of component states its law."""
 
     @classmethod
     def law(cls) -> CPUDispatcher:
-        """The formula itself; reached through an instance it would be bound to it, another one for each component."""
+        """Compiled formula of the component's law.
+
+        Reached through an instance it would be bound to it, another one for each component.
+        """
         return cls.formula
 
     @property
     @abstractmethod
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """(body, point) of marker a and of marker b."""
+        """Points that the component grips: (body, point) of marker a and of marker b."""
 
     @abstractmethod
     def parameters(self, scene: Skeleton) -> list[Any]:
-        """Numbers behind the two poses in the formula's arguments, of a joint those of its rows; real or complex."""
+        """Parameters of the component, real or complex.
+
+        They are the numbers behind the two poses in the formula's arguments, of a joint those of its rows.
+        """
 
     @property
     def axes(self) -> np.ndarray | None:
-        """Axes (3, 3) of its markers in the undeformed configuration, as columns; None for those of space."""
+        """Axes (3, 3) of the component's markers in the undeformed configuration, as columns; None for those of space."""
         return None
 
     @property
     def feels_axes(self) -> bool:
-        """Whether it asks for more than the positions of its markers, in space; a plain truth costs time alone."""
+        """Whether the component asks for more than the positions of its markers, in space; a needless True costs time alone."""
         return True
 
     @property
     def time_curve(self) -> Curve | None:
-        """The time curve that drives or scales the component."""
+        """Time curve that drives or scales the component."""
         return None
 
     @classmethod

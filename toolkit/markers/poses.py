@@ -35,14 +35,17 @@ def update_positions(plane, frames, markers, state, q, rest):
 
 @inlined
 def set_frames(frames, state, q, v, acc):
-    """Evaluate the frames alone; where bodies are to feel no rates, with rates that are zero."""
+    """Evaluate the frames alone.
+
+    Where bodies are to feel no rates, the rates given are zero.
+    """
     if frames is not None:
         update_frames(frames, state.frames, q, v, acc)
 
 
 @kernel
 def update_pose_designs(plane, frames, markers, state, q, v, acc, scratch):
-    """Partial design derivatives of all markers, after `update_poses`."""
+    """Compute the partial design derivatives of all markers, after `update_poses`."""
     if plane is not None:
         update_marker_designs(markers, state, q, v, acc, scratch)
     if frames is not None:
@@ -51,7 +54,7 @@ def update_pose_designs(plane, frames, markers, state, q, v, acc, scratch):
 
 @inlined
 def add_pose_force(plane, frames, markers, state, m, force, factor, residual):
-    """residual += factor * B^T F for a force F, as long as a pose, on marker m."""
+    """Add factor * B^T F to the residual, for a force F, as long as a pose, on marker m."""
     if plane is not None:
         add_force(markers, state, m, force, factor, residual)
     if frames is not None:
@@ -60,7 +63,7 @@ def add_pose_force(plane, frames, markers, state, m, force, factor, residual):
 
 @inlined
 def add_pose_stiffness(plane, frames, markers, state, m, force, factor, positions, stride, offset, values):
-    """values += factor * d(B^T F)/dq at constant F, see `marker_forces`."""
+    """Add factor * d(B^T F)/dq at constant F to the values, see `marker_forces`."""
     if plane is not None:
         add_geometric_stiffness(markers, state, m, force, factor, positions, stride, offset, values)
     if frames is not None:
@@ -69,7 +72,7 @@ def add_pose_stiffness(plane, frames, markers, state, m, force, factor, position
 
 @inlined
 def add_pose_force_design(plane, frames, markers, state, m, d, force, factor, residual_x):
-    """residual_x += factor * d(B^T F)/dx at constant F."""
+    """Add factor * d(B^T F)/dx at constant F to the design derivatives of the residual."""
     if plane is not None:
         c, s = known_turn(markers, state, m)
         add_force_design(markers, state, m, d, force, factor, c, s, residual_x)

@@ -10,19 +10,19 @@ _BETWEEN = "/"
 
 
 class Chord(NamedTuple):
-    """The interface points that the frame goes through."""
+    """Two interface points that the frame of a body goes through."""
 
     first: str
     second: str
 
     @property
     def condition(self) -> str:
-        """The reference condition in words."""
+        """Reference condition of the chord in words."""
         return f"{_BEGIN}{self.first}{_BETWEEN}{self.second}"
 
 
 def chord_of(reference_condition: str) -> Chord | None:
-    """The points of a chord; None of any other reference condition."""
+    """Interface points of a chord from its reference condition; None of any other reference condition."""
     if not reference_condition.startswith(_BEGIN):
         return None
     first, _, second = reference_condition.removeprefix(_BEGIN).partition(_BETWEEN)

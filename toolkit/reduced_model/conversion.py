@@ -39,7 +39,7 @@ ITEMS: dict[str, Dimension] = {
     "element": NONE, "end": NONE, "fibre": NONE, "edges": NONE, "stress": NONE, "modulus": NONE, "triangles": NONE, "lines": NONE,
     "force": LENGTH.power(2), "moment": LENGTH.power(3),
 }  # fmt: skip
-"""Of every array, for elastic coordinates that are pure numbers; the rows of `recovery` are lengths and angles in turn."""
+"""Dimension of every array, for elastic coordinates that are numbers; rows of `recovery` are lengths and angles in turn."""
 CANCELLED = 1e-9
 """Sum of motions in parts of their magnitudes that round-off leaves of a sum that is zero."""
 POLYNOMIALS = ("position", "rotation")
@@ -47,7 +47,7 @@ POLYNOMIALS = ("position", "rotation")
 
 
 def converted_model(model: ReducedModel, units: str) -> ReducedModel:
-    """The model in another unit system.
+    """Reduced model in another system of units.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
 
 
 def _converted(model: ReducedModel, units: str, moving: np.ndarray) -> ReducedModel:
-    """The model without its richer basis, where the coordinates `moving` (n_f,) move nodes and do not only turn them."""
+    """Model in other units without its richer basis; the coordinates `moving` (n_f,) move nodes and do not only turn them."""
     dimensions = {name: dimension_of_label(label, model.units) for name, label in model.nominal_units.items()}
     by = {name: factor(dimensions[name], model.units, units) for name in model.nominal}
     parameter, scale = np.array(list(by.values())), _Scales(model, units, moving)
@@ -106,13 +106,13 @@ def _each(group: Mapping[str, Any] | None, change: Any) -> dict[str, Any] | None
 
 
 def _label(dimension: Dimension, label: str, source: str, target: str) -> str:
-    """The same quantity's label: of all with this dimension the one that had the label."""
+    """Label of the same quantity in another system of units."""
     names = (name for name, each in LABELLED.items() if each == dimension and unit(source, name) == label)
     return unit(target, next(names))
 
 
 class _Scales:
-    """Factors of all entries of a model's arrays."""
+    """Conversion factors of all entries of a model's arrays."""
 
     def __init__(self, model: ReducedModel, units: str, moving: np.ndarray) -> None:
         self.model, self.units = model, units
@@ -125,7 +125,7 @@ class _Scales:
         self.per_axis["q"] = 1 / self._loads(coordinate)
 
     def _loads(self, coordinate: np.ndarray) -> np.ndarray:
-        """Factors of the loads of `LeftOutShapes`; of nobody's if they are not there."""
+        """Conversion factors of the loads of `LeftOutShapes`, as many as there are."""
         found, d = self.model.left_out_shapes, self.model.dimension
         force, moment, per_time = (
             factor(each, self.model.units, self.units) for each in (LABELLED["force"], LABELLED["energy"], TIME.power(-2))
@@ -136,7 +136,7 @@ class _Scales:
         return np.concatenate([np.tile(point, points), pulls])
 
     def part(self, part: Any, point: bool = False) -> Any:
-        """All arrays of one object."""
+        """Object of a model with all its arrays converted."""
         shapes = letters_of(part)
         changed = {}
         for item in fields(part):
@@ -146,7 +146,7 @@ class _Scales:
         return type(part)(**changed)
 
     def entries(self, name: str, letters: str, shape: tuple[int, ...], point: bool = False) -> Any:
-        """Factors of one array, of a shape that fits it."""
+        """Conversion factors of one array, of a shape that fits it."""
         found = np.full(shape, factor(ITEMS[name], self.model.units, self.units))
         for axis, letter in enumerate(letters):
             along = self.per_axis.get(letter, np.ones(shape[axis]))
@@ -158,7 +158,7 @@ class _Scales:
         return found
 
     def flat(self, item: str) -> np.ndarray:
-        """Factors of the flattened array of an item."""
+        """Conversion factors of the flattened array of an item."""
         group, *rest = item.split(".")
         array = self.model.item(item)
         owner: Any = self.model.invariants if not rest else getattr(self.model, group)
@@ -185,7 +185,7 @@ def _moving(model: ReducedModel) -> np.ndarray:
 
 
 def _shifting(moved: np.ndarray) -> np.ndarray:
-    """Of spatial beams: the fibres around a node that only turns move against each other, (n_points, 3, n_f) -> (n_f,)."""
+    """Which elastic coordinates of spatial beams move nodes and do not only turn them, (n_points, 3, n_f) -> (n_f,)."""
     whole = np.abs(moved).sum(axis=(0, 1))
     return np.abs(moved.sum(axis=0)).max(axis=0) > CANCELLED * whole
 
@@ -195,6 +195,6 @@ def _derivatives(found: Derivatives, scale: np.ndarray, parameter: np.ndarray) -
 
 
 def _polynomial(found: Polynomial, scale: np.ndarray, parameter: np.ndarray) -> Polynomial:
-    """c_k' = f_item c_k / prod_j f_kj ** power_kj."""
+    """Polynomial with converted coefficients c_k' = f_item c_k / prod_j f_kj ** power_kj."""
     term = np.prod(np.append(parameter, 1.0)[found.factor] ** found.power, axis=1)
     return replace(found, value=found.value * scale[found.entry] / term[found.term])

@@ -8,9 +8,12 @@ from toolkit.reduced_model.thin_arrays import is_thin
 
 
 def positive_definite(matrix: np.ndarray) -> bool:
-    """By Cholesky's factors; of a large matrix that is zero nearly everywhere by the pivots of Gauss' elimination in a sparing order.
+    """Whether a symmetric matrix is positive definite.
 
-    A symmetric matrix is positive definite if and only if all pivots of an elimination down its diagonal are positive (Sylvester).
+    By Cholesky's factors; a large matrix that is zero nearly everywhere by the pivots of Gauss' elimination in a sparing order.
+
+    A symmetric matrix is positive definite if and only if all pivots of an elimination down its diagonal are positive
+    (Sylvester).
     """
     if not is_thin(matrix):
         try:

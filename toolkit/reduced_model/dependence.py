@@ -29,7 +29,7 @@ class Derivatives:
         return self.entry[here], self.value[here]
 
     def renumbered(self, numbers: np.ndarray) -> Derivatives:
-        """With other numbers of the parameters, without those whose new number is negative."""
+        """Derivatives with other parameter numbers, without those whose new number is negative."""
         here = numbers[self.parameter] >= 0
         return Derivatives(numbers[self.parameter][here], self.entry[here], self.value[here])
 
@@ -41,7 +41,7 @@ class Derivatives:
         return parameter in self._parameters
 
     def depends_on_any(self, parameters: Collection[int]) -> bool:
-        """Whether there is one of them."""
+        """Whether there is an entry for any of the parameters."""
         return not self._parameters.isdisjoint(parameters)
 
     @cached_property
@@ -69,7 +69,7 @@ class Polynomial:
         return scattered(self.entry, self._weights(p, self.power)[self.term] * self.value, size)
 
     def on(self, places: np.ndarray) -> Polynomial:
-        """That of the values at some places in their order, among which are all that are not zero."""
+        """Polynomial of the array's values at some places in their order, which include all that are not zero."""
         return replace(self, entry=np.searchsorted(places, self.entry))
 
     def rates(self, p: np.ndarray, slopes: Slopes | None = None) -> Derivatives:
@@ -79,7 +79,7 @@ class Polynomial:
         return Derivatives(parameter, entry, slope[factor, term] * value)
 
     def slopes_by(self, numbers: np.ndarray) -> Slopes:
-        """Where derivatives stand, by parameters with other numbers, without those whose new number is negative."""
+        """Entries of the derivatives by parameters with other numbers, without those whose new number is negative."""
         factor, place = np.nonzero(np.append(numbers, -1)[self.factor[self.term].T] >= 0)
         term = self.term[place]
         return Slopes(numbers[self.factor[term, factor]], self.entry[place], self.value[place], term, factor)
@@ -95,7 +95,7 @@ class Polynomial:
         return parameter in self._parameters
 
     def depends_on_any(self, parameters: Collection[int]) -> bool:
-        """Whether there is one of them."""
+        """Whether any of the parameters occurs."""
         return not self._parameters.isdisjoint(parameters)
 
     @cached_property
@@ -107,7 +107,7 @@ class Polynomial:
 
     @classmethod
     def joined(cls, polynomials: Sequence[Polynomial], sizes: Sequence[int]) -> Polynomial:
-        """That of several arrays of these sizes, one behind the other."""
+        """Polynomial of several arrays of the given sizes, one behind the other."""
         width, terms, places = max(each.factor.shape[1] for each in polynomials), 0, 0
         parts = []
         for each, size in zip(polynomials, sizes, strict=True):
@@ -119,7 +119,7 @@ class Polynomial:
 
 
 class Slopes(NamedTuple):
-    """Derivatives of a polynomial, without what its parameters make of them: one for every factor of every entry."""
+    """Entries of a polynomial's derivatives that do not depend on the parameters' values: one for every factor of every entry."""
 
     parameter: np.ndarray  # its number
     entry: np.ndarray  # place in the flattened array
@@ -129,7 +129,7 @@ class Slopes(NamedTuple):
 
 
 class Told(NamedTuple):
-    """What is known of an array, on those of its places alone that are not zero or can become so, if these are few."""
+    """Nominal values, polynomial and derivatives of an array; if few of its places can be nonzero, on those alone."""
 
     here: np.ndarray | slice  # places in the flattened array, ascending, or all
     own: np.ndarray  # what stands there at the nominal design
@@ -144,7 +144,7 @@ def told_of(
     tangents: Mapping[int, tuple[np.ndarray, np.ndarray]],
     steps: Collection[int],
 ) -> Told:
-    """Of an array at the nominal design, its polynomial, and derivatives by some parameters, where some make complex `steps`."""
+    """What is known of an array from its nominal values, polynomial and derivatives; some parameters make complex `steps`."""
     filled = [] if polynomial is None else [polynomial.entry]
     here = np.unique(np.concatenate([np.flatnonzero(nominal), *filled, *(entry for entry, _ in tangents.values())]))
     stepped = polynomial is not None and polynomial.depends_on_any(steps)
@@ -156,7 +156,7 @@ def told_of(
 
 
 class Together(NamedTuple):
-    """Polynomials of several items of a model, all at real parameters or all at complex ones, which are evaluated at once."""
+    """Polynomials of several items, evaluated at once, all at real parameters or all at complex ones."""
 
     places: dict[str, slice]  # item -> where its values are among those of all
     polynomial: Polynomial
@@ -164,7 +164,7 @@ class Together(NamedTuple):
 
     @classmethod
     def of(cls, told: Mapping[str, Told]) -> Together:
-        """Of what is known of some items."""
+        """Joint polynomial of several items, each given by what is known of it."""
         ends = np.cumsum([len(each.own) for each in told.values()]).tolist()
         places = {item: slice(end - len(each.own), end) for (item, each), end in zip(told.items(), ends, strict=True)}
         found: list[Any] = [each.polynomial for each in told.values()]
@@ -172,7 +172,7 @@ class Together(NamedTuple):
         return cls(places, joined, any(each.complex for each in told.values()))
 
     def __call__(self, p: np.ndarray) -> dict[str, np.ndarray]:
-        """Item -> values on its places."""
+        """Values of every item, by its name, on the item's places."""
         flat = self.polynomial(p if self.complex else np.real(p), max(place.stop for place in self.places.values()))
         return {item: flat[place] for item, place in self.places.items()}
 

@@ -23,7 +23,7 @@ KEPT = 8
 
 @dataclass(frozen=True)
 class DesignPoint:
-    """A reduced model at given values of its parameters, nominal where none is given.
+    """Reduced model at given values of its parameters, nominal where none is given.
 
         item(p) = polynomial(p) + sum_j d_j (p_j - nominal_j)
 
@@ -52,7 +52,7 @@ class DesignPoint:
 
     @cached_property
     def kept(self) -> dict[Any, Any]:
-        """What others have made of the model at this design, for as long as the design is remembered."""
+        """Objects that others have made of the model at this design, stored for as long as the design is remembered."""
         return {}
 
     @cached_property
@@ -60,12 +60,12 @@ class DesignPoint:
         return np.array([self.values.get(name, nominal) for name, nominal in self.model.nominal.items()])
 
     def parameter(self, number: int) -> Any:
-        """Value of the parameter with a number, real or complex."""
+        """Value of the parameter with the given number, real or complex."""
         return self.p[number]
 
     @cached_property
     def _steps(self) -> dict[int, Any]:
-        """Steps off the nominal design by the number of the parameter."""
+        """Differences from the nominal design, by the number of the parameter."""
         numbers, nominal = self.model.numbers, self.model.nominal
         steps = {numbers[name]: value - nominal[name] for name, value in self.values.items()}
         return {k: step for k, step in steps.items() if step != 0}
@@ -76,7 +76,7 @@ class DesignPoint:
         return frozenset(k for k, step in self._steps.items() if isinstance(step, complex))
 
     def invariants(self) -> Any:
-        """All invariants.
+        """All invariants at this design.
 
         Raises
         ------
@@ -88,12 +88,12 @@ class DesignPoint:
         return kind(**dict(zip(names, self.some_invariants(*names), strict=True)))
 
     def some_invariants(self, *items: str) -> tuple[np.ndarray, ...]:
-        """Those of some names; errors as `invariants`, of a stiffness if it is among them."""
+        """Invariants of the given names; errors as `invariants` if the stiffness is among them."""
         self.check_extrapolated(items)
         return tuple(map(self.value, items))
 
     def sections(self) -> BeamSections | None:
-        """The sections of its beams; None of a model that does not tell them at this design. Errors as `value`."""
+        """Sections of the body's beams; None of a model that does not give them at this design. Errors as `value`."""
         nominal = self.model.sections
         if nominal is None or (self._steps and None in self.model.dependence("sections.axial_stiffness")):
             return None
@@ -101,7 +101,7 @@ class DesignPoint:
         return BeamSections(axis=nominal.axis, **changed)
 
     def check_extrapolated(self, items: Sequence[str]) -> None:
-        """Refuse the same, if it is among some items."""
+        """Refuse a stiffness that a tangent has led to and that no body has, if it is among some items."""
         if self.first_order and "stiffness" in items:
             self.check_stiffness(self.value("stiffness"))
 
@@ -128,14 +128,14 @@ class DesignPoint:
             )
 
     def interface(self, name: str) -> InterfacePoint:
-        """One interface point; its range is that of the nominal design."""
+        """Interface point at this design; its range is that of the nominal design."""
         if name not in self._interfaces:
             self._interfaces[name] = self._interface(name)
         return self._interfaces[name]
 
     @cached_property
     def _interfaces(self) -> dict[str, InterfacePoint]:
-        """Those that were asked for."""
+        """Interface points that were evaluated so far, by name."""
         return {}
 
     def _interface(self, name: str) -> InterfacePoint:
@@ -144,12 +144,12 @@ class DesignPoint:
         return InterfacePoint(arc_length_range=point.arc_length_range, **changed)
 
     def shape(self) -> Shape:
-        """The points with a target."""
+        """Points with a target at this design."""
         nominal: Any = self.model.shape
         return Shape(self.value("shape.position"), self.value("shape.target"), nominal.arc_length)
 
     def value(self, item: str) -> np.ndarray:
-        """One item.
+        """Array of an item at this design.
 
         Raises
         ------
@@ -162,7 +162,7 @@ class DesignPoint:
 
     @cached_property
     def _known(self) -> dict[str, Any]:
-        """Items that were asked for, and what was found with them."""
+        """Items that were asked for, and other results stored with them."""
         return {}
 
     def _evaluated(self, item: str) -> np.ndarray:
@@ -175,7 +175,7 @@ class DesignPoint:
         return found.reshape(nominal.shape)
 
     def filled(self, item: str) -> tuple[np.ndarray | slice, np.ndarray]:
-        """Places in a flattened item where it can differ from zero at designs of this kind, or all, and its values there; as `value`."""
+        """Places in a flattened item that can be nonzero at designs of this kind, or all, and the values there; as `value`."""
         told = self._told(item) if self._steps else None
         if told is None:
             flat = self.model.item(item).ravel()
@@ -197,11 +197,11 @@ class DesignPoint:
 
     @cached_property
     def kind(self) -> tuple[Any, ...]:
-        """What decides, beside the values, from what its items follow: parameters that are off, and whether by a real or complex step."""
+        """Key of designs whose items follow from the same data: parameters that are off, by a real or a complex step."""
         return (self.first_order, *((k, np.real(step) != 0, k in self._complex) for k, step in self._steps.items()))
 
     def _told(self, item: str) -> Told | None:
-        """What the file tells of an item that moves, None of others; looked up once for all designs of a kind."""
+        """File's data on an item that changes, None of others; looked up once for all designs of a kind."""
         known, key = self.model.told, (self.kind, item)
         if key not in known:
             known[key] = self._looked_up(item)
@@ -218,7 +218,7 @@ class DesignPoint:
         return told_of(self.model.item(item), (polynomials or {}).get(item), tangents, self._complex)
 
     def _by_polynomial(self, item: str, told: Told) -> np.ndarray:
-        """Values of an item's polynomial on its places, found at once for all items that designs of this kind have asked for."""
+        """Values of an item's polynomial on its places, evaluated together for all items asked for at designs of this kind."""
         key = "polynomial of {}".format
         if key(item) not in self._known:
             recorded = self.model.told.get((self.kind, told.complex))
@@ -229,7 +229,7 @@ class DesignPoint:
         return found
 
     def _recorded(self, item: str, told: Told, others: Together | None) -> Together:
-        """An item with others; alone if they are too large together."""
+        """Joint polynomial of an item and others; of the item alone if all are too large together."""
         wanted = {} if others is None else {name: self.model.told[self.kind, name] for name in others.places}
         found = Together.of({**wanted, item: told})
         if len(found.polynomial.entry) > SMALL:
@@ -238,7 +238,7 @@ class DesignPoint:
         return found
 
     def rows(self, item: str) -> Any:
-        """An item as a matrix (.., n) of its last axis; sparse if it is large and zero nearly everywhere.
+        """Item as a matrix (.., n) of its last axis; sparse if it is large and zero nearly everywhere.
 
         Raises
         ------
@@ -251,12 +251,12 @@ class DesignPoint:
         return self._known[key]
 
     def moves(self, item: str) -> bool:
-        """Whether an item is not where it is at the nominal design, be it by an imaginary step."""
+        """Whether an item differs from its nominal value, be it by an imaginary step."""
         told = ((part or {}).get(item) for part in self.model.dependence(item))
         return any(each is not None and each.depends_on_any(self._steps) for each in told)
 
     def extrapolated(self) -> list[str]:
-        """Parameters whose real step the model follows by a tangent."""
+        """Names of the parameters whose real step the model follows by a tangent."""
         items = list(self.model.all_derivatives)
         moved = [k for k, step in self._steps.items() if np.real(step) != 0]
         return [self.model.parameters[k] for k in moved if any(self._is_tangent(item, k) for item in items)]
@@ -270,7 +270,7 @@ class DesignPoint:
         return self._is_tangent(item, k) or (polynomial is not None and polynomial.depends_on(k))
 
     def check(self, item: str, by_tangent: list[int]) -> None:
-        """Refuse what the file does not tell; a tangent leads away from the nominal design only where that was asked for."""
+        """Refuse an item that the file does not give at this design, or a tangent step that was not asked for."""
         names = self.model.parameters
         if None in self.model.dependence(item):
             first = names[next(iter(self._steps), 0)]
@@ -289,7 +289,7 @@ class DesignPoint:
 
 
 def design_at(model: ReducedModel, values: Mapping[str, Any], first_order: bool) -> DesignPoint:
-    """The design point of a model at some values; the same one while it is among the last that were asked for."""
+    """Design point of a model at some values; the same object while it is among the last that were asked for."""
     return _design_at(Itself(model), tuple(values.items()), first_order)
 
 

@@ -15,7 +15,7 @@ SPATIAL_LOCAL = 12
 
 @dataclass(frozen=True)
 class Elements:
-    """The invariants of every element on its own coordinates: those of any set of elements are their sums.
+    """Invariants of every element on its own coordinates; those of a set of elements are their sums.
 
     With Z_e = [xi_e, 1] of an element, xi_e the undeformed places of its nodes, and otherwise as the invariants of the whole body. A model
     has them that keeps all nodal coordinates.
@@ -39,13 +39,13 @@ class Elements:
         return np.flatnonzero(np.all(moved == 0, axis=1))
 
     def shapes(self, mesh: Any) -> np.ndarray | None:
-        """Nodal coordinates per elastic coordinate of the whole body, (3 n_nodes, n_f); None if nobody has kept them."""
+        """Nodal coordinates per elastic coordinate of the whole body, (3 n_nodes, n_f); None if they were not stored."""
         return None if mesh is None else mesh.recovery[:, 1:]
 
 
 @dataclass(frozen=True)
 class SpatialElements:
-    """The invariants of every element on its own coordinates, with Q[a, b] in the order of `SpatialInvariants`."""
+    """Invariants of every element on its own coordinates, with Q[a, b] in the order of `SpatialInvariants`."""
 
     nodes: np.ndarray  # (n_nodes, 3), undeformed
     connectivity: np.ndarray  # (n_elements, 2), first and second node
@@ -58,11 +58,11 @@ class SpatialElements:
     stress_operator: np.ndarray  # (n_stress n_components, 12), on the coordinates of the element that the stress point is in
 
     def held_nodes(self, _mesh: Any) -> np.ndarray:
-        """As kept."""
+        """Numbers of the nodes that the frame of the whole body is tied to, as stored in `held`."""
         return self.held
 
     def shapes(self, _mesh: Any) -> np.ndarray | None:
-        """All coordinates of the nodes that are not held, (6 n_nodes, n_f); None of a frame that is tied to none of them."""
+        """Nodal coordinates per elastic coordinate, (6 n_nodes, n_f): all of nodes that are not held; None if none is held."""
         if not len(self.held):
             return None
         count = len(self.nodes)

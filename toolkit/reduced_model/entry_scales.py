@@ -21,25 +21,25 @@ from toolkit.reduced_model.thin_arrays import is_sparse, sparing
 
 
 class EntryScale(NamedTuple):
-    """Sizes row_i column_j, where i counts the places of all axes but the last one."""
+    """Sizes row_i column_j of an array's entries; i counts the places of all axes but the last, j those of the last."""
 
     row: np.ndarray
     column: np.ndarray
 
     def at(self, entry: np.ndarray) -> np.ndarray:
-        """Of places in the flattened array."""
+        """Sizes at places in the flattened array."""
         row, column = np.divmod(entry, len(self.column))
         return self.row[row] * self.column[column]
 
 
 def entry_scales(inv: Invariants | SpatialInvariants) -> dict[str, np.ndarray]:
-    """Invariant -> the largest size that each of its entries could have, in the shape of the array."""
+    """Largest size that each entry of every invariant could have, by name, in the shape of the array."""
     found = {name: np.outer(scale.row, scale.column) for name, scale in entry_factors(inv).items()}
     return {name: scale.reshape(getattr(inv, name).shape) for name, scale in found.items()}
 
 
 def entry_factors(inv: Any) -> dict[str, EntryScale]:
-    """The same as factors, of invariants in arrays, or in sparse matrices with all axes but the last one in one.
+    """Largest sizes as factors, for invariants in arrays, or in sparse matrices with all axes but the last in one.
 
     The stress operator is no product of squares: its entries are measured by the largest ones of their columns and rows.
     """
@@ -56,7 +56,7 @@ def entry_factors(inv: Any) -> dict[str, EntryScale]:
 
 
 def _diagonal_of_inertia(inv: Any) -> np.ndarray:
-    """Of G, in space of the sum of the Q_aa."""
+    """Diagonal of the inertia matrix G; in space of the sum of the Q_aa."""
     if isinstance(inv, SpatialInvariants):
         z = inv.second_moment.shape[-1]
         moments = inv.second_moment if inv.second_moment.ndim == 2 else inv.second_moment.reshape(-1, z)
@@ -65,7 +65,7 @@ def _diagonal_of_inertia(inv: Any) -> np.ndarray:
 
 
 def _planes(moment: Any, z: int) -> int:
-    """Number of matrices (z, z) after each other."""
+    """Number of matrices (z, z) stacked in an array."""
     return int(np.prod(moment.shape)) // z**2
 
 

@@ -82,7 +82,7 @@ SPATIAL_PARTS: dict[str, Any] = {
     "elements": SpatialElements,
     "richer_invariants": SpatialInvariants,
 }
-"""What they hold in space instead."""
+"""Classes of the parts in space, where they differ from those in the plane."""
 _NAMED = "derivatives affine interfaces surface_loads element_derivatives element_affine piece_loads section_derivatives section_affine"
 NAMED = (*_NAMED.split(), "richer_derivatives", "richer_affine", "richer_interfaces", "richer_surface_loads")
 
@@ -121,7 +121,7 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
 
 
 def _head(content: Content, attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """All that a file holds as attributes, of which `attributes` are those of its root."""
+    """All that a file holds as attributes; `attributes` are those of its root."""
     if lacking := [name for name in ATTRIBUTES if name not in attributes]:
         raise ValueError(f"it lacks {', '.join(lacking)}")
     head = {name: attributes[name] for name in ATTRIBUTES} | {name: content.attributes(name) for name in MAPS}
@@ -147,12 +147,12 @@ def stored_bytes(path: str | Path) -> dict[str, int]:
 
 
 def _contents(model: Mapping[str, Any]) -> list[str]:
-    """Names of all named objects: without one of them a model would be read as one that does not depend on a parameter."""
+    """Names of all named objects; without one of them a model would seem not to depend on a parameter."""
     return [f"{part}/{name}" for part in NAMED for name in model.get(part) or {}]
 
 
 def _complete(contents: str, found: Mapping[str, Any]) -> dict[str, Any]:
-    """The parts that were found, with their named objects in the order of the list of contents.
+    """Parts that were found, with their named objects in the order of the list of contents.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def _complete(contents: str, found: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _numbered(nominal: dict[str, Any], listed: Any, in_order: bool) -> dict[str, Any]:
-    """The parameters in the order by which polynomials and derivatives count them: as the file lists them, or else as they were made."""
+    """Parameters in the order by which polynomials and derivatives number them: as listed in the file, or else as written."""
     if listed is None and (in_order or len(nominal) < 2):
         return nominal
     if listed is None:
@@ -185,7 +185,7 @@ def _numbered(nominal: dict[str, Any], listed: Any, in_order: bool) -> dict[str,
 
 
 def _whole(value: Any) -> Any:
-    """A whole number as such, also where a program writes all its numbers as floating-point ones; anything else as it is."""
+    """Whole number as an int, also where a program writes all its numbers as floating-point ones; anything else as it is."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
@@ -195,7 +195,7 @@ def is_reduced_model(path: str | Path) -> bool:
 
 
 def described_by(path: str | Path) -> list[str]:
-    """The file that describes the body of a reduced model, as seen from the model's folder; none if it does not say."""
+    """File that describes the body of a reduced model, relative to the model's folder; empty if the model does not name it."""
     path = Path(path)
     try:
         with reading(path, partial(_damaged, path), foreign=True) as content:
@@ -207,7 +207,7 @@ def described_by(path: str | Path) -> list[str]:
 
 
 def hash_of(path: str | Path) -> str:
-    """Hash of the inputs of a reduced model; empty if it does not say."""
+    """Hash of the inputs of a reduced model; empty if it has none."""
     return text_of(Path(path), "input_hash") or ""
 
 
@@ -219,7 +219,7 @@ def _damaged(path: Path, reason: str) -> ModelFileError:
 
 
 def _check_signature(path: Path) -> None:
-    """Say plainly what HDF5 would report in the words of its developers."""
+    """Refuse a file that is missing, cannot be read, or is no HDF5 file, before HDF5 reports it in its own words."""
     try:
         start = read_start(path, len(SIGNATURE))
     except FileNotFoundError as error:
@@ -282,7 +282,7 @@ def _read_object(kind: Any, content: Content, group: str) -> Any:
 
 
 def _array(content: Content, group: str, name: str) -> np.ndarray:
-    """An array; what counts or numbers something is whole, also where a program writes all its numbers as floating-point ones."""
+    """Array of a group; counts and numbers become whole, also where a program writes them as floating-point numbers."""
     values = content.array(f"{group}/{name}")
     if content.plain and name in WHOLE and values.dtype.kind == "f":
         if not np.array_equal(values, np.rint(values)):
@@ -292,7 +292,7 @@ def _array(content: Content, group: str, name: str) -> np.ndarray:
 
 
 def save(model: ReducedModel, path: str | Path) -> None:
-    """Write the file in one stroke: an interrupted run leaves the old file or none."""
+    """Write a reduced model into a file in one stroke: an interrupted run leaves the old file or none."""
     path = Path(path)
     model = _seen_from(path.parent, model)
     check(model, path)
@@ -306,7 +306,7 @@ def save(model: ReducedModel, path: str | Path) -> None:
 
 
 def _seen_from(folder: Path, model: ReducedModel) -> ReducedModel:
-    """The model with the names of its inputs relative to a folder; as they are where no path leads from there to them."""
+    """Model with the names of its inputs relative to a folder; unchanged where no path leads from there to them."""
     if model.inputs_from is None or model.inputs_from.resolve() == folder.resolve():
         return model
     origin = model.inputs_from.resolve()

@@ -47,17 +47,17 @@ class Invariants:
 
     @property
     def inertia_about_origin(self) -> np.ndarray:
-        """G (1 + n_f, 1 + n_f): what the squares of rotation and deformation have in the kinetic energy."""
+        """Matrix G (1 + n_f, 1 + n_f) of the kinetic energy's squares of rotation and deformation rates."""
         return self.inertia
 
     def mass_across(self, _axis: np.ndarray) -> np.ndarray:
-        """Elastic mass that moves across an axis, (n_f, n_f): all of it, as every axis of rotation in the plane is normal to it."""
+        """Elastic mass moving across an axis, (n_f, n_f): all of it, as every rotation axis in the plane is normal to it."""
         return self.inertia[1:, 1:]
 
 
 @dataclass(frozen=True)
 class InterfacePoint:
-    """A point where joints and loads may grip, as polynomials of its arc length s along the body.
+    """Point where joints and loads may act, as polynomials of its arc length s along the body.
 
         Z_P(s) = sum_k position[k] (s - arc_length)^k        position of the point: Z_P [1; q_f]
         T_P(s) = sum_k rotation[k] (s - arc_length)^k        its rotation: T_P [1; q_f]
@@ -73,11 +73,11 @@ class InterfacePoint:
 
     @property
     def here(self) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) at the point's own arc length."""
+        """Shape functions Z_P (2, 1 + n_f) and T_P (1 + n_f,) at the point's own arc length."""
         return self.position[0], self.rotation[0]
 
     def at(self, arc_length: float | complex) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) at an arc length inside the range.
+        """Shape functions Z_P (2, 1 + n_f) and T_P (1 + n_f,) at an arc length inside the range.
 
         Raises
         ------
@@ -95,13 +95,13 @@ class InterfacePoint:
 
 
 def place_parameter(interface: str) -> str:
-    """Name of the parameter that is an interface point's arc length, in models whose basis follows the place of the point."""
+    """Name of the parameter that is an interface point's arc length, in models whose basis follows the point."""
     return f"arc_length_{interface}"
 
 
 @dataclass(frozen=True)
 class StressPoints:
-    """Where each row of the stress operator is: element number, its end (0 or 1), the fibre (+1 outer, -1 inner)."""
+    """Stress point of each row of the stress operator: element number, its end (0 or 1), the fibre (+1 outer, -1 inner)."""
 
     element: np.ndarray  # (n_stress,)
     end: np.ndarray  # (n_stress,)
@@ -248,7 +248,7 @@ class ReducedModel:
 
     @cached_property
     def told(self) -> dict[tuple[Any, ...], Any]:
-        """What its design points have looked up about its items, see `dependence.Told`."""
+        """Data on items that the model's design points have looked up, see `dependence.Told`."""
         return {}
 
     @property
@@ -258,41 +258,41 @@ class ReducedModel:
 
     @property
     def keeps_all(self) -> bool:
-        """Whether its elastic coordinates are all those of the nodes, or all but those that its frame takes up."""
+        """Whether the elastic coordinates are all nodal ones, or all but those that the frame takes up."""
         return any(words in self.basis for words in ("identity on", "all coordinates"))
 
     @property
     def in_pieces(self) -> bool:
-        """Whether it is a solid in pieces, which are its elements: their faces have been judged."""
+        """Whether the body is a solid in pieces, which are its elements; the errors of their faces are then known."""
         return bool(self.face_errors)
 
     @property
     def elements_called(self) -> str:
-        """What messages call its elements."""
+        """Word for the model's elements in messages: "pieces" or "elements"."""
         return "pieces" if self.in_pieces else "elements"
 
     @property
     def label(self) -> str:
-        """The file's name, for messages."""
+        """Name of the file in quotes, for messages."""
         return repr(self.path.name) if self.path else "(not from a file)"
 
     def dependence(self, item: str) -> tuple[dict[str, Derivatives] | None, dict[str, Polynomial] | None]:
-        """The derivatives and polynomials that an item's are among; None where they were not loaded."""
+        """Derivatives and polynomials of the group that an item belongs to; None where they were not loaded."""
         group = dependence_group(item)
         return getattr(self, f"{group}derivatives"), getattr(self, f"{group}affine")
 
     @property
     def all_derivatives(self) -> dict[str, Derivatives]:
-        """Item -> derivatives, of all groups that were loaded."""
+        """Derivatives by item, of all groups that were loaded."""
         return {**(self.derivatives or {}), **(self.element_derivatives or {}), **(self.section_derivatives or {})}
 
     @property
     def all_polynomials(self) -> dict[str, Polynomial]:
-        """Item -> polynomial, of all groups that were loaded."""
+        """Polynomials by item, of all groups that were loaded."""
         return {**(self.affine or {}), **(self.element_affine or {}), **(self.section_affine or {})}
 
     def item(self, name: str) -> np.ndarray:
-        """An array at the nominal design, by its item name."""
+        """Array at the nominal design, by its item name."""
         group, *rest = name.split(".")
         if not rest:
             return getattr(self.invariants, name)
@@ -305,7 +305,7 @@ OWN_GROUPS = {"elements": "element_", "piece_loads": "element_", "sections": "se
 
 
 def dependence_group(item: str) -> str:
-    """What the names of the groups begin with that hold an item's derivatives and polynomial; nothing for most items."""
+    """Prefix of the names of the groups with an item's derivatives and polynomial; empty for most items."""
     return OWN_GROUPS.get(item.partition(".")[0], "")
 
 

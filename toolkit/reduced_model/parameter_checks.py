@@ -21,7 +21,7 @@ to 0.4 % where this one has become the longer."""
 
 
 def check_parameters(values: Mapping[str, Any], nominal: Mapping[str, float], where: str, dimension: int) -> None:
-    """Refuse sizes and materials that are no body's.
+    """Refuse sizes and material constants that no body can have.
 
     Parameters
     ----------

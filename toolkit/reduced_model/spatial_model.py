@@ -34,7 +34,7 @@ class SpatialInvariants:
 
     @property
     def inertia_about_origin(self) -> np.ndarray:
-        """sum_a Q[a, a] (1 + n_f, 1 + n_f): what the squares of deformation have in the kinetic energy."""
+        """Sum of Q[a, a] (1 + n_f, 1 + n_f): the kinetic energy's squares of deformation rates."""
         return self.second_moment[:3].sum(axis=0)
 
     def mass_across(self, axis: np.ndarray) -> np.ndarray:

@@ -14,23 +14,26 @@ SPARSE = 0.05
 
 
 def is_thin(array: np.ndarray, large: int | None = None) -> bool:
-    """Whether it has as many numbers as are large, unless others are, and is zero nearly everywhere."""
+    """Whether an array is large, with at least `large` numbers, and zero nearly everywhere."""
     return array.size >= (LARGE if large is None else large) and bool(np.count_nonzero(array) < SPARSE * array.size)
 
 
 def sparing(array: np.ndarray, large: int | None = None) -> Any:
-    """An array as a matrix with all axes but the last one in one; sparse if it is thin."""
+    """Array as a matrix with all axes but the last one in one; sparse if it is thin."""
     rows = array.reshape(-1, array.shape[-1])
     return scipy.sparse.csr_array(rows) if is_thin(array, large) else rows
 
 
 def is_sparse(array: Any) -> bool:
-    """Whether it is one of SciPy's sparse arrays; those take a tenth of a second to import, which nobody pays who has none."""
+    """Whether an array is one of SciPy's sparse arrays.
+
+    Importing those takes a tenth of a second, which a run without any need not pay.
+    """
     return hasattr(array, "tocsr")
 
 
 def listed(array: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Places in the flattened array in their order, and values: of a sparse array those that it has, of others all."""
+    """Places in the flattened array in their order, and the values there: of a sparse array the stored ones, of others all."""
     if not is_sparse(array):
         return np.arange(np.size(array)), np.ravel(array)
     every = array.tocsr().tocoo()
@@ -40,7 +43,7 @@ def listed(array: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def places(array: np.ndarray, *others: np.ndarray) -> np.ndarray:
-    """Places in the flattened array that are not zero, with those that are named, in their order; of an array that is not thin all."""
+    """Places of the flattened array that are not zero or are named, in their order; all of an array that is not thin."""
     if not is_thin(array):
         return np.arange(array.size)
     return np.unique(np.concatenate([np.flatnonzero(array), *others]))

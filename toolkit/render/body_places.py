@@ -20,7 +20,7 @@ _FREE, _SEEN = 0.25, 200
 def body_places(
     moment: Moment, seen: Callable[[np.ndarray], np.ndarray] = lambda points: points, motion: Sequence[Moment] = ()
 ) -> dict[str, np.ndarray]:
-    """Bodies that lines stand for -> a place (d,) on each, far from other bodies and from links, in its middle if that is as good.
+    """Places (d,) for the names of bodies drawn as lines: far from other bodies and links, in the middle if that is as good.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def body_places(
 
 
 def _rated(moment: Moment, seen: Callable[[np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
-    """Bodies -> how good places on each are, (n_places,): how far from others, in lengths of the body, and how near to its middle."""
+    """Quality of possible places on each body, (n_places,): distance to others in lengths of the body, nearness to its middle."""
     spacing = moment.scene.size / _SEEN
     lines = {body: dense_lines(moment.segments(body), spacing) for body in moment.scene.bodies}
     links = dense_lines([moment.ends(link) for link in moment.links()], spacing)

@@ -26,7 +26,7 @@ _NOWHERE = np.zeros((0, 2))
 
 
 class Name(NamedTuple):
-    """A text that is to stand beside a point, and half of its width and height."""
+    """Text beside a point, and half of its width and height."""
 
     text: str
     point: np.ndarray  # (2,)
@@ -34,7 +34,7 @@ class Name(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """A name, the centre of its place, and whether a line has to lead there from its point."""
+    """Name in its place: centre of the text, and whether a line has to lead there from its point."""
 
     name: Name
     place: np.ndarray  # (2,)
@@ -42,38 +42,38 @@ class Placed(NamedTuple):
 
     @property
     def line(self) -> np.ndarray:
-        """From the point nearly to the edge of the name, (2, 2)."""
+        """Line (2, 2) from the point nearly to the edge of the name."""
         way = self.place - self.name.point
         inside = float(np.min((self.name.half + 1) / np.maximum(np.abs(way), 1e-12)))
         return np.array([self.name.point, self.place - min(inside, 1.0) * way])
 
 
 class Panel(NamedTuple):
-    """Names of which those outside of it are not shown, and points that should stay visible (m, 2), densely along lines."""
+    """Names in a panel, of which those outside are not shown, and points (m, 2) that should stay visible, densely along lines."""
 
     names: list[Name]
     obstacles: np.ndarray
     size: np.ndarray  # (2,)
 
     def shows(self, points: np.ndarray) -> np.ndarray:
-        """Whether points (..., 2) are inside."""
+        """Whether points (..., 2) are inside the panel."""
         return np.all((points >= 0) & (points <= self.size), axis=-1)
 
     @property
     def shown(self) -> np.ndarray:
-        """The points whose names are shown, (n, 2)."""
+        """Points whose names are shown, (n, 2)."""
         return np.array([name.point for name in self.names if self.shows(name.point)]).reshape(-1, 2)
 
 
 class Side(NamedTuple):
-    """On which side of its point a name stands: the centre of its place counted from there, and whether a line leads there."""
+    """Position of a name beside its point: offset of the name's centre, and whether a line leads there."""
 
     offset: np.ndarray  # (2,)
     led: bool
 
 
 def panel_of(names: list[Name], lines: list[np.ndarray], letter: float, size: np.ndarray, spots: np.ndarray = _NOWHERE) -> Panel:
-    """A panel of a size with names off polylines (n, 2) and spots (m, 2).
+    """Panel of a size with names that keep off polylines (n, 2) and spots (m, 2).
 
     All lengths are pixels or points of print, counted from the panel's lower left corner.
     """
@@ -83,7 +83,7 @@ def panel_of(names: list[Name], lines: list[np.ndarray], letter: float, size: np
 
 
 def placed(panel: Panel, sides: list[Side]) -> list[Placed | None]:
-    """Names on their sides; None for a point outside of the panel."""
+    """Names in their places beside their points; None for a point outside of the panel."""
     return [
         Placed(name, name.point + side.offset, side.led) if panel.shows(name.point) else None
         for name, side in zip(panel.names, sides, strict=True)
@@ -91,7 +91,9 @@ def placed(panel: Panel, sides: list[Side]) -> list[Placed | None]:
 
 
 def sides(panels: Sequence[Panel], letter: float, reaches: Reaches = _NEAR) -> list[Side]:
-    """Where each name stands beside its point, for the same names in several panels the same in all: where they are best on the mean.
+    """Position of each name beside its point.
+
+    The same names in several panels stand in the same positions in all: where they are best on the mean.
 
     Parameters
     ----------
@@ -116,7 +118,7 @@ def sides(panels: Sequence[Panel], letter: float, reaches: Reaches = _NEAR) -> l
 
 
 def _free(panel: Panel, around: np.ndarray, before: list[Side], letter: float) -> np.ndarray:
-    """How good places (m, 2) beside the next point are, after those of the names before, (m,)."""
+    """Quality (m,) of places (m, 2) beside the next name's point, given the places of the names before."""
     name, candidates = panel.names[len(before)], panel.names[len(before)].point + around
     clearances = [_clearance(candidates, name.half, panel.obstacles)]
     others = [each for each in placed(panel._replace(names=panel.names[: len(before)]), before) if each is not None]

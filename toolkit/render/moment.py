@@ -36,7 +36,7 @@ class Moment(ABC):
     _kept: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:
-        """What is made when it is first asked for under this key, and kept as long as the moment is."""
+        """Object that is made when it is first asked for under a key, and stored as long as the moment is."""
         if key not in self._kept:
             self._kept[key] = make()
         found: T = self._kept[key]
@@ -44,7 +44,7 @@ class Moment(ABC):
 
     @property
     def scene(self) -> Scene:
-        """What was solved."""
+        """Scene that was solved."""
         return self.solution.system.scene
 
     @property
@@ -54,7 +54,7 @@ class Moment(ABC):
 
     @property
     def told(self) -> str:
-        """The time of the step, or the name of a state that belongs to no time."""
+        """Time of the step in words, or the name of a state that belongs to no time."""
         names = self.solution.names
         return names[self.step] if names else f"t = {self.time:.4g} {unit(self.scene.units, 'time')}"
 
@@ -68,14 +68,14 @@ class Moment(ABC):
 
     @abstractmethod
     def position(self, body: str, point: str) -> np.ndarray:
-        """Where the body carries the named point of the scene, (d,)."""
+        """Position (d,) of a named point of the scene, as carried by the body."""
 
     @abstractmethod
     def segments(self, body: str) -> list[np.ndarray]:
-        """Lines that stand for a body, each (n, d)."""
+        """Lines (n, d) that a body is drawn as."""
 
     def rods(self, but: Collection[str] = ()) -> list[np.ndarray]:
-        """Lines that stand for all bodies, but for those that are drawn in another way."""
+        """Lines of all bodies, without those that are drawn in another way."""
         return [line for body in self.scene.bodies if body not in but for line in self.segments(body)]
 
     def ends(self, component: Component) -> np.ndarray:
@@ -91,7 +91,7 @@ class Moment(ABC):
 
     @abstractmethod
     def across(self, joint: AtPoints, side: int) -> np.ndarray:
-        """Two directions, rows (2, d), in the plane of what rolls at one of a joint's points, which turn with it."""
+        """Two directions, rows (2, d), in the plane of a wheel at one of a joint's points, turning with it."""
 
     def wheels(self) -> list[np.ndarray]:
         """Pitch circles of gears, pinions and discs, each with a spoke that turns with it, (n, d)."""
@@ -104,7 +104,7 @@ class Moment(ABC):
         return found
 
     def named_points(self) -> dict[str, np.ndarray]:
-        """The points that bodies are built on or gripped at, each where a moving body carries it, else where the ground does."""
+        """Positions of the points that bodies are built on or gripped at, carried by a moving body if there is one."""
         return self.once("named points", self._named_points)
 
     def _named_points(self) -> dict[str, np.ndarray]:
@@ -120,7 +120,7 @@ class Moment(ABC):
         ]
 
     def longest_piece(self, body: str) -> np.ndarray | None:
-        """Ends (2, d) of the longest line that stands for a body, or of its longest piece between two named points; None without lines."""
+        """Ends (2, d) of a body's longest line, or of its longest piece between two named points; None without lines."""
         if not (lines := self.segments(body)):
             return None
         line = lines[first_largest(np.array([np.ptp(each, axis=0).max() for each in lines]))]
@@ -133,16 +133,16 @@ class Moment(ABC):
         return np.asarray(start + places[piece : piece + 2, None] * along)
 
     def components(self) -> list[Component]:
-        """All joints and loads that grip bodies, but for those that tie the parts of a cut body."""
+        """All joints and loads that grip bodies, without those that tie the parts of a cut body."""
         every = [*self.joints(), *self.scene.loads.values()]
         return [each for each in every if isinstance(each, Component)]
 
     def joints(self) -> list[Joint]:
-        """All joints, but for those that tie the parts of a cut body."""
+        """All joints, without those that tie the parts of a cut body."""
         return [each for each in self.scene.joints.values() if not isinstance(each, Tie)]
 
     def grips(self) -> list[tuple[str, str]]:
-        """(body, point) wherever a joint or load grips, each once."""
+        """Pairs (body, point) at which a joint or load grips, each once."""
         return list(dict.fromkeys(grip for each in self.components() for grip in each.grips))
 
 

@@ -121,7 +121,7 @@ def _check(directory: str | Path, instants: Any, width: Any) -> None:
 
 
 def refuse_what_cannot_be_drawn(scene: Scene, view: View, film: bool = False) -> None:
-    """Refuse a scene or a machine that has no such pictures, before the long work begins; raises as `render_solution`."""
+    """Refuse a scene or machine without such pictures, before the long work begins; raises as `render_solution`."""
     view.check(scene)
     require("matplotlib", *["imageio_ffmpeg"] * film)
     if scene.space.camera:
@@ -129,7 +129,7 @@ def refuse_what_cannot_be_drawn(scene: Scene, view: View, film: bool = False) ->
 
 
 class _Artist(NamedTuple):
-    """What draws a scene, in the plane or in space."""
+    """Drawing functions for a scene in the plane or in space."""
 
     moment: Callable[[int], Any]
     points: Callable[[int], np.ndarray]
@@ -140,7 +140,7 @@ class _Artist(NamedTuple):
 
 
 def _page(figure: Callable[..., Any]) -> Callable[..., None]:
-    """The function of a figure as one that writes it to a path, so many pixels wide."""
+    """Function that draws a figure and writes it to a path, with the given width in pixels."""
     from toolkit.render.sheet import WIDE, write_figure
 
     return lambda *arguments: write_figure(figure(*arguments[:-2]), arguments[-2], arguments[-1] / WIDE)

@@ -22,14 +22,14 @@ _LEAST, _MOST = 1e-2, 1e4
 
 
 class Readable(NamedTuple):
-    """The factor by which numbers are multiplied for a picture, and the label of what they are then."""
+    """Factor by which numbers are multiplied for a picture, and the label of their unit then."""
 
     factor: float
     label: str
 
 
 def readable(largest: float, label: str) -> Readable:
-    """The unit in which numbers are written in a picture.
+    """Unit in which numbers are written in a picture.
 
     Parameters
     ----------
@@ -54,5 +54,5 @@ def readable(largest: float, label: str) -> Readable:
 
 
 def readable_stress(limit: float, units: str) -> Readable:
-    """That of stresses up to a limit, in a system of units."""
+    """Readable unit for stresses up to a limit, in a system of units."""
     return readable(limit, unit(units, "stress"))

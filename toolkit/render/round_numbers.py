@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 MINUS = "\N{MINUS SIGN}"
-"""As axes write it."""
+"""Minus sign as axes write it."""
 
 
 def round_up(value: float) -> float:
-    """The next number with a short decimal form that can be halved; zero stays zero."""
+    """Next larger number with a short decimal form that can be halved; zero stays zero."""
     if value == 0:
         return 0.0
     power = 10.0 ** np.floor(np.log10(value))

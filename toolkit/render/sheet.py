@@ -35,7 +35,7 @@ _UNDATED: dict[str, Any] = {"png": {"Software": None}, "svg": {"Date": None}, "p
 
 @contextmanager
 def _settings() -> Iterator[None]:
-    """matplotlib's settings and ours, never those of a file `matplotlibrc` in the current folder, which can start LaTeX."""
+    """Settings of matplotlib and of our own, never those of a `matplotlibrc` in the current folder, which can start LaTeX."""
     with rc_context():
         rcdefaults()
         rcParams.update(_SETTINGS)
@@ -43,7 +43,7 @@ def _settings() -> Iterator[None]:
 
 
 class Sheet(Figure):
-    """A figure that every notebook shows: matplotlib's own are shown where a notebook was told of matplotlib before."""
+    """Figure that every notebook shows; matplotlib's own are shown where the notebook has enabled matplotlib before."""
 
     def _repr_png_(self) -> bytes:
         return written(self, "png", self.dpi)

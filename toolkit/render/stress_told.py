@@ -30,19 +30,19 @@ def stress_range(solution: Solution, body: str, steps: slice = slice(None)) -> n
 
 
 def largest_stress(solution: Solution) -> np.ndarray:
-    """The largest stress of any flexible body at every time, without its sign, (n_t,)."""
+    """Largest magnitude of the stress of any flexible body at every time, (n_t,)."""
     flexible = [name for name, body in solution.system.scene.bodies.items() if isinstance(body, ModelBody)]
     every = [np.zeros(len(solution.times)), *(np.abs(stress_range(solution, body)).max(axis=1) for body in flexible)]
     return np.asarray(np.max(every, axis=0))
 
 
 def round_off(scene: Scene, body: str) -> float:
-    """The stress that no picture tells from zero: of a strain that is round-off in the stiffest material that its model names."""
+    """Stress below which it counts as zero: of a strain that is round-off in the stiffest material that the model names."""
     nominal = scene.model(flexible_body(scene, body).model).nominal
     return STRAIN * max((float(value) for name, value in nominal.items() if "youngs_modulus" in name), default=0.0)
 
 
 def told(stress: np.ndarray, limit: float) -> float:
-    """The largest finite size of stresses, zero if that is not above a limit."""
+    """Largest finite magnitude of stresses, zero if that is not above a limit."""
     largest = float(np.abs(stress[np.isfinite(stress)]).max(initial=0.0))
     return largest if largest > limit else 0.0

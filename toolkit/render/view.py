@@ -12,7 +12,7 @@ FORMATS = ("png", "svg", "pdf")
 
 @dataclass(frozen=True)
 class View:
-    """Choices of pictures.
+    """Choices of pictures that a user can make.
 
     Attributes
     ----------

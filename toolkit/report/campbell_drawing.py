@@ -13,7 +13,7 @@ ORDERS = (1, 2, 3, 4)
 
 
 def campbell_drawing(found: Campbell, name: str) -> Drawing:
-    """Dots, because curves may cross; hollow ones where a motion grows."""
+    """Drawing of Campbell's diagram as dots, because curves may cross; hollow ones where a motion grows."""
     with sheet(4.2) as (figure, axes):
         panel = axes[0, 0]
         top = 1.08 * float(np.nanmax(np.abs(found.frequencies), initial=0.0)) or 1.0

@@ -41,7 +41,7 @@ def monitor(solution: Solution) -> Monitors:
 
 
 def drift(solution: Solution) -> np.ndarray:
-    """Largest violation of any joint at every time, (n_t,)."""
+    """Largest constraint violation of any joint at every time, (n_t,)."""
     system = solution.system
     curves, _ = system.curves(solution.times)
     work, rest, found = allocate_work(system.plan, system.dtype), np.zeros(system.n), np.zeros((len(solution.times), 4))
@@ -62,7 +62,7 @@ PATIENCE = 20.0
 
 @dataclass(frozen=True)
 class Material:
-    """A motion and what was computed about it.
+    """Motion or equilibrium and everything that was computed about it.
 
     judges : method -> result of the same gradients by other means; empty if nothing was run to compare
     certificate : how far exact methods agree, where a complex step is affordable
@@ -75,17 +75,17 @@ class Material:
 
     @property
     def scene(self) -> Scene:
-        """What was solved."""
+        """Scene that was solved."""
         return self.solution.system.scene
 
     @property
     def moving(self) -> bool:
-        """Whether there is more than one time."""
+        """Whether the solution has more than one time."""
         return self.solution.steps > 0
 
     @property
     def skins(self) -> list[str]:
-        """Flexible bodies that can be drawn."""
+        """Names of the flexible bodies that can be drawn."""
         return list(self.look.thickness)
 
     @cached_property
@@ -100,11 +100,11 @@ class Material:
 
     @cached_property
     def look(self) -> Look:
-        """Window and colours of all pictures."""
+        """Window and colours that all pictures share."""
         return replace(choose_look(self.solution, self.shown), detail=None)
 
     def moment(self, step: int) -> Configuration:
-        """The solution at one step; -1 is the last."""
+        """Solution at one step, for drawing; -1 is the last."""
         return Configuration(self.solution, range(len(self.solution.times))[step])
 
     @cached_property
@@ -114,7 +114,7 @@ class Material:
 
 
 def judge(material: Material, progress: Progress, everything: bool = False) -> Material:
-    """The same material with the gradients of numerical methods: of all on request, else of those that take seconds.
+    """Material with the gradients of numerical methods: of all on request, else of those that take seconds.
 
     Without that request a method is also left out that needs other numbers than the files of reduced models hold.
 
@@ -147,7 +147,7 @@ def judge(material: Material, progress: Progress, everything: bool = False) -> M
 
 
 def _certificate(material: Material, kind: Kind, judges: Mapping[str, Result], progress: Progress) -> Certificate | None:
-    """From the gradients at hand, if they come from direct differentiation and a complex step was affordable."""
+    """Certificate of gradients from direct differentiation, where a complex step was affordable; None otherwise."""
     results, stepped = material.results, judges.get("complex-step")
     if stepped is None or results.method != "direct" or not results.gradients:
         return None

@@ -10,7 +10,7 @@ from toolkit.render.pictures import file_names
 
 PAGE, KEPT = "report.html", "results.h5"
 NAMES = (PAGE, KEPT, "numbers.json", "figures", "tables")
-"""What a report writes there, beside pictures of scenes in space."""
+"""Names of what a report writes into its folder, beside pictures of scenes in space."""
 BEGUN = "<!DOCTYPE html>\n<p>This report was begun and has not been finished.</p>\n"
 
 
@@ -25,7 +25,7 @@ def refuse_foreign_files(folder: Path, own: Path | None = None) -> None:
 
 
 def begin(folder: Path, own: Path | None = None) -> None:
-    """Make the folder that of a report, also if the work is interrupted, and let other commands know what it writes."""
+    """Mark a folder as that of a report, also if the work is interrupted, so that other commands know what it writes."""
     list_own(folder, _names(folder, own))
     write_whole(folder / PAGE, BEGUN.encode())
 

@@ -23,7 +23,7 @@ LONG = 40
 
 
 class Section(NamedTuple):
-    """A heading and what stands below it, as HTML."""
+    """Section of the page: a heading and the HTML below it."""
 
     name: str
     title: str
@@ -35,7 +35,7 @@ class Section(NamedTuple):
 
 
 def page(title: str, summary: str, *parts: Sequence[Section]) -> str:
-    """The whole page; every part begins below the one before it."""
+    """HTML of the whole page; every part begins below the one before it."""
     sections = [section for part in parts for section in part]
     contents = "".join(f'<a href="#{escape(section.name)}">{escape(section.title)}</a>' for section in sections)
     grouped = (groupby(part, lambda section: section.full) for part in parts)
@@ -54,27 +54,30 @@ def _template(name: str) -> Template:
 
 
 def paragraph(text: str) -> str:
-    """A paragraph of plain text."""
+    """HTML of a paragraph of plain text."""
     return f"<p>{escape(typeset(text))}</p>"
 
 
 def bullets(lines: Sequence[str]) -> str:
-    """A list of plain texts."""
+    """HTML of a list of plain texts."""
     return f"<ul>{''.join(f'<li>{escape(typeset(line))}</li>' for line in lines)}</ul>"
 
 
 def typeset(text: str) -> str:
-    """The same with minus signs before numbers, and dashes between words, instead of hyphens."""
+    """Text with minus signs before numbers, and dashes between words, instead of hyphens."""
     return re.sub(r"(?<=\s)-(?=\s)", DASH, re.sub(r"(?<![^\s(])-(?=\d)", MINUS, text))
 
 
 def listing(text: str) -> str:
-    """Text as it is, in letters of equal width."""
+    """HTML of a text as it is, in letters of equal width."""
     return f"<pre>{escape(text)}</pre>"
 
 
 def picture(path: Path, caption: str) -> str:
-    """A picture's file inside the page, with its caption; one of pixels scrolls on its own where its letters could not be read."""
+    """HTML of a picture's file inside the page, with its caption.
+
+    A picture of pixels scrolls on its own where its letters could not be read.
+    """
     kind = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}[path.suffix]
     data = base64.b64encode(path.read_bytes()).decode()
     words = escape(typeset(caption))
@@ -83,18 +86,18 @@ def picture(path: Path, caption: str) -> str:
 
 
 def pictures(parts: Sequence[str]) -> str:
-    """Pictures below each other."""
+    """HTML of pictures below each other."""
     return f'<div class="figures">{"".join(parts)}</div>'
 
 
 def viewer(data: dict[str, Any]) -> str:
-    """The moving picture that the reader can hold at any time."""
+    """HTML of the moving picture that the reader can stop at any time."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     return _template("viewer.html").substitute(data=text)
 
 
 def table(content: Table) -> str:
-    """A table that scrolls on its own if it is wider than the screen."""
+    """HTML of a table that scrolls on its own if it is wider than the screen."""
     head = "".join(f"<th>{escape(str(name))}</th>" for name in content.head)
     rows = "".join(f"<tr>{''.join(_cell(value) for value in row)}</tr>" for row in content.rows)
     return (

@@ -24,12 +24,12 @@ _JUDGES = {
     "central-difference": "The central difference uses steps of 1e-5 of the value.",
     "complex-step": "The complex step is exact to round-off.",
 }
-"""What the methods are that gradients are compared with."""
+"""Sentences on the methods that gradients are compared with."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of numbers and words under a head."""
+    """Table of a report: rows of numbers and words under a head."""
 
     name: str
     title: str
@@ -38,11 +38,11 @@ class Table:
     rows: Sequence[Sequence[Any]]
 
     def save(self, folder: Path) -> Path:
-        """Write it as CSV with all digits."""
+        """Write the table as CSV with all digits."""
         return write_csv(folder / f"{self.name}.csv", self.head, self.rows)
 
     def record(self) -> dict[str, Any]:
-        """For JSON; numbers that do not exist are None."""
+        """Table as a record for JSON; numbers that are not finite become None."""
         rows = [[None if isinstance(x, float) and not np.isfinite(x) else x for x in row] for row in self.rows]
         return {"title": self.title, "head": list(self.head), "rows": rows}
 
@@ -64,7 +64,7 @@ def variable_table(material: Material) -> Table:
 
 
 def ks_tables(material: Material) -> list[Table]:
-    """The smooth maximum against its parameter, with the most that it can exceed the true one, ln(n) / rho (paper, table 1)."""
+    """Tables of the smooth maximum over its parameter, with the most it can exceed the true one, ln(n) / rho (paper, table 1)."""
     known = {name: response for name, response in material.scene.responses.items() if isinstance(response, KSStress)}
     return [_ks_table(material, name, response) for name, response in known.items()]
 

@@ -68,12 +68,12 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
 
 
 def numbers(material: Material, tables: list[Table]) -> dict[str, object]:
-    """All numbers of the report."""
+    """Record of all numbers of the report."""
     return {table.name: table.record() for table in tables} | material.results.verdict.record()
 
 
 def summary(material: Material) -> str:
-    """What was done, in a few sentences."""
+    """Summary of the work in a few sentences."""
     results, solution = material.results, material.solution
     what = (
         f"Motion over {solution.times[-1]:g} {results.unit('time')} in {solution.steps} steps, scheme {results.settings['scheme']}"
@@ -115,14 +115,14 @@ def _figure_sections(drawings: list[tuple[str, Drawing]], folder: Path) -> list[
 
 
 def _trust(material: Material) -> Section:
-    """Whether the numbers of the report can be trusted, and why not."""
+    """Section on whether the numbers of the report can be trusted, and why not."""
     head, *reasons = str(material.results.verdict).splitlines()
     listed = page.bullets([reason.removeprefix("- ") for reason in reasons]) if reasons else ""
     return Section("trust", "Whether to trust these numbers", page.paragraph(head) + listed, full=False, long=True)
 
 
 def _missing(material: Material) -> Section:
-    """What this report does not say, and how to get it."""
+    """Section on what this report does not contain, and how to get it."""
     lines = []
     if material.results.variables and not material.judges:
         lines.append("Gradients are not compared with other methods here: report the scene itself, with --judges.")
@@ -139,7 +139,7 @@ def _missing(material: Material) -> Section:
 
 
 def _again(material: Material) -> Section:
-    """How to repeat it."""
+    """Section on how to repeat the report."""
     record = material.results.scene
     changes = "".join(f" --set {key}={value}" for key, value in record.changes.items())
     text = "Everything can be computed again from the scene below and the reduced models whose hashes are above, with:"

@@ -29,7 +29,7 @@ TILDE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 class Rows(NamedTuple):
-    """All nodes, in the order of their numbers, each by the coordinates of its part among those of the body.
+    """Coordinates and shape functions of all nodes, in the order of their numbers, each in the frame of its part.
 
     Parts with fewer coordinates are filled up with one behind the last, which is zero.
     """
@@ -41,7 +41,7 @@ class Rows(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """Nodes (k) or the axes of the whole in one state: places and angles, and their derivatives by the coordinates of the body."""
+    """Places and angles of nodes (k), or of the axes of the whole, in one state, with derivatives by the body's coordinates."""
 
     place: np.ndarray  # (k, 2)
     angle: np.ndarray  # (k,)
@@ -50,7 +50,7 @@ class Seen(NamedTuple):
 
 
 def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Y of all nodes (n_nodes, 2) in one state q (n,) of the body's coordinates, and its derivatives by them (n_nodes, 2, n).
+    """Positions (n_nodes, 2) of all nodes in one state q (n,) of the body, and derivatives by q, (n_nodes, 2, n).
 
     Raises
     ------
@@ -76,7 +76,7 @@ def moves_shapes(scene: Scene, name: str) -> bool:
 
 
 def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
-    """X_0, psi and x_0 in one state q (n,) of the body's coordinates: what belongs to the undeformed whole is drawn from there."""
+    """Origin X_0, angle psi and reference point x_0 of the axes in which the undeformed whole is drawn, in one state q (n,)."""
     body = scene.bodies[name]
     assert isinstance(body, PlanarCutBody)
     held = clamped_nodes(scene.model(body.model, "elements", "mesh"))
@@ -92,7 +92,7 @@ def _rows(scene: Scene, name: str) -> Rows:
 
 @lru_cache(maxsize=8)
 def _rows_of(same: Itself[Scene], name: str) -> Rows:
-    """A node between two parts is looked at in the second."""
+    """Coordinates and shape functions of a cut body's nodes; a node between two parts belongs to the second."""
     scene, found = same.item, []
     body = scene.bodies[name]
     assert isinstance(body, PlanarCutBody)
@@ -108,7 +108,7 @@ def _rows_of(same: Itself[Scene], name: str) -> Rows:
 
 
 def _side_by_side(found: list[tuple[int, np.ndarray, np.ndarray]], behind: int) -> Rows:
-    """First coordinate, Z_P and T_P of each node; `behind` is the number of the coordinate that does not exist."""
+    """Arrays of all nodes from the first coordinate, Z_P and T_P of each; `behind` numbers the coordinate that does not exist."""
     counts = [len(angle) - 1 for _, _, angle in found]
     dtype = np.result_type(*(array for _, *arrays in found for array in arrays))
     elastic = np.full((len(found), max(counts)), behind)
@@ -135,7 +135,7 @@ def _seen(rows: Rows, q: np.ndarray) -> Seen:
 
 
 def _axes(scene: Scene, name: str, body: PlanarCutBody, rows: Rows, q: np.ndarray) -> tuple[Seen, np.ndarray]:
-    """X_0, psi and x_0."""
+    """Axes of the undeformed whole (X_0 and psi) in one state, and the reference point x_0."""
     if body.frame == "grounded":
         still = np.zeros((1, 2, len(q)))
         return Seen(np.array([body.position]), np.array([body.angle]), still, still[:, 0]), np.zeros(2)

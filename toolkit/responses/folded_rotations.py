@@ -19,8 +19,10 @@ LOOKED_AT = 500
 
 
 def folded_rotations(solution: Solution) -> Iterator[Caution]:
-    """A word on every rotation of a scene in space that jumps from one half turn to the other on the way: a remark, and of means, integrals
-    and extremes over time, which no whole turn can be added to, a doubt."""
+    """Caution for every spatial rotation that jumps from one half turn to the other during a motion.
+
+    It is a remark; for means, integrals and extremes over time, which no whole turn can be added to, it is a doubt.
+    """
     for name, response in solution.system.scene.responses.items():
         whole = isinstance(response, OverTime)
         looked = response.source if isinstance(response, OverTime) else response
@@ -38,7 +40,7 @@ def folded_rotations(solution: Solution) -> Iterator[Caution]:
 
 
 def folded_equilibria(solution: Solution) -> Iterator[Caution]:
-    """A remark for every angle of an equilibrium in space that has gone round on the way there: it is told without whole turns."""
+    """Remark for every angle of a spatial equilibrium that passed half a turn on its path: whole turns are not in its value."""
     path = solution.path
     asked = solution.system.scene.responses if path is not None and len(path.q) > 1 else {}
     angles = {f: each for f, each in asked.items() if isinstance(each, Rotation | RelativeAngle) and each.axis is not None}

@@ -30,11 +30,11 @@ class Instant(Response):
 
     @property
     def needs_motion(self) -> bool:
-        """At a time of its own; the end is also the time of a static solution."""
+        """Whether a time is named, which a transient solution alone has; the end is also the time of a static solution."""
         return self.time is not None
 
     def check(self, scene: Any) -> None:
-        """The time is one of the steps.
+        """Refuse a time that is none of the steps.
 
         Raises
         ------
@@ -60,7 +60,7 @@ class Instant(Response):
         return self.nearest(solution.times)
 
     def nearest(self, times: np.ndarray) -> int:
-        """Number of the step at `time` among times; errors as `step`."""
+        """Number of the step at `time` among the given times; errors as `step`."""
         if self.time is None:
             return len(times) - 1
         step = int(np.argmin(np.abs(times - self.time)))
@@ -72,21 +72,21 @@ class Instant(Response):
         return step
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """`at` of one solution, step by step; a kind that has something to prepare for all steps does it here, once."""
+        """Function of the step that returns `at`; a kind with something to prepare for all steps does it here, once."""
         return partial(self.at, solution)
 
     def value(self, solution: Solution) -> Any:
-        """The number, of one step alone."""
+        """Value of the response, evaluated at its own step alone."""
         return self.at(solution, self.step(solution)).value
 
     def evaluate(self, solution: Solution) -> tuple[Any, np.ndarray]:
-        """The number and its total design derivative, shape (n_x,), of one step alone."""
+        """Value of the response and its total design derivative, shape (n_x,), evaluated at its own step alone."""
         step = self.step(solution)
         found = self.at(solution, step)
         return found.value, slope_at(found, solution, step)
 
     def partials(self, solution: Solution) -> Partials:
-        """Those of the one step, zero at all others."""
+        """Value and partial derivatives at the chosen step; the derivatives by all other states are zero."""
         weights = np.zeros(len(solution.times))
         weights[self.step(solution)] = 1
         return weighted(self.instants(solution), solution, weights)

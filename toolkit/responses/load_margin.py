@@ -32,11 +32,11 @@ class LoadMargin(Response):
 
     @property
     def needs_rest(self) -> bool:
-        """It is one of an equilibrium, always."""
+        """Whether the response exists for an equilibrium only; always true of a load margin."""
         return True
 
     def partials(self, solution: Solution) -> Partials:
-        """The path is followed beyond the full load, unless it has passed its limit point on the way there.
+        """Load factor and its partial derivatives; the path goes beyond the full load unless it passed a limit point before.
 
         Raises
         ------
@@ -68,7 +68,7 @@ class LoadMargin(Response):
 
 
 def real_scene(scene: Scene) -> Scene:
-    """The scene with the real parts of its numbers."""
+    """Scene with the real parts of its numbers."""
     for path, value in list(scene.numbers()):
         if isinstance(value, complex):
             scene = scene.with_number(path, value.real)

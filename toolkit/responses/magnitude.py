@@ -20,14 +20,14 @@ INSTANTS, FEW = 40, 3
 
 
 class Largest(NamedTuple):
-    """What is largest in a motion: the magnitude of a quantity, and those of its derivatives (n_x,), as far as the solution holds any."""
+    """Largest magnitude of a quantity in a motion, and of its derivatives (n_x,), as far as the solution holds any."""
 
     magnitude: float
     slopes: np.ndarray
 
 
 def magnitude_that_counts(response: Response, solution: Solution, largest: Largest) -> float:
-    """What an error of a response is compared with.
+    """Magnitude that a response's error is compared with.
 
     It is the largest magnitude in the motion; but at least what Newton leaves undecided of it, so that a place, a force or a power that is
     zero by symmetry is not wrong by its own round-off.
@@ -52,7 +52,7 @@ def _size_of_kind(response: Response, solution: Solution) -> float:
 
 
 def _elastic(solution: Solution) -> float:
-    """The largest elastic force: a joint that holds nothing has a force of the round-off of what else is in balance."""
+    """Largest elastic force in a motion: a joint that holds nothing has a force of the round-off of the rest in balance."""
     if not deforming(solution.system.scene):
         return 0.0
     if _elastic not in solution.known:
@@ -65,7 +65,7 @@ def _elastic(solution: Solution) -> float:
 
 
 def _largest(solution: Solution) -> tuple[float, float, float]:
-    """Largest rate, acceleration and force of a joint in a motion, in parts of the scene's size."""
+    """Largest rate, acceleration and joint force in a motion, in parts of the model size."""
     if _largest not in solution.known:
         n_q, weights = solution.system.n_q, solution.system.weights
         pairs = (solution.v, weights[:n_q]), (solution.a, weights[:n_q]), (solution.multipliers, 1 / weights[n_q:])
@@ -76,7 +76,7 @@ def _largest(solution: Solution) -> tuple[float, float, float]:
 
 @singledispatch
 def largest_in(response: Response, solution: Solution, value: Any) -> Largest:
-    """The largest that the response's quantity has in the motion: a value that just passes zero is not wrong by infinitely much."""
+    """Largest magnitude of the response's quantity in the motion: a value that just passes zero has a finite relative error."""
     return Largest(float(abs(np.real(value))), np.zeros(solution.system.n_x))
 
 

@@ -31,7 +31,7 @@ class MarkerResponse(OnePoint):
 
     @abstractmethod
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """The same step by step, with what all steps need prepared once."""
+        """Value and partial derivatives, step by step, with what all steps need prepared once."""
 
     def pose(self, states: MarkerStates, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Pose (p,), 3 or 12 numbers, its derivatives by the coordinates (p, n_q) and by the design (p, n_x)."""
@@ -65,7 +65,7 @@ class Rotation(MarkerResponse):
     axis: Annotated[Triple | None, Quantity("none")] = None
 
     def check(self, scene: Any) -> None:
-        """An axis belongs to space.
+        """Refuse an axis in the plane, and its absence in space.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class Rotation(MarkerResponse):
         refuse_axis(self.axis, scene, "rotation")
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """The angle of the marker, step by step."""
+        """Rotation angle of the marker and its partial derivatives, step by step."""
         states = MarkerStates(solution.system)
         return lambda step: self._angle(*self.pose(states, solution.q[step]))
 
@@ -105,7 +105,7 @@ class Displacement(MarkerResponse):
     component: Literal["x", "y", "z", "magnitude"]
 
     def check(self, scene: Any) -> None:
-        """The plane has no z.
+        """Refuse a z component in a planar scene.
 
         Raises
         ------
@@ -117,7 +117,7 @@ class Displacement(MarkerResponse):
             raise InputError('a scene of dimension 2 has no displacement along z; take "x", "y" or "magnitude".')
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """Position of the marker minus the undeformed one, which may follow the design too, step by step."""
+        """Position of the marker minus the undeformed one, step by step; the undeformed one may depend on the design too."""
         system, d = solution.system, solution.system.scene.dimension
         states = MarkerStates(system)
         start, dstart = (item[: system.n_q] for item in system.undeformed())

@@ -10,7 +10,7 @@ from toolkit.responses.instant import Instant
 
 
 class OnePoint(Instant):
-    """Base of responses that look at one point of a body.
+    """Base of responses that refer to one point of a body.
 
     Attributes
     ----------
@@ -30,5 +30,5 @@ class OnePoint(Instant):
         return self
 
     def markers(self) -> tuple[tuple[str, str], ...]:
-        """The point on the body."""
+        """Pair of body and point."""
         return ((self.body, self.point),)

@@ -30,14 +30,14 @@ class Partials(NamedTuple):
 
 
 STATES = ("q", "v", "a", "multipliers")
-"""What a value can depend on, by the names in `Partials` and in a solution."""
+"""States that a value can depend on, by the names in `Partials` and in a solution."""
 
 
 class Response(Registered):
     """Base of all responses; a new one is one subclass with `partials`."""
 
     quantity: ClassVar[str] = "none"
-    """What it is, for its unit: a key of `toolkit.foundation.units`."""
+    """Name of the quantity, for its unit: a key of `toolkit.foundation.units`."""
 
     @property
     def needs_motion(self) -> bool:
@@ -54,32 +54,32 @@ class Response(Registered):
         """Value and partial derivatives; complex-safe in the value."""
 
     def markers(self) -> tuple[tuple[str, str], ...]:
-        """(body, point) pairs that the response looks at, so that the compilation provides them."""
+        """Pairs (body, point) that the response refers to, so that the compilation provides them."""
         return ()
 
     def grips(self, _scene: Any) -> tuple[tuple[str, str], ...]:
-        """The same for a scene, where they depend on it."""
+        """Pairs (body, point) that the response refers to in a scene, where they depend on it."""
         return self.markers()
 
     @property
     def unit_quantity(self) -> str:
-        """The quantity, where it depends on the response's options."""
+        """Name of the quantity for its unit, where it depends on the response's options."""
         return self.quantity
 
     @property
     def physical_dimension(self) -> Dimension:
-        """Dimension of its value."""
+        """Physical dimension of the value."""
         return LABELLED[self.unit_quantity]
 
     def unit(self, system_of_units: str) -> str:
-        """Label of the unit."""
+        """Label of the unit in a system of units."""
         return unit(system_of_units, self.unit_quantity)
 
     def check(self, scene: Any) -> None:
         """Refuse, before anything runs, what this response cannot be asked of the scene; names are checked by the scene itself."""
 
     def value(self, solution: Solution) -> Any:
-        """The number."""
+        """Value of the response."""
         return self.partials(solution).value
 
     def gradient(self, solution: Solution) -> np.ndarray:
@@ -87,7 +87,7 @@ class Response(Registered):
         return self.evaluate(solution)[1]
 
     def evaluate(self, solution: Solution) -> tuple[Any, np.ndarray]:
-        """The number and its total design derivative, shape (n_x,)."""
+        """Value of the response and its total design derivative, shape (n_x,)."""
         partials = self.partials(solution)
         total = np.zeros(solution.system.n_x) if partials.design is None else partials.design.astype(float)
         for state in STATES:
@@ -103,7 +103,7 @@ class MeanSquare(Response):
 
     @abstractmethod
     def curvature(self, solution: Solution) -> np.ndarray:
-        """Second derivative by the design as Gauss and Newton have it, (n_x, n_x).
+        """Gauss-Newton Hessian: second derivative by the design without the curvature of r_k, (n_x, n_x).
 
             f = sum of w_k r_k^2,   H = 2 sum of w_k dr_k dr_k^T
 

@@ -25,7 +25,7 @@ KEPT = 64
 
 
 def target_shape(scene: Scene, body: str) -> Shape:
-    """The body's points and their targets.
+    """Points of a body whose distance to a target counts, with their targets.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple
 
 
 def _gaps_at(solution: Solution, body: str, step: int) -> tuple[np.ndarray, np.ndarray]:
-    """`gaps` at one step, remembered of the last ones: several responses look at the same shape."""
+    """Gap vectors at one step, as `gaps`; the last ones are stored, as several responses use the same shape."""
     kept: dict[int, tuple[np.ndarray, np.ndarray]] = solution.known.setdefault((gaps, body), {})
     if step not in kept:
         if len(kept) >= KEPT:
@@ -90,7 +90,7 @@ def _gaps_at(solution: Solution, body: str, step: int) -> tuple[np.ndarray, np.n
 
 
 def moving(solution: Solution, body: str) -> slice:
-    """The coordinates that move a body against its target, on the second axis of q."""
+    """Slice of q's second axis with the coordinates that move a body against its target."""
     if isinstance(solution.system.scene.bodies.get(body), CutBody):
         return solution.coordinates(body)
     found: slice = elastic_coordinates(solution, body)
@@ -105,7 +105,7 @@ def _gaps_of_cut(solution: Solution, body: str, q: np.ndarray) -> tuple[np.ndarr
 
 
 def _rates_of_cut(solution: Solution, body: str, q: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """By a complex step through what makes the shapes of the parts."""
+    """Derivatives of a cut body's gap vectors by design variables that move its shapes or target, by complex steps."""
     moved_scenes = solution.system.placed.once(("moved shapes", body), lambda: [*_moved_shapes(solution, body)])
     for x, moved, target in moved_scenes:
         yield x, np.imag([cut_positions(moved, body, state)[0] - target for state in np.real(q)]) / STEP
@@ -128,13 +128,16 @@ def _moved_shapes(solution: Solution, body: str) -> Iterator[tuple[int, Scene, n
 
 
 def shape_error(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """`distances` in the last state: (n_k,) and (n_k, n_x)."""
+    """Distances to the target in the last state, (n_k,), and their design derivatives (n_k, n_x), as `distances`."""
     error, change = distances(solution, body, slice(-1, None))
     return error[0], change[0]
 
 
 def shape_error_history(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """`distances` at every time: (n_t, n_k) and (n_t, n_k, n_x); without a target there are no nodes."""
+    """Distances to the target at every time, (n_t, n_k), and their design derivatives (n_t, n_k, n_x), as `distances`.
+
+    Without a target there are no nodes.
+    """
     scene = solution.system.scene
     if scene.model(flexible_body(scene, body).model, "shape").shape is None:
         return np.zeros((len(solution.times), 0)), np.zeros((len(solution.times), 0, solution.system.n_x))
@@ -177,16 +180,16 @@ class ShapeResponse(Instant):
     body: str
 
     def check(self, scene: Scene) -> None:
-        """The body has a target shape."""
+        """Refuse a body without a target shape."""
         super().check(scene)
         target_shape(scene, self.body)
 
     def weighted(self, gap: np.ndarray) -> tuple[complex, np.ndarray]:
-        """The response of gap vectors (n_k, 2), and its derivatives by them."""
+        """Value of the response from gap vectors (n_k, 2), and its derivatives by them."""
         raise NotImplementedError
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """Of the gap vectors at a step."""
+        """Value and partial derivatives from the gap vectors at a step."""
         gap, gap_q = _gaps_at(solution, self.body, step)
         value, weights = self.weighted(gap[0])
         value_q, design, weights = np.zeros(solution.system.n_q), np.zeros(solution.system.n_x), np.real(weights)
@@ -204,11 +207,11 @@ class ShapeMSE(ShapeResponse, MeanSquare):
     quantity = "area"
 
     def weighted(self, gap: np.ndarray) -> tuple[complex, np.ndarray]:
-        """mse = sum_k d_k . d_k / n."""
+        """Mean square mse = sum_k d_k . d_k / n of the gap vectors, and its derivatives by them."""
         return np.sum(gap * gap) / len(gap), 2 * gap / len(gap)
 
     def curvature(self, solution: Solution) -> np.ndarray:
-        """2/n times the sum over k of dd_k dd_k^T, one for each component."""
+        """Gauss-Newton Hessian (n_x, n_x): 2/n times the sum over k of dd_k dd_k^T, for each component of the gap."""
         step = self.step(solution)
         change = gap_changes(solution, self.body, slice(step, step + 1))[0]
         found: np.ndarray = 2 / len(change) * np.einsum("kix,kiy->xy", change, change)
@@ -222,7 +225,7 @@ class ShapeRMS(ShapeResponse):
     quantity = "length"
 
     def weighted(self, gap: np.ndarray) -> tuple[complex, np.ndarray]:
-        """rms = sqrt(mse), drms = dmse / (2 rms); undefined only if every node meets its target exactly."""
+        """Root mean square rms = sqrt(mse) with drms = dmse / (2 rms); undefined only if every node meets its target exactly."""
         rms = np.sqrt(np.sum(gap * gap) / len(gap))
         return rms, gap / (len(gap) * rms) if rms.real != 0 else np.full(gap.shape, np.nan)
 
@@ -234,7 +237,7 @@ class ShapeMax(ShapeResponse):
     quantity = "length"
 
     def weighted(self, gap: np.ndarray) -> tuple[complex, np.ndarray]:
-        """The node with the largest distance."""
+        """Largest distance of a node to its target, and its derivatives by the gap vectors."""
         k = first_largest(np.sum(gap * gap, axis=1).real, SAME)
         distance = np.sqrt(gap[k] @ gap[k])
         weights = np.zeros(gap.shape, gap.dtype)

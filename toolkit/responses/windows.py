@@ -48,7 +48,7 @@ def _(response: OfVibration, times: np.ndarray) -> tuple[int, int]:
 
 @singledispatch
 def combine(response: Response, values: np.ndarray) -> tuple[Any, np.ndarray]:
-    """The response of the run from those of its windows (m,), and its derivatives by them (m,).
+    """Response of the whole run from those of its windows (m,), and its derivatives by them (m,).
 
     Raises
     ------

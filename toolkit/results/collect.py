@@ -30,7 +30,7 @@ from toolkit.system.solution import Solution
 
 
 def table_of(scene: Scene) -> dict[str, Any]:
-    """Tables that `toolkit.scene_file.reader.scene_from_table` makes the same scene from, with every number as it is now.
+    """Tables from which `toolkit.scene_file.reader.scene_from_table` makes the same scene, with every number as it is now.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
 
 
 def _result(solution: Solution) -> Result:
-    """A bare solution with its responses, and with their gradients if it has derivatives."""
+    """Result of a solution with its responses, and with their gradients if it has derivatives."""
     scene, names, wall = solution.system.scene, solution.system.design.names, solution.wall
     values, gradients = evaluate_with_gradients(solution)
     method = "direct" if names else "none"

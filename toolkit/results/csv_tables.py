@@ -50,7 +50,7 @@ def export_csv(results: Results, directory: str | Path) -> list[Path]:
 
 
 def response_table(results: Results) -> tuple[list[str], list[list[Any]]]:
-    """Value, unit and gradient of every response: first line, and lines."""
+    """Table with value, unit and gradient of every response: first line, and lines."""
     variables = list(next(iter(results.gradients.values()), {}))
     lines = [
         [name, value, results.response_units[name], *(results.gradients[name][x] for x in variables if name in results.gradients)]
@@ -74,12 +74,12 @@ def _body_tables(results: Results, name: str, body: BodyResults) -> dict[str, tu
 
 
 def safe_name(name: str) -> str:
-    """The name with nothing in it that could lead to another folder."""
+    """Name without anything that could lead to another folder."""
     return re.sub(r"[^\w.-]", "_", name)
 
 
 def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
-    """One table, in one stroke; numbers with all their digits."""
+    """Write one table, in one stroke; numbers with all their digits."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(head)

@@ -14,7 +14,7 @@ from toolkit.system.solution import Solution
 
 
 def restore_scene(results: Results, directory: str | Path | None = None) -> Scene:
-    """The scene as it was solved.
+    """Scene of stored results, as it was solved.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def restore_scene(results: Results, directory: str | Path | None = None) -> Scen
 
 
 def restore_solution(results: Results, directory: str | Path | None = None) -> Solution:
-    """The solution, compiled scene included, as if it had just been solved. Parameters and errors as `restore_scene`."""
+    """Solution of stored results, with its compiled scene, as if just solved. Parameters and errors as `restore_scene`."""
     system = prepare(restore_scene(results, directory), results.design)
     n_q, names = system.n_q, list(system.numbering.names)
     if (names[:n_q], names[n_q:]) != (results.coordinates, results.multiplier_names):

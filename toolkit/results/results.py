@@ -16,7 +16,7 @@ from toolkit.foundation.verdict import Caution, Verdict
 
 @dataclass(frozen=True)
 class BodyResults:
-    """Fields of one flexible body; the last axis of a derivative is that of `Results.design`.
+    """Fields of one flexible body; a derivative's last axis is that of `Results.design`.
 
     Stress is in the fibre `fibre` (+1 outer, -1 inner) at the end `end` (0 or 1) of element `element`. The shape error is the distance
     of every node to its target; without a target its arrays have no nodes. Of solids in space, whose points belong to no beam, all three
@@ -51,7 +51,7 @@ def _stress_point(column: int, element: int, end: int, fibre: int) -> str:
 
 @dataclass(frozen=True)
 class SceneRecord:
-    """What was solved, so that it can be solved again.
+    """Scene that was solved, so that it can be solved again.
 
     table : the scene as nested tables, with every value as it was in the run
     text, sha256 : the scene's file as it was written, and its hash; empty for a scene made in Python
@@ -70,7 +70,7 @@ class SceneRecord:
 
 @dataclass(frozen=True)
 class Results:
-    """One run. Times and all else are in the units of `units`; `unit` gives the labels.
+    """Results of one run, in the units of `units`; `unit` gives the labels.
 
     Leading d: total derivative by the variables `design`, on the last axis; n_x is zero if none were computed.
     """
@@ -106,7 +106,7 @@ class Results:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the numbers can be trusted, as it was found when they were kept."""
+        """Whether the numbers can be trusted, as found when they were stored."""
         if self.judged is None:
             return Verdict(
                 (Caution("not-judged", "the results were kept by a version that did not judge them: run the scene again."),)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def save_results(
     solved: Results | Result | Solution, path: str | Path, text: str = "", changes: Mapping[str, str] | None = None
 ) -> Results:
-    """Keep the results of a run in one file, under a temporary name until it is complete.
+    """Write the results of a run into one file, under a temporary name until it is complete.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def refuse_foreign(path: Path) -> None:
 
 
 def refuse_own_start(path: Path, start: Path | None) -> None:
-    """Refuse to write over the results that a run begins from: nobody could make the run again."""
+    """Refuse to write over the results that a run begins from: nobody could repeat the run."""
     if start is not None and path.resolve() == start.resolve():
         raise ResultsFileError(f"{str(path)!r} is the start of this run, which it would replace. Give another path.")
 
@@ -94,7 +94,7 @@ def _write_gradients(file: h5py.File, results: Results) -> None:
 
 
 def _about(results: Results, path: Path) -> dict[str, Any]:
-    """All that is no array; the folder of the models as seen from the file, so that a project can be moved."""
+    """Record of all that is no array; the models' folder is relative to the file, so that a project can be moved."""
     arrays = {*STATES, *NAMES, "bodies", "path", "scene"}
     plain = {item.name: getattr(results, item.name) for item in fields(results) if item.name not in arrays}
     scene = asdict(results.scene) | {"directory": _relative(Path(results.scene.directory), path)}
@@ -103,7 +103,7 @@ def _about(results: Results, path: Path) -> dict[str, Any]:
 
 
 def _relative(directory: Path, path: Path) -> str:
-    """A folder as seen from a file's folder; as it is if both share no root."""
+    """Folder relative to a file's folder; unchanged if both share no root."""
     try:
         return Path(os.path.relpath(directory, path.parent)).as_posix()
     except ValueError:

@@ -15,18 +15,18 @@ MOST_COLUMNS = 8
 
 
 class ShortTable(NamedTuple):
-    """Names of the columns, and rows of words; the first column names the rows."""
+    """Table of words: names of the columns, and rows; the first column names the rows."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
     def text(self) -> str:
-        """As lines of a text: words to the left, numbers to the right."""
+        """Table as lines of plain text: words to the left, numbers to the right."""
         widths = [max(map(len, column)) for column in zip(self.columns, *self.rows, strict=True)]
         return "\n".join(_line(row, widths) for row in (self.columns, *self.rows))
 
     def html(self) -> str:
-        """As a table of a page."""
+        """Table in HTML."""
         head = "".join(f"<th>{escape(name)}</th>" for name in self.columns)
         body = "".join("<tr>" + "".join(f"<td>{escape(word)}</td>" for word in row) + "</tr>" for row in self.rows)
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
@@ -40,13 +40,13 @@ def _line(row: Sequence[str], widths: Sequence[int]) -> str:
 
 
 def table_of_values(result: Result) -> ShortTable:
-    """Value and unit of every response."""
+    """Table with value and unit of every response."""
     rows = tuple((name, f"{value:.6g}", result.units[name]) for name, value in result.values.items())
     return ShortTable(("response", "value", "unit"), rows)
 
 
 def table_of_gradients(result: Result) -> ShortTable | None:
-    """Derivatives of all responses by all variables; None if there are none."""
+    """Table with derivatives of all responses by all variables; None if there are none."""
     variables = list(next(iter(result.gradients.values()), {}))
     if not variables:
         return None

@@ -56,7 +56,7 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
 
 
 def _with_value(scene: Scene, name: str, paths: Sequence[str], value: float) -> Scene:
-    """A copy in which a design variable has a value; numbers that were the factor times the old one stay so."""
+    """A copy of the scene in which a design variable has a value; numbers that were the factor times the old one stay so."""
     old = scene.value_of(name)
     for path, factor in zip(paths, scene.factors_of(name), strict=True):
         number = scene.number(path)
@@ -90,7 +90,7 @@ def _check_record(where: str, record: Description) -> None:
 
 
 def _below(owner: Any, key: str) -> Any:
-    """What a record, a table or a list holds under a key; None where the path goes on inside of a vector."""
+    """Value that a record, a table or a list holds under a key; None where the path goes on inside of a vector."""
     if isinstance(owner, Description):
         return getattr(owner, key, None)
     if isinstance(owner, Mapping):

@@ -23,36 +23,36 @@ from toolkit.scene.cuts import cuts_of
 from toolkit.scene.scene import Scene
 
 FRAMES = ("moving", "grounded")
-"""What the frame of a body can be that is cut."""
+"""Frames that a body which is cut can have."""
 MESHED = "scikit-fem"
 """Writer of the models of solids."""
 
 
 class CutScene(Scene):
-    """The scene of a user, with the points and rigid joints that tie the parts of its cut bodies."""
+    """A user's scene with the points and rigid joints that tie the parts of its cut bodies."""
 
     def all_bodies(self) -> dict[str, Body]:
-        """The bodies, each with its parts behind it, and the ground."""
+        """Bodies of the scene, each with its parts behind it, and the ground."""
         return {"ground": self.space.ground, **_with_parts_of(Itself(self.bodies))}
 
     def body(self, name: str) -> Body:
-        """One body, or part of one."""
+        """Body of that name, or part of one."""
         found = _with_parts_of(Itself(self.bodies))
         return found[name] if name in found else super().body(name)
 
     def pieces(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
-        """The parts of a cut body in its place."""
+        """Bodies with coordinates of their own, with the parts of a cut body in its place."""
         written = [(name, self.body(name)) for name in super().pieces(names)]
         return tuple(piece for name, body in written for piece in (body.parts(name) if isinstance(body, CutBody) else [name]))
 
     def piece(self, body: str, point: str) -> str:
-        """The part of a cut body that the point lies in."""
+        """Name of the part of a cut body that the point lies in, or of the body where it is not cut."""
         found = self.body(body)
         return part_name(body, found.part_at(self, point, body)) if isinstance(found, CutBody) else body
 
     @property
     def written(self) -> Scene:
-        """The scene as the user has written it, at its own numbers."""
+        """Scene as the user has written it, at its own numbers."""
         ties = set(self.ties)
         fields = dict(self)
         for group in ("points", "joints"):
@@ -71,7 +71,7 @@ def _uncut(body: Body) -> Body:
 
 
 def written(scene: Scene) -> Scene:
-    """The scene as the user has written it, with the numbers of frames that were chosen."""
+    """Scene as the user has written it, with the numbers of frames that were chosen."""
     if isinstance(scene, CutScene):
         return scene.written
     if any(isinstance(body, ChosenFrames) for body in scene.bodies.values()):
@@ -81,7 +81,7 @@ def written(scene: Scene) -> Scene:
 
 @lru_cache(maxsize=8)
 def _with_parts_of(same: Itself[dict[str, Body]]) -> dict[str, Body]:
-    """Bodies, each with its parts behind it: many ask for the same ones."""
+    """Bodies, each with its parts behind it; kept because many ask for the same ones."""
     found: dict[str, Body] = {}
     for name, body in same.item.items():
         found[name] = body
@@ -91,7 +91,7 @@ def _with_parts_of(same: Itself[dict[str, Body]]) -> dict[str, Body]:
 
 
 def with_parts(scene: Scene) -> Scene:
-    """The scene with its cut bodies; itself if none is.
+    """Scene with its cut bodies as parts; the scene itself if none is cut.
 
     Raises
     ------
@@ -140,7 +140,10 @@ def parts_of(scene: Scene) -> dict[str, tuple[tuple[int, ...], ...]]:
 
 
 def _meetings(name: str, model: ReducedModel, cuts: list[int], held: list[int]) -> dict[int, list[str]]:
-    """Node -> the parts whose ends meet there; at those that are held the ground, and the body in the place of the part that holds it."""
+    """Node -> the parts whose ends meet there, which are to be tied.
+
+    At nodes that are held it lists the ground, and the body in the place of the part that holds the node.
+    """
     assert model.elements is not None
     found: dict[int, list[str]] = {}
     for k, (first, last) in enumerate(pairwise(cuts)):
@@ -154,14 +157,14 @@ def _meetings(name: str, model: ReducedModel, cuts: list[int], held: list[int]) 
 
 
 def _ties(scene: Scene, tied: Mapping[str, tuple[int, list[str]]]) -> Iterator[tuple[str, Tie]]:
-    """At every node all bodies to the first one."""
+    """Rigid joints that tie all bodies at every node to the first one, with their names."""
     for tie, (_, (first, *others)) in tied.items():
         for k, other in enumerate(others):
             yield f"{tie}, {k + 1}" if k else tie, scene.space.tie(bodies=(first, other), point=tie)
 
 
 def most_frames(scene: Scene, name: str) -> int:
-    """How many frames a body of beams can have at most: one for every element.
+    """Largest number of frames of a body of beams: one for every element.
 
     Raises
     ------
@@ -174,7 +177,7 @@ def most_frames(scene: Scene, name: str) -> int:
 
 
 def fewest_cut(scene: Scene, name: str) -> int:
-    """How many frames a body has at least that has more than one: two, or one to every chain where its elements branch."""
+    """Least number of frames of a body that has more than one: two, or one for every chain where its elements branch."""
     elements = _model(scene, name, scene.bodies[name]).elements
     assert elements is not None
     return max(2, len(breaks(elements.connectivity)) + 1)
@@ -210,7 +213,7 @@ def tie_name(body: str, model: ReducedModel, node: int) -> str:
 
 
 def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
-    """The reduced model, if it can be cut."""
+    """Reduced model of a body, if it can be cut."""
     model = scene.model(body.model, "elements", "mesh")
     if model.elements is None:
         raise InputError(
@@ -230,7 +233,7 @@ def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
 
 
 def _kept_by(model: ReducedModel) -> str:
-    """What would make a reduced model keep them."""
+    """Sentence on how a reduced model would keep its elements."""
     if MESHED in model.writers:
         toml = next(iter(model.source), "the file that it is built from")
         return (
@@ -243,7 +246,10 @@ def _kept_by(model: ReducedModel) -> str:
 
 
 def clamped_nodes(model: ReducedModel) -> list[int]:
-    """Numbers along the chain of the nodes that the frame of the uncut model is tied to; none if it is tied to no node, or is no chain."""
+    """Numbers along the chain of the nodes that the frame of the uncut model is tied to.
+
+    They are none if it is tied to no node, or is no chain.
+    """
     order = None if model.elements is None else chain_nodes(model.elements.connectivity)
     if model.elements is None or order is None:
         return []
@@ -252,7 +258,7 @@ def clamped_nodes(model: ReducedModel) -> list[int]:
 
 
 def _clamp(name: str, model: ReducedModel) -> list[int]:
-    """The nodes that the model clamps."""
+    """Nodes that the reduced model clamps."""
     assert model.elements is not None
     found = [int(node) for node in model.elements.held_nodes(model.mesh)]
     if not found:

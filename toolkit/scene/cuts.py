@@ -1,4 +1,4 @@
-"""Where a body is cut into parts: as its `frames` say, and where its chains of elements meet."""
+"""Cuts of a body into parts: as its `frames` say, and where its chains of elements meet."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from toolkit.reduced_model.model import ReducedModel
 
 
 def cuts_of(name: str, body: Any, model: ReducedModel) -> list[int]:
-    """Elements that the parts begin with, and the number of all elements; where chains of elements meet there is always a cut."""
+    """First elements of all parts, and the number of all elements.
+
+    Where chains of elements meet there is always a cut.
+    """
     assert model.elements is not None
     count, forced, what = len(model.elements.connectivity), breaks(model.elements.connectivity), model.elements_called
     if isinstance(body.frames, int):
@@ -40,7 +43,10 @@ def cuts_of(name: str, body: Any, model: ReducedModel) -> list[int]:
 
 
 def _shared(ends: list[int], frames: int) -> list[int]:
-    """A number of frames, shared among chains that begin and end at `ends`: always one more to the longest parts."""
+    """First elements of parts, a number of frames, shared among chains that begin and end at `ends`.
+
+    The longest parts always get one more.
+    """
     sizes = np.diff(ends)
     shares = np.ones(len(sizes), int)
     for _ in range(frames - len(sizes)):
@@ -52,7 +58,7 @@ def _shared(ends: list[int], frames: int) -> list[int]:
 
 
 def _node(name: str, model: ReducedModel, place: int | str) -> int:
-    """The element that begins at a node, which is given by its number along a chain or by the name of an interface point."""
+    """Number of the element that begins at a node, given by its number along a chain or by the name of an interface point."""
     assert model.elements is not None
     connectivity = model.elements.connectivity
     count = len(connectivity)
@@ -79,7 +85,7 @@ def _node(name: str, model: ReducedModel, place: int | str) -> int:
 
 
 def _begun_at(name: str, connectivity: np.ndarray, node: int) -> int:
-    """The element that begins at a node and does not end the body there."""
+    """Number of the element that begins at a node and does not end the body there."""
     begun = np.flatnonzero(connectivity[:, 0] == node)
     if np.count_nonzero(connectivity == node) < 2:
         where = node_labels(connectivity)[node]

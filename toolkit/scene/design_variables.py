@@ -80,14 +80,17 @@ def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
 
 
 def _meant(path: str, names: Collection[str]) -> str:
-    """What was probably meant: of a planar velocity's `.x` its number `.0`, though `.2`, the rotation, reads as much like it."""
+    """Suggestion for a wrong path.
+
+    Of a planar velocity's `.x` it is its number `.0`, though `.2`, the rotation, reads as much like it.
+    """
     stem, _, axis = path.rpartition(".")
     numbered = f"{stem}.{AXES.index(axis)}" if axis in AXES[:2] else path
     return meant(path, [numbered] if numbered in names else names)
 
 
 def _on_body(path: str, moving: str, point: BodyPoint, available: Iterable[str]) -> str:
-    """An interface point has no coordinates of its own; what moves it, if anything does."""
+    """Sentence on a path to coordinates of an interface point, which has none of its own, and on what moves the point."""
     which = f"{path!r} leads nowhere: the point lies where {point.interface!r} of body {point.body!r} does"
     if moving in available:
         return f"{which}. Take {moving!r}, which moves it along the body."

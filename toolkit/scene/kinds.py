@@ -9,7 +9,7 @@ from toolkit.description.registration import import_room
 from toolkit.scene.space import SPACES
 
 DIMENSIONS = tuple(SPACES)
-"""Of scenes."""
+"""Dimensions that a scene can have."""
 
 for _room in ("bodies", "joints", "loads"):
     for _space in ("planar", "spatial"):
@@ -18,5 +18,5 @@ import_room("toolkit.joints.both")
 
 
 def kinds_of(dimension: int) -> dict[str, Mapping[str, type[Registered]]]:
-    """Group of the scene -> `type` -> class, of the plane (2) or of space (3); kinds of users' own included."""
+    """Group of the scene -> `type` -> class, of the plane (2) or of space (3), with kinds of users' own."""
     return dict(SPACES[dimension].kinds)

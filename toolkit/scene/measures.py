@@ -1,4 +1,4 @@
-"""What a number of a scene measures, read from what stands beside its field."""
+"""Measure of a number of a scene, read from what stands beside its field."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _AXES = "xyz"
 
 
 def number_measure(scene: Any, path: str) -> Measure:
-    """Dimension of one number, and the power of an angle in it: of one that the scene writes, or of a parameter of a reduced model.
+    """Measure (dimension, power of an angle) of one number that the scene writes, or of a parameter of a reduced model.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def _in_curve(curve: Curve, keys: list[str], values: Quantity | None) -> Measure
 
 
 def _over_angle(found: Measure) -> Measure:
-    """What a number of a curve of time measures, of one of an angle."""
+    """Measure of a number of a curve whose argument is an angle, from its measure in a curve of time."""
     mass, length, time = found.dimension
     return Measure(Dimension(mass, length, 0), found.angle + time)
 

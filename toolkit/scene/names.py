@@ -77,7 +77,7 @@ def check_design_names(design: Mapping[str, DesignEntry], where: str = "design")
 
 
 def _named(response: Any, kind: str) -> list[str]:
-    """What a response, or the one that it looks at over time, names under the word for one of a kind or for several."""
+    """Names that a response, or the one that it looks at over time, gives under the word for one of a kind or for several."""
     found: list[str] = []
     for each in (response, getattr(response, "of", None)):
         for value in (getattr(each, kind, None), getattr(each, PLURAL[kind], None)):

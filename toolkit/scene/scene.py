@@ -80,15 +80,15 @@ class Scene(Description):
 
     @property
     def space(self) -> Space:
-        """What a scene of its dimension has that one of another has not."""
+        """Record of all in which scenes of its dimension differ from those of the other."""
         return SPACES[self.dimension]
 
     def all_bodies(self) -> dict[str, Body]:
-        """The bodies and the ground."""
+        """Bodies of the scene by name, and the ground."""
         return {"ground": self.space.ground, **self.bodies}
 
     def body(self, name: str) -> Body:
-        """One body.
+        """Body of that name, or the ground.
 
         Raises
         ------
@@ -104,11 +104,11 @@ class Scene(Description):
         return tuple(self.bodies if names is None else names)
 
     def piece(self, body: str, _point: str) -> str:
-        """The one of these that a point of a body lies in."""
+        """Name of the one of the `pieces` that a point of a body lies in."""
         return body
 
     def interface(self, point: str) -> Point | BodyPoint:
-        """The point as it was written.
+        """Description of a point as it was written.
 
         Raises
         ------
@@ -135,15 +135,15 @@ class Scene(Description):
 
     @property
     def start_file(self) -> Path | None:
-        """Results file whose last state its motions begin in, None if they begin elsewhere."""
+        """Results file in whose last state motions of the scene begin, None if they begin elsewhere."""
         return None if self.solver.start_file is None else self.directory / self.solver.start_file
 
     def read_files(self) -> list[Path]:
-        """All files that its analyses read."""
+        """Files that analyses of the scene read."""
         return [*self.model_files(), *([] if self.start_file is None else [self.start_file])]
 
     def model(self, path: str, *parts: str) -> ReducedModel:
-        """The invariants and interface points of a reduced model, and other parts on request; each is read once.
+        """Reduced model with its invariants and interface points, and other parts on request; each is read once.
 
         Parameters
         ----------
@@ -196,7 +196,7 @@ class Scene(Description):
         return found
 
     def of_body(self, _body: Any, _what: Hashable, make: Callable[[], T]) -> T:
-        """What is made of a body, each time anew: see `compilation.remembered`."""
+        """Result of a computation for a body, made anew each time: see `compilation.remembered`."""
         return make()
 
     def extrapolated(self) -> dict[str, list[str]]:
@@ -213,11 +213,11 @@ class Scene(Description):
 
     @property
     def size(self) -> float:
-        """Extent of the points or of the largest body, the length that displacements are compared with."""
+        """Model size: extent of the points or of the largest body, the length that displacements are compared with."""
         return size_of(self)
 
     def number(self, path: str) -> Any:
-        """The number at a path; a flexible body's parameter that the scene does not set has its nominal value.
+        """Number at a path; a flexible body's parameter that the scene does not set has its nominal value.
 
         Raises
         ------
@@ -238,13 +238,13 @@ class Scene(Description):
         return nominal[path]
 
     def path_of(self, path: str) -> str:
-        """The path as `available_paths` has it: in space x, y and z name the numbers of every vector, and 0 and 1 those of a pair."""
+        """Path as `available_paths` has it: in space x, y and z name the numbers of every vector, and 0 and 1 those of a pair."""
         groups: dict[str, Any] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
         path = numbered(path, groups) if self.space.named_vectors else path
         return lettered(path, self._numbers_near(path)) if path.endswith((".0", ".1")) else path
 
     def _written(self, path: str) -> Any | None:
-        """The number at a path, if the scene writes one there."""
+        """Number at a path, if the scene writes one there."""
         group, name, *keys = (*path.split("."), "", "")[: 2 + max(0, path.count(".") - 1)]
         items = getattr(self, group) if group in type(self).model_fields else None
         return number_at(items[name], keys) if isinstance(items, dict) and name in items else dict(self.numbers()).get(path)
@@ -262,7 +262,7 @@ class Scene(Description):
         return self._parameters_of(*self.bodies, *self.points)
 
     def _parameters_of(self, *names: str) -> dict[str, float]:
-        """Those of bodies and points of these names."""
+        """Parameters of the reduced models behind bodies and points of these names, with their nominal values, by their paths."""
         found: dict[str, float] = {}
         for name, body in ((name, self.bodies[name]) for name in names if name in self.bodies):
             if isinstance(body, ModelBody):
@@ -302,7 +302,7 @@ class Scene(Description):
         return super().with_all({path: value})
 
     def with_all(self, values: Mapping[str, Any]) -> Self:
-        """The same with several numbers."""
+        """A copy in which several numbers have other values, real or complex."""
         written = {path: value for path, value in values.items() if self._written(path) is not None}
         found = super().with_all(written) if written else self
         for path, value in values.items():
@@ -324,7 +324,7 @@ class Scene(Description):
         return self.value_at(self.paths_of(name)[0]) / self.factors_of(name)[0]
 
     def value_at(self, path: str) -> float:
-        """The number at a path, without an imaginary step."""
+        """Real part of the number at a path, without an imaginary step."""
         return float(np.real(self.number(path)))
 
     def moved(self, variable: DesignVariable, step: Any) -> Self:
@@ -339,7 +339,7 @@ class Scene(Description):
         return found
 
     def design_variables(self, names: list[str] | None = None) -> Design:
-        """The design variables by short name or path; all that the scene declares by default.
+        """Design variables by short name or path; by default all that the scene declares.
 
         Raises
         ------
@@ -381,12 +381,12 @@ def forget_models() -> None:
 
 @lru_cache(maxsize=32)
 def _read_before(_path: str, _changed: int) -> dict[str, ReducedModel]:
-    """Where the parts of a file that were read stay, as long as the file is the same."""
+    """Store for the parts of a file that were read, as long as the file is the same."""
     return {}
 
 
 def _load(path: str, parts: tuple[str, ...], changed: int) -> ReducedModel:
-    """At least these parts; what was read before is not read again."""
+    """Reduced model of a file with at least these parts; parts that were read before are not read again."""
     shelf = _read_before(path, changed)
     known = shelf.get(path)
     if known is None or not known.bytes_read.keys() >= set(parts):

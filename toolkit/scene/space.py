@@ -29,7 +29,7 @@ from toolkit.loads.spatial.load import AnySpatialLoad
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """What differs between the plane and space; rooms above the scene keep what is theirs in tables by this record.
+    """Record of the differences between the plane and space; rooms above the scene keep what is theirs in tables by this record.
 
     Attributes
     ----------
@@ -118,4 +118,4 @@ SPACE = Space(
     load_parameters=SPATIAL_ARGUMENTS - 25,
 )
 SPACES = {space.dimension: space for space in (PLANE, SPACE)}
-"""By dimension."""
+"""Records of the plane and of space, by dimension."""

@@ -16,7 +16,7 @@ from toolkit.scene_file.dimensions import dimensions, number_dimension, response
 
 
 def converted(scene: Scene, units: str, directory: Path) -> Scene:
-    """The same scene with all numbers in another unit system; its results are the same to round-off, in the new units.
+    """Scene with all numbers in another unit system; its results are the same to round-off, in the new units.
 
     Parameters
     ----------
@@ -48,11 +48,11 @@ def _with_model(scene: Scene, body, units: str, directory: Path):
 
 
 def response_factor(scene: Scene, response: str, units: str) -> float:
-    """What the value of a response is multiplied by to be in other units."""
+    """Factor that turns the value of a response into other units."""
     found = scene.responses[response]
     return factor(response_dimension(found), scene.units, units) if isinstance(found, Response) else 1.0
 
 
 def number_factor(scene: Scene, path: str, units: str) -> float:
-    """What the number at a path is multiplied by to be in other units."""
+    """Factor that turns the number at a path into other units."""
     return factor(number_dimension(scene, path), scene.units, units)

@@ -43,7 +43,7 @@ def measure_label(measure: Measure, system: str) -> str:
 
 
 def dimension_label(dimension: Dimension, system: str) -> str:
-    """Label of a unit, for example "kg m^2"; of a force and what is made of it in the system's own unit of force."""
+    """Label of a unit, for example "kg m^2"; units made of a force have the system's own unit of force."""
     if dimension == NONE:
         return ""
     known = next((quantity for quantity, each in LABELLED.items() if each == dimension), None)
@@ -62,7 +62,7 @@ def _powers(dimension: Dimension, system: str) -> list[tuple[str, int]]:
 
 
 def _product(powers: Iterable[tuple[str, int]]) -> str:
-    """Units with their powers, those below the line behind one slash each."""
+    """Label of units with their powers, those below the line behind one slash each."""
     above = [label if power == 1 else f"{label}^{power}" for label, power in powers if power > 0]
     below = [label if power == -1 else f"{label}^{-power}" for label, power in powers if power < 0]
     return "/".join([" ".join(above) or "1", *below])
@@ -73,7 +73,7 @@ def _bracketed(label: str) -> str:
 
 
 def per(numerator: str, denominator: str) -> str:
-    """Label of a quotient, for example "MPa / mm"."""
+    """Label of a quotient of units, for example "MPa / mm"."""
     return f"{numerator or '1'} / {_bracketed(denominator)}" if denominator else numerator
 
 

@@ -28,7 +28,7 @@ from toolkit.scene.scene import Scene
 
 
 def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
-    """Read a scene file.
+    """Scene that a file in TOML describes.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Sc
 
 
 def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
-    """A scene from nested tables; `path` is the file they came from.
+    """Scene from nested tables; `path` is the file they came from.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def responses_from_table(table: Any, problems: list[str]) -> dict[str, Response]
 
 
 def _dimension(table: Mapping[str, Any], path: Path) -> int:
-    """What decides what all the rest may be.
+    """Dimension of the scene, 2 or 3, on which everything else depends.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def _point(value: Any, dimension: int, where: str, problems: list[str]) -> Any:
 def _item(
     value: Any, kinds: Mapping[str, type[Registered]], others: Mapping[str, type[Registered]], where: str, problems: list[str]
 ) -> Any:
-    """One component of the scene; `others` are the kinds that scenes of the other dimension have."""
+    """Component of the scene from its table; `others` are the kinds that scenes of the other dimension have."""
     if not isinstance(value, dict) or "type" not in value:
         problems.append(f"{where} needs a `type`, one of: {', '.join(sorted(kinds))}.")
         return None
@@ -205,7 +205,7 @@ def _change(table: dict[str, Any], key: str, text: Any, path: Path) -> None:
 
 
 def _value(text: Any) -> Any:
-    """What a text stands for in a file."""
+    """Value that a text stands for in a file."""
     try:
         return parse_toml(f"value = {text}")["value"] if isinstance(text, str) else text
     except ValueError:

@@ -83,12 +83,12 @@ def _define(group: str, known: Mapping[str, type], definitions: dict[str, Any]) 
 
 
 def _tables(dimension: int) -> dict[str, Any]:
-    """What the tables of a scene of one dimension hold."""
+    """Schema of the tables of a scene of one dimension."""
     return {"properties": {name: _table(_item(name, dimension)) for name in ("points", *_GROUPS)}}
 
 
 def _item(group: str, dimension: int) -> dict[str, Any]:
-    """What stands under a name of a group."""
+    """Schema of an item under a name of a group."""
     if group != "points":
         return {"$ref": f"#/$defs/{PREFIXES[dimension]}{_GROUPS[group]}"}
     words = "[" + ", ".join("xyz"[:dimension]) + "]"
@@ -105,7 +105,7 @@ def _schema(kind: type, definitions: dict[str, Any]) -> dict[str, Any]:
 
 
 def _with_type(schema: dict[str, Any], kind: str) -> dict[str, Any]:
-    """The schema of a table that names its kind under `type`."""
+    """Schema of a table that names its kind under `type`."""
     properties = {"type": {"const": kind}, **schema.get("properties", {})}
     return {**schema, "properties": properties}
 
@@ -115,12 +115,12 @@ def _one_of(names: Iterable[str]) -> dict[str, Any]:
 
 
 def _table(item: dict[str, Any]) -> dict[str, Any]:
-    """Any names, all with items of one kind."""
+    """Schema of a table with any names, all for items of one kind."""
     return {"type": "object", "additionalProperties": item}
 
 
 def tidy(schema: Any) -> Any:
-    """A pydantic schema in draft 7 and for TOML: tuples as arrays of one kind, no null, no titles made up from names."""
+    """Pydantic schema in draft 7 and for TOML: tuples as arrays of one kind, no null, no titles made up from names."""
     if isinstance(schema, list):
         return [tidy(item) for item in schema]
     if not isinstance(schema, dict):

@@ -170,6 +170,11 @@ class Result:
         )
 
     @property
+    def gradient_scales(self) -> Mapping[str, Mapping[str, float]]:
+        """Response -> variable -> the largest gradient in the motion, which errors of gradients are compared with; empty in statics."""
+        return self._answers.slope_scales if moving(self.solution) else {}
+
+    @property
     def _undecided(self) -> dict[str, float]:
         """What Newton leaves open of the values of a state at rest."""
         responses = responses_of(self.solution.system.scene, moving=False)
@@ -188,18 +193,16 @@ class Result:
         if errors is None:
             return found
         sizes = variable_sizes(self.solution.system.scene, self)
-        scales, slopes = self.scales
+        scales, slopes = self.scales, self.gradient_scales
         weighed = unless_frames_deny(found.warnings, self.solution, errors, scales, self.gradients, sizes, slopes)
         doubts = (*doubtful_values(errors, scales), *doubtful_gradients(errors, self.gradients, sizes, slopes))
         record = errors.record(self.gradients, sizes, slopes)
         return Verdict.of([*weighed, *doubts], {**found.measures, "geometric_error": record})
 
     @property
-    def scales(self) -> tuple[Mapping[str, float], Mapping[str, Mapping[str, float]]]:
-        """What errors by frames are compared with: the largest values and derivatives in a motion; else values, and nothing."""
-        if moving(self.solution):
-            return self._answers[2:]
-        return {f: abs(value) for f, value in self.values.items()}, {}
+    def scales(self) -> Mapping[str, float]:
+        """Response -> the largest value in a motion, which errors by frames are compared with; without a motion its value."""
+        return self._answers.scales if moving(self.solution) else {f: abs(value) for f, value in self.values.items()}
 
     @cached_property
     def weighed_frames(self) -> FrameErrors | None:

@@ -8,7 +8,7 @@ from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
 from toolkit.system.system import System
 
 COPIES = 4
-"""Of the matrix of an equilibrium: itself, scaled, its factors, and what LAPACK works in."""
+"""Copies of the matrix of an equilibrium: itself, scaled, its factors, and what LAPACK works in."""
 
 
 def check_dense(system: System, options: RunOptions) -> None:

@@ -36,7 +36,7 @@ def solve_linear(system: System, values: np.ndarray, rhs: np.ndarray, where: str
 
 
 def _sparse(system: System, values: np.ndarray, block: np.ndarray) -> np.ndarray | None:
-    """Of a large real system, by sparse factors with pivoting, refined once; None where they are not good enough.
+    """Solution of a large real system by sparse factors with pivoting, refined once; None where they are not good enough.
 
     The loop's own solver falls back to dense factors where its fixed order meets a bad pivot, as it does without inertia. Pivots are judged
     as those are: in parts of a matrix that was equilibrated.
@@ -60,7 +60,7 @@ def _sparse(system: System, values: np.ndarray, block: np.ndarray) -> np.ndarray
 
 
 def _scales(system: System, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows' and columns' scales that bring the largest entries near 1, as `dense_lu.equilibrate`; from sizes on the pattern."""
+    """Scales of rows and columns that bring the largest entries near 1, as `dense_lu.equilibrate`; from sizes on the pattern."""
     plan = system.plan
     of_row, scales = np.repeat(np.arange(system.n), np.diff(plan.indptr)), np.ones((2, system.n))
     for _ in range(SWEEPS):
@@ -73,7 +73,7 @@ def _scales(system: System, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _compiled(system: System, values: np.ndarray, block: np.ndarray, where: str) -> np.ndarray:
-    """The step loop's own solver."""
+    """Solution of a real system by the step loop's own solver."""
     plan, out, key = system.plan, np.zeros_like(block), (LinearSolver, block.shape[1])
     weights = system.weights[: plan.n_q]
     solver = system.scratch(key, lambda: linear_solver(system.lu_plan, weights.copy(), block.shape[1], system.dtype))
@@ -87,7 +87,7 @@ def _compiled(system: System, values: np.ndarray, block: np.ndarray, where: str)
 
 
 def _plain(system: System, values: np.ndarray, block: np.ndarray, where: str) -> np.ndarray:
-    """A complex system: the library's dense solver, because the loop's would be slow as plain Python."""
+    """Solution of a complex system by the library's dense solver, because the loop's would be slow as plain Python."""
     try:
         return np.linalg.solve(system.dense(values), block)
     except np.linalg.LinAlgError as error:
@@ -95,7 +95,7 @@ def _plain(system: System, values: np.ndarray, block: np.ndarray, where: str) ->
 
 
 def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
-    """Which unknowns a singular matrix, by its values (n_entries,), leaves undetermined: the largest entries of its null vectors.
+    """Unknowns that a singular matrix, by its values (n_entries,), leaves undetermined: the largest entries of its null vectors.
 
     There may be several of these, and any mixture of them is one too: so unknowns are judged by all together, as long as the rows
     of an orthonormal basis are, which no choice of the basis changes.
@@ -121,7 +121,10 @@ def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
 
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:
-    """Orthonormal null vectors (n, k), at least one, of a matrix that is equilibrated first, in the units of its columns then."""
+    """Orthonormal null vectors (n, k), at least one, of a matrix that is equilibrated first.
+
+    They are in the units of its columns then.
+    """
     rows, columns = np.ones(len(matrix)), np.ones(len(matrix))
     for _ in range(SWEEPS):
         size = np.abs(rows[:, None] * matrix * columns)

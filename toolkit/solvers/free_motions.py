@@ -17,9 +17,9 @@ UNSYMMETRIC = 1e-9
 def made_of(
     stiffness: np.ndarray, phi_q: np.ndarray, multipliers: np.ndarray, weights: np.ndarray, motions: np.ndarray
 ) -> np.ndarray:
-    """How large the terms are that the stiffness against motions (n_q, m) is the sum of, (m, m): what its round-off is measured by.
+    """Size of the terms that the stiffness against motions (n_q, m) is the sum of, (m, m), by which its round-off is measured.
 
-    They are entries of the stiffness, and joint forces at levers of the scene's size: those of a balance, which has no stiffness, cancel in
+    They are entries of the stiffness, and joint forces at levers of the model size: those of a balance, which has no stiffness, cancel in
     each entry already.
     """
     sizes: np.ndarray = np.abs(motions)
@@ -55,8 +55,10 @@ def is_symmetric(stiffness: np.ndarray | scipy.sparse.csr_array, terms: float = 
 
 
 def is_symmetric_everywhere(matrix: np.ndarray | scipy.sparse.csr_array) -> bool:
-    """Whether each entry is the same as its mirror, beside the stiffness of its own two coordinates: a force that follows a soft body makes
-    it unsymmetric, however stiff others are."""
+    """Whether each entry is the same as its mirror, beside the stiffness of its own two coordinates.
+
+    A force that follows a soft body makes it unsymmetric, however stiff others are.
+    """
     largest, size = abs(matrix).max(), np.sqrt(np.abs(matrix.diagonal()))
     if isinstance(matrix, np.ndarray):
         off, least = np.abs(matrix - matrix.T), np.outer(size, size)

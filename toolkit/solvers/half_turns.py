@@ -27,7 +27,7 @@ LOST = {
     ),
     "curve": ("stays half a turn behind", "its torque would jump. Let it follow its curve more closely, or use smaller steps."),
 }
-"""What next to which a load takes the turn of its angle -> what happened, and what to do."""
+"""Messages by the reference next to which a load takes the turn of its angle: what happened, and what to do."""
 
 
 @kernel
@@ -57,7 +57,7 @@ def refuse_half_turns(system: System, times: np.ndarray, q: np.ndarray) -> None:
 
 
 def half_turn(system: System, q: np.ndarray, curves: Callable[[], np.ndarray]) -> tuple[str, str, int] | None:
-    """The first load in space whose angle loses its turn in states q (n_t, n), in words, what to do, and the state after.
+    """First load in space whose angle loses its turn in states q (n_t, n), in words, with the remedy and the state after.
 
     `curves` finds the values (n_t, n_curves, ...) of all time curves there.
     """
@@ -83,7 +83,7 @@ def _seen(system: System, k: int, load: Load, angles: np.ndarray, q: np.ndarray,
 
 
 def _angles(system: System, name: str, load: Load, q: np.ndarray) -> np.ndarray:
-    """Of a load in states q, (n_t,), in (-pi, pi]."""
+    """Angle of a load in states q, (n_t,), in (-pi, pi]."""
     first, second = (system.numbering.marker((*grip, f"loads.{name}")) for grip in load.grips)
     angles: np.ndarray = np.zeros(len(q), system.dtype)
     work, rest = allocate_work(system.plan, system.dtype), np.zeros_like(q[0])

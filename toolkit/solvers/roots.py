@@ -29,7 +29,7 @@ def all_roots(K: np.ndarray, C: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, 
 def refined(
     K: np.ndarray, C: np.ndarray, M: np.ndarray, s: complex, u: np.ndarray, w: np.ndarray
 ) -> tuple[complex, np.ndarray, np.ndarray]:
-    """s and its right and left vectors by Rayleigh's quotient."""
+    """Root s and its right and left vectors, refined by Rayleigh's quotient."""
     for _ in range(REFINED):
         s = s - (w @ (s * s * M + s * C + K) @ u) / (w @ (2 * s * M + C) @ u)
         matrix = s * s * M + s * C + K
@@ -42,32 +42,35 @@ def refined(
 
 
 def is_zero(s: complex, largest: float) -> bool:
-    """Beside the largest root: a motion that nothing holds."""
+    """Whether a root is zero beside the largest one, as it is for a motion that nothing holds."""
     return bool(abs(s) ** 2 <= 10 * ROUND_OFF * largest**2)
 
 
 def counts(s: complex, largest: float) -> bool:
-    """One root of each pair; those that neither vibrate nor grow are no modes."""
+    """Whether a root counts as a mode: one of each pair does, and none that neither vibrates nor grows."""
     return not is_zero(s, largest) and bool(s.imag > VIBRATES * abs(s) or (abs(s.imag) <= VIBRATES * abs(s) and s.real > 0))
 
 
 def frequency_of(s: complex) -> float:
-    """Im s / 2 pi; - Re s / 2 pi of a motion that grows without vibrating."""
+    """Frequency Im s / 2 pi of a root; - Re s / 2 pi of a motion that grows without vibrating."""
     return float((s.imag if s.imag > VIBRATES * abs(s) else -s.real) / (2 * np.pi))
 
 
 def count_of_zeros(values: np.ndarray, largest: float) -> int:
-    """How many motions nothing holds, by all roots: each has two."""
+    """Number of motions that nothing holds, by all roots: each has two."""
     return sum(is_zero(each, largest) for each in values) // 2
 
 
 def all_frequencies(values: np.ndarray) -> np.ndarray:
-    """Of all roots, ascending, with zero for each motion that nothing holds."""
+    """Frequencies of all roots, ascending, with zero for each motion that nothing holds."""
     largest = float(np.abs(values).max(initial=0))
     zeros = [0.0] * count_of_zeros(values, largest)
     return np.sort([*(frequency_of(each) for each in values if counts(each, largest)), *zeros])
 
 
 def undamped_rates(K: np.ndarray, M: np.ndarray) -> np.ndarray:
-    """How fast all vibrations without dampers are, in rad/time, ascending; zero of what does not vibrate, alike of two that flutter."""
+    """Angular frequencies of all vibrations without dampers, in rad/time, ascending.
+
+    They are zero for what does not vibrate, and alike for two that flutter.
+    """
     return np.sort(np.abs(np.imag(np.sqrt(-scipy.linalg.eigvals(K, M) + 0j))))

@@ -21,7 +21,7 @@ SLOW = 1e-11
 
 
 STEPS = 2
-"""Of Rayleigh's quotient, whose error falls to its third power."""
+"""Steps of Rayleigh's quotient, whose error falls to its third power."""
 
 
 def undamped_modes(stiffness: np.ndarray, mass: np.ndarray, motions: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:
@@ -41,7 +41,10 @@ def undamped_modes(stiffness: np.ndarray, mass: np.ndarray, motions: np.ndarray,
 
 
 def _eigen(stiffness: np.ndarray, mass: np.ndarray, motions: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:
-    """Squares of rates and their shapes among motions (n_q, n); complex are those pairs alone that flutter by more than round-off."""
+    """Squares of rates and their shapes among motions (n_q, n).
+
+    Complex are those pairs alone that flutter by more than round-off.
+    """
     K, M = motions.T @ stiffness @ motions, motions.T @ mass @ motions
     if is_symmetric(K, terms) and is_symmetric_everywhere(stiffness):
         try:
@@ -69,7 +72,10 @@ def _eigen(stiffness: np.ndarray, mass: np.ndarray, motions: np.ndarray, terms: 
 
 
 def _round_off(stiffness: np.ndarray, mass: np.ndarray, square: complex, u: np.ndarray, w: np.ndarray) -> float:
-    """Of a square, by its own condition: where two are about to merge w^T M u vanishes, and round-off makes them complex."""
+    """Round-off of a square of a rate, by its own condition.
+
+    Where two are about to merge w^T M u vanishes, and round-off makes them complex.
+    """
     u, w, inert = np.abs(u), np.abs(w), abs(w @ mass @ u)
     return (
         10 * ROUND_OFF * float(w @ (np.abs(stiffness) + abs(square) * np.abs(mass)) @ u) / max(float(inert), np.finfo(float).tiny)
@@ -79,7 +85,7 @@ def _round_off(stiffness: np.ndarray, mass: np.ndarray, square: complex, u: np.n
 def _slow_ones_again(
     stiffness: np.ndarray, mass: np.ndarray, squares: np.ndarray, shapes: np.ndarray, terms: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The slowest modes anew among themselves (Rayleigh and Ritz): round-off of the fastest may make free ones unstable."""
+    """Slowest modes, found anew among themselves (Rayleigh and Ritz), as round-off of the fastest may make free ones unstable."""
     slow = np.flatnonzero(np.abs(squares) < SLOW * np.abs(squares).max())
     if slow.size:
         own = shapes[:, slow]
@@ -93,7 +99,7 @@ def _slow_ones_again(
 def _refined(
     K: np.ndarray, M: np.ndarray, square: complex, u: np.ndarray, w: np.ndarray
 ) -> tuple[complex, np.ndarray, np.ndarray]:
-    """omega^2 of K u = omega^2 M u, and its right and left vectors, by Rayleigh's quotient."""
+    """Square omega^2 of K u = omega^2 M u, and its right and left vectors, by Rayleigh's quotient."""
     for _ in range(STEPS):
         square = (w @ K @ u) / (w @ M @ u)
         try:

@@ -13,7 +13,7 @@ from toolkit.foundation.compiled.calls import in_memory
 
 
 class EvaluationMemory(threading.local):
-    """Every thread has its own.
+    """Memory in which one thread evaluates the equations of a system; every thread has its own.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class EvaluationMemory(threading.local):
         work = allocate_work(plan, float)
         self.work: Any = in_memory(work)
         self.care = work.care
-        """How it is evaluated, see `Work`."""
+        """Care with which it is evaluated, see `Work`."""
         self.formula: Callable[..., Any] | None = None
         """The compiled equations, once they have been looked up."""
 
@@ -39,7 +39,7 @@ class EvaluationMemory(threading.local):
         return self._state
 
     def found(self, linearized: bool, designed: bool) -> Terms:
-        """What the last evaluation has found, for whoever asked; what it was not asked for is zero."""
+        """Copy of the terms that the last evaluation has found; those that it was not asked for are zero."""
         known = self._terms
         by_state = known.I_acc, known.I_q, known.A_q, known.A_v
         I_acc, I_q, A_q, A_v = [each.copy() for each in by_state] if linearized else np.zeros((4, len(known.I_acc)))

@@ -16,7 +16,7 @@ from toolkit.system.solution import Solution
 
 
 def flexible_body(scene: Scene, body: str) -> ModelBody:
-    """The flexible body of that name.
+    """Flexible body of that name.
 
     Raises
     ------
@@ -33,14 +33,17 @@ def flexible_body(scene: Scene, body: str) -> ModelBody:
 
 
 def deforming(scene: Scene) -> dict[str, ModelBody]:
-    """The flexible bodies that have coordinates: of a cut body its parts."""
+    """Flexible bodies that have coordinates; of a cut body its parts."""
     return {
         name: body for name, body in scene.all_bodies().items() if isinstance(body, ModelBody) and not isinstance(body, CutBody)
     }
 
 
 def elastic_coordinates(solution: Solution, body: str) -> Any:
-    """Where the elastic coordinates of a body are on the second axis of q: a slice, or the numbers of those of all parts of a cut body."""
+    """Places of a body's elastic coordinates on the second axis of q.
+
+    They are a slice, or the numbers of those of all parts of a cut body.
+    """
     if isinstance(found := solution.system.scene.bodies.get(body), CutBody):
         return solution.system.numbering.first[body] + found.elastic_places
     whole = solution.coordinates(body)
@@ -58,7 +61,7 @@ def is_in_pieces(scene: Scene, body: str) -> bool:
 
 
 def elements_of(scene: Scene, body: str) -> str:
-    """What a flexible body, or part of one, calls its elements."""
+    """Word by which a flexible body, or a part of one, calls its elements."""
     return scene.model(flexible_body(scene, body).model).elements_called
 
 

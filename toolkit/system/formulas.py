@@ -14,17 +14,17 @@ from toolkit.scene.scene import Scene
 
 
 def _formulas(scene: Scene) -> tuple[list, list]:
-    """The different open formulas of the scene's joints, and the formulas of its loads; there is always one."""
+    """Open formulas of the scene's joints, each once, and formulas of its loads; there is always one of each."""
     return laws_of(list(scene.joints.values())) or [angle_law], families(loads_of(scene)) or [torque]
 
 
 def formulas_of(scene: Scene) -> tuple[tuple, tuple]:
-    """The formulas of the scene's joints and loads, ready for the compiled loop."""
+    """Formulas of the scene's joints and loads, ready for the compiled loop."""
     joints, loads = _formulas(scene)
     return slots(joints, LAW_SIGNATURE), slots(loads, LOAD_SIGNATURE)
 
 
 def plain_formulas_of(scene: Scene) -> tuple[tuple, tuple]:
-    """The same as plain Python."""
+    """Formulas of the scene's joints and loads as plain Python."""
     joints, loads = _formulas(scene)
     return tuple(map(plain, joints)), tuple(map(plain, loads))

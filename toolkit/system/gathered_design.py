@@ -1,4 +1,4 @@
-"""What a backward run sums up for many steps, or for all variables, together, and how the gradient follows from it; see `design_sums`."""
+"""Sums of a backward run over many steps, or for all variables together, and the gradient by them; see `design_sums`."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from toolkit.markers.planar.marker_kernel import Markers
 
 
 class GatheredDesign(NamedTuple):
-    """A plan whose variables change nothing but what is not gathered, and what is."""
+    """A plan whose variables change only what is not gathered, and the plan of what is gathered."""
 
     plan: Plan
     gathered: GatheredPlan
     moves: scipy.sparse.csr_array  # (n_x, 2 n_m + 2 n_columns) derivatives of points and shapes of markers by the variables
 
     def gradient(self, sums: DesignSums) -> np.ndarray:
-        """What the sums come to: a gradient (n_x, n_r)."""
+        """Gradient (n_x, n_r) that follows from the sums."""
         n_r = sums.points.shape[2]
         return sums.gradient[:, :n_r] + self.moves @ np.concatenate([sums.points, sums.shapes]).reshape(-1, n_r)
 
 
 def gathered_design(plan: Plan) -> GatheredDesign:
-    """Changes of matrices, and of points that nothing but pins grip."""
+    """Plan of a backward run that gathers changes of matrices, and of points that nothing but pins grip."""
     constant, markers, own = plan.constant, plan.markers, _gripped_by_pins(plan)
     changes = constant.design_mass, constant.design_damping, constant.design_loose
     met = [np.unique(np.concatenate([getattr(each, name) for each in changes])).astype(np.int64) for name in ("row", "column")]
@@ -56,7 +56,7 @@ def _gripped_by_pins(plan: Plan) -> np.ndarray:
 
 
 def _designed(plan: Plan, own: np.ndarray) -> np.ndarray:
-    """`Joints.of`, where pins are left out whose points are gathered."""
+    """Array `Joints.of`, where pins are left out whose points are gathered."""
     joints, moved = plan.joints, (np.diff(plan.markers.design_start) > 0) & ~own
     of: np.ndarray = joints.of.copy()
     gathered = own[joints.marker].any(axis=1) & ~moved[joints.marker].any(axis=1)
@@ -65,7 +65,7 @@ def _designed(plan: Plan, own: np.ndarray) -> np.ndarray:
 
 
 def _without(markers: Markers, own: np.ndarray) -> Markers:
-    """The markers, some of which no variable moves."""
+    """Markers without the design changes of those that are gathered."""
     counts = np.diff(markers.design_start)
     kept = ~np.repeat(own, counts)
     return markers._replace(
@@ -77,7 +77,7 @@ def _without(markers: Markers, own: np.ndarray) -> Markers:
 
 
 def _moves(plan: Plan, own: np.ndarray) -> scipy.sparse.csr_array:
-    """See `GatheredDesign.moves`; of the markers that are gathered."""
+    """Matrix `GatheredDesign.moves` of the markers that are gathered."""
     markers, counts = plan.markers, np.diff(plan.markers.design_start)
     d = np.flatnonzero(np.repeat(own, counts))
     m, sizes = np.repeat(np.arange(len(own)), counts)[d], np.diff(markers.start)

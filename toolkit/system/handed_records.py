@@ -14,7 +14,7 @@ R = TypeVar("R")
 
 
 class HandedRecords:
-    """The parts of a system, which never change, and memory that nobody uses at present.
+    """Parts of a system, which never change, as compiled code takes them, and scratch memory that is not in use.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class HandedRecords:
         self._packed[id(part)] = None
 
     def of(self, given: Any) -> Any:
-        """An argument, or what compiled code takes for it where it is known here."""
+        """Argument in the form that compiled code takes, if it is known here; else the argument itself."""
         known = id(given)
         if known not in self._packed:
             return given

@@ -1,4 +1,4 @@
-"""Where the points of bodies are that something grips or looks at."""
+"""States of the markers, the points of bodies that something grips or looks at."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class MarkerStates:
         ]
 
     def at(self, q: np.ndarray, v: np.ndarray | float = 0.0, a: np.ndarray | float = 0.0) -> Any:
-        """All markers at coordinates, rates and accelerations (n_q,); holds until the next call."""
+        """State of all markers at coordinates, rates and accelerations (n_q,); holds until the next call."""
         for own, given in zip(self._state, (q, v, a), strict=True):
             own[: self.system.n_q] = given
         for formula in self._formulas:
@@ -43,7 +43,7 @@ class MarkerStates:
 
 
 def marker_states(system: System, q: np.ndarray) -> Any:
-    """All markers at coordinates (n_q,), at rest."""
+    """State of all markers at coordinates (n_q,), at rest."""
     return MarkerStates(system).at(q)
 
 

@@ -1,4 +1,4 @@
-"""Whether the files of reduced models are those that a scene was compiled with."""
+"""Check that the files of reduced models are those that a scene was compiled with."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FileStates = Mapping[Path, tuple[int, int] | None]
 
 
 def file_states(scene: Scene) -> FileStates:
-    """The states of all files that a scene names, those of reduced models and of a kept start, now."""
+    """Present states of all files that a scene names, those of reduced models and of a kept start."""
     return {path: _state(path) for path in scene.read_files()}
 
 

@@ -21,18 +21,18 @@ JAMS = 1e-6
 
 
 def whole(system: System) -> System:
-    """The system with all rows of its joints."""
+    """System with all rows of its joints."""
     return replace(system, plan=system.plan._replace(dropped=np.zeros(0, np.int64)))
 
 
 def joint_terms(system: System, q: np.ndarray, acc: np.ndarray) -> Terms:
-    """Joints alone at coordinates q (n,), all rows: J^T lam, and J a in their rows, for acc = [a; lam] (n,)."""
+    """Terms of the joints alone at coordinates q (n,), all rows: J^T lam, and J a in their rows, for acc = [a; lam] (n,)."""
     inputs = system.inputs(0.0, np.array([1.0, 0, 0]))._replace(joints_only=True)
     return whole(system).evaluate(inputs, q, 0 * q, acc, design=True)
 
 
 def without_redundant_rows(system: System) -> System:
-    """The system with multipliers zero in the place of constraints that repeat others at the start.
+    """System with multipliers zero in the place of constraints that repeat others at the start.
 
     Raises
     ------
@@ -61,13 +61,16 @@ def without_redundant_rows(system: System) -> System:
 
 
 def _refuse_variables_that_jam(system: System, q: np.ndarray, jacobian: np.ndarray, rows: Rows) -> None:
-    """Repeating rows go on to do so where N^T dJ z = 0 for all motions z that the joints leave, J z = 0."""
+    """Refuse design variables by which repeating rows would cease to repeat others.
+
+    They go on to do so where N^T dJ z = 0 for all motions z that the joints leave, J z = 0.
+    """
     if not system.n_x or not len(rows.repeating):
         return
     N, dq, n_q = null_vectors(np.real(jacobian), rows.kept, rows.repeating), system.start()[2], system.n_q
 
     def change(motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """dJ z by every variable, (n_lam, n_x), and how large the largest terms are that it is the sum of, (n_x,)."""
+        """Change dJ z by every variable, (n_lam, n_x), and the size of the largest terms that it is the sum of, (n_x,)."""
         acc: np.ndarray = np.concatenate([motion, np.zeros(system.n - n_q)]).astype(system.dtype)
         terms = joint_terms(system, q, acc)
         by_q, by_x = np.real(system.matrix(terms.I_q)), np.real(terms.I_x)

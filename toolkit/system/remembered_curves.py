@@ -15,7 +15,10 @@ Known = dict[tuple[str, bytes], np.ndarray]
 
 
 def remembered(known: Known, times: np.ndarray, evaluate: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """What is known at these times, or else is evaluated and known from now on; a copy, which may be written to."""
+    """Values that are known at these times, or else are evaluated and known from now on.
+
+    It is a copy, which may be written to.
+    """
     key = times.dtype.str, times.tobytes()
     found = known.get(key)
     if found is None:

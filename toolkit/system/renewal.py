@@ -25,7 +25,7 @@ from toolkit.system.system import System, compile_scene
 
 
 def renewed(system: System, scene: Scene, paths: list[str]) -> System:
-    """The system of a scene that differs from a compiled one in the numbers at some paths, and in nothing else.
+    """System of a scene that differs from a compiled one in the numbers at some paths, and in nothing else.
 
     Whatever `compile_scene` would make of it gives the same results to round-off: an entry that has become zero stays in the pattern. A
     number that is not zero any more where nothing was before brings a new pattern, and the scene is compiled as if for the first time; so
@@ -85,7 +85,10 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
 
 
 def _stirred(system: System, scene: Scene, affected: Affected) -> Affected:
-    """What may change, without joints that are written as they were and ask the scene for nothing: most only name points and bodies."""
+    """Items that may change, without joints that are written as they were and ask the scene for nothing.
+
+    Most joints only name points and bodies.
+    """
     before = system.scene.joints
     same = {
         ("joints", name)
@@ -96,7 +99,9 @@ def _stirred(system: System, scene: Scene, affected: Affected) -> Affected:
 
 
 def softened(system: System, factors: Mapping[str, float]) -> System:
-    """A system whose bodies, or their parts, have so many times their stiffness; stiffness alone, so that forces and masses are the same.
+    """A system whose bodies, or their parts, have given multiples of their stiffness.
+
+    Only the stiffness changes, so that forces and masses are the same.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a solver returns: states at all times, their design derivatives, and what the run cost."""
+"""Result of a solver: states at all times, their design derivatives, and what the run cost."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Solution:
 
     Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
     `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, `local_error` the
-    largest error that a step is estimated to have made, all relative to the scene's size (or rad); `load_steps` of a static solution.
+    largest error that a step is estimated to have made, all relative to the model size (or rad); `load_steps` of a static solution.
     `options` are those of the run; `own_start` says that it did not begin at the scene's start, and `start_moved`
-    by how much of the scene's size (or rad) a given start was moved to close its joints; `run_times` are all times of the run,
+    by how much of the model size (or rad) a given start was moved to close its joints; `run_times` are all times of the run,
     where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state; `names` are those
     of states that are no times of a run; `halved` are the times at which steps began that Newton could do in halves only. `judge` finds out
     what speaks against the solution, when it is asked for its `verdict`.
@@ -58,7 +58,7 @@ class Solution:
 
     @classmethod
     def from_padded(cls, system: System, times: np.ndarray, states: tuple[np.ndarray, ...], **report) -> Solution:
-        """From arrays q, v, [a; lam], and their derivatives, all padded to n on the second axis."""
+        """Solution from arrays q, v, [a; lam] and their derivatives, all padded to n on the second axis."""
         n_q = system.n_q
         q, v, acc, dq, dv, dacc = states
         return cls(
@@ -75,12 +75,12 @@ class Solution:
 
     @cached_property
     def known(self) -> dict[Any, Any]:
-        """What others have found out about it, each under a key of its own."""
+        """Store of what others have found out about the solution, each under a key of its own."""
         return {}
 
     @property
     def warnings(self) -> tuple[Caution, ...]:
-        """All that whoever reads the solution has to know, doubts first."""
+        """Cautions that whoever reads the solution has to know, doubts first."""
         return self.verdict.warnings
 
     @property
@@ -90,12 +90,12 @@ class Solution:
 
     @property
     def spins(self) -> bool:
-        """Whether it is the steady state of a scene that spins."""
+        """Whether the solution is the steady state of a scene that spins."""
         return not self.steps and (self.options or self.system.scene.solver).equilibrium == "spinning"
 
     @property
     def whole_run(self) -> np.ndarray:
-        """All times of the run, also of those states that the solution does not hold."""
+        """Times of the whole run, also of those states that the solution does not hold."""
         return self.times if self.run_times is None else self.run_times
 
     def derivative(self, state: str) -> np.ndarray:
@@ -112,7 +112,7 @@ class Solution:
         return found
 
     def coordinates(self, body: str) -> slice:
-        """Where the coordinates of a body, of a cut one those of all its parts, are on the second axis of q, v, a."""
+        """Places of a body's coordinates on the second axis of q, v, a; of a cut body those of all its parts."""
         first, written = self.system.numbering.first, self.system.scene.bodies.get(body)
         if isinstance(written, CutBody):
             return slice(first[body], first[body] + written.starts[-1])

@@ -9,10 +9,10 @@ import numpy as np
 
 @dataclass(frozen=True)
 class LimitPoint:
-    """Where the load factor turns back along the path (fold): the equilibrium beyond it is elsewhere, after a snap-through.
+    """Point of the path where the load factor turns back (fold): the equilibrium beyond it is elsewhere, after a snap-through.
 
     load_factor : part of the load that is reached there
-    coordinate : name of the coordinate that moves most there, in parts of the scene's size (or rad)
+    coordinate : name of the coordinate that moves most there, in parts of the model size (or rad)
     place : number of the point in the arrays of the path
     """
 
@@ -22,7 +22,7 @@ class LimitPoint:
 
     @property
     def percent(self) -> str:
-        """The load factor in percent, in digits enough to tell it from 100."""
+        """Load factor in percent, in digits enough to tell it from 100."""
         short = f"{100 * self.load_factor:.6g} %"
         return f"{100 * self.load_factor:.12g} %" if short == "100 %" else short
 

@@ -56,7 +56,7 @@ FEW = 1000
 
 @dataclass(frozen=True)
 class System:
-    """A scene made ready to be solved.
+    """A compiled scene, ready to be solved.
 
     Real systems run compiled; a system whose scene holds a complex number (see `sensitivity.numerical`) runs the same formulas
     as plain Python. `functions` are the formulas of the joints and loads that the scene uses.
@@ -102,7 +102,7 @@ class System:
 
     @cached_property
     def placed(self) -> Any:
-        """The scene, whose points and models are looked up once: for all that looks at solutions again and again."""
+        """Scene whose points and models are looked up once, for all that looks at solutions again and again."""
         return Remembered(self.scene)
 
     def run(self, function: CPUDispatcher, *arguments: Any) -> Any:
@@ -112,7 +112,7 @@ class System:
         return call(function, *map(self._handed.of, arguments))
 
     def prepared(self, function: CPUDispatcher, *arguments: Any) -> Callable[[], Any]:
-        """A kernel with its arguments, looked up once: for whoever writes other numbers into their arrays and calls it again and again."""
+        """Kernel with its arguments, looked up once, for whoever writes other numbers into their arrays and calls it again."""
         if not self.compiled:
             return partial(plain(function), *arguments)
         given = [in_memory(self._handed.of(each)) for each in arguments]
@@ -125,7 +125,10 @@ class System:
 
     @cached_property
     def unit_of_states(self) -> np.ndarray:
-        """One on the diagonal of the states of loads, which have no mass, so that it becomes regular; on the pattern."""
+        """Ones on the diagonal of the states of loads, by entries of the pattern, which make the mass matrix regular.
+
+        States of loads have no mass.
+        """
         rows = np.repeat(np.arange(self.n), np.diff(self.plan.indptr))
         return np.where((rows == self.plan.indices) & np.isin(rows, self.numbering.states), 1.0, 0.0)
 
@@ -183,7 +186,7 @@ class System:
     def _evaluate(
         self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, linearize: bool, design: bool, apart: bool
     ) -> EvaluationMemory:
-        """Compiled, into the memory of this thread."""
+        """Residual and derivatives as `evaluate`, compiled, into the memory of this thread."""
         curves, curves_x, scale, levels, inertia, joints_only = inputs
         inputs = Inputs(
             np.ascontiguousarray(curves, float),
@@ -217,9 +220,18 @@ class System:
 
     @cached_property
     def backward(self) -> GatheredDesign:
-        """The plan of a backward run, and what that gathers for all variables together."""
+        """Plan of a backward run, and what that gathers for all variables together."""
         found = gathered_design(self.plan)
         self._handed.take(found.plan)
+        return found
+
+    @cached_property
+    def driven(self) -> Plan:
+        """The plan with drivers for its joints, where these do work alone; in space all joints, if there are any drivers."""
+        joints, drives = self.plan.joints, self.plan.joints.curve >= 0
+        kept = drives if joints.felt_start is None or not drives.any() else np.ones(len(drives), bool)
+        found: Plan = self.plan._replace(joints=joints._replace(of=joints.of[kept]))
+        self._handed.take(found)
         return found
 
     def refuse_changed_files(self) -> None:
@@ -227,8 +239,11 @@ class System:
         refuse_changed(self.files)
 
     def compiled_as(self, other: System) -> System:
-        """This system with the compiled equations of another one, whose plan has arrays of the same types: to look at these takes longer
-        than a short run. If they are of the same shapes too, it has that one's scratch memory."""
+        """This system with the compiled equations of another one, whose plan has arrays of the same types.
+
+        To look at the types takes longer than a short run. If the arrays are of the same shapes too, it has that one's scratch
+        memory.
+        """
         self.__dict__.update(evaluator=other.evaluator, unit_of_states=other.unit_of_states)
         if (
             self._keeps_memory
@@ -245,7 +260,7 @@ class System:
         return all(mine is its or np.array_equal(mine, its) for mine, its in pairs)
 
     def scratch(self, key: Hashable, make: Callable[[], R]) -> R:
-        """A record of scratch memory, whatever it holds: that of a run which has given it back under the key, or else a new one."""
+        """Record of scratch memory, whatever it holds: one that a run has given back under the key, or else a new one."""
         return self._handed.scratch(key, make) if self._keeps_memory else make()
 
     def give_back(self, key: Hashable, record: Any) -> None:
@@ -273,25 +288,28 @@ class System:
         return scipy.sparse.csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
 
     def diagonal(self, values: np.ndarray) -> np.ndarray:
-        """Its diagonal (n,)."""
+        """Diagonal (n,) of a matrix, by its values on the common pattern."""
         found, (row, column) = np.zeros(self.n, values.dtype), np.divmod(self._places, self.n)
         found[row[row == column]] = values[row == column]
         return found
 
     def dense(self, values: np.ndarray) -> np.ndarray:
-        """The same as an array (n, n)."""
+        """Values on the common pattern as an array (n, n)."""
         found: np.ndarray = np.zeros(self.n * self.n, values.dtype)
         found[self._places] = values
         return found.reshape(self.n, self.n)
 
     @cached_property
     def _places(self) -> np.ndarray:
-        """Where the entries of the common pattern are in an array (n n,)."""
+        """Places of the entries of the common pattern in an array (n n,)."""
         found: np.ndarray = np.repeat(np.arange(self.n), np.diff(self.plan.indptr)) * self.n + self.plan.indices
         return found
 
     def most_moved(self, change: np.ndarray) -> str:
-        """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad); of equal ones the first."""
+        """Name of the coordinate that a change of [q; ...] moves most, in parts of the model size (or rad).
+
+        Of equal ones it is the first.
+        """
         return self.numbering.names[first_largest(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q])))]
 
     def undeformed(self) -> tuple[np.ndarray, np.ndarray]:
@@ -335,7 +353,10 @@ class System:
         return self.curve_values(times), remembered(self._known_changes, times, self._curve_changes)
 
     def curve_values(self, times: np.ndarray) -> np.ndarray:
-        """The first of these alone; those of the last times are remembered, because the parts of an analysis ask for the same ones."""
+        """f, f', f'' of all time curves (n_t, n_curves, 3).
+
+        Those of the last times are remembered, because the parts of an analysis ask for the same ones.
+        """
         return remembered(self.known_curves, times, self._curve_values)
 
     def _curve_values(self, times: np.ndarray) -> np.ndarray:
@@ -353,7 +374,7 @@ class System:
 
     @cached_property
     def known_curves(self) -> Known:
-        """Those of the last times: of all systems that have the same curves."""
+        """Store of curve values at the last times, for all systems that have the same curves."""
         return {}
 
     @cached_property
@@ -366,7 +387,7 @@ class System:
         return self._memory.work if self.compiled else allocate_work(self.plan, self.dtype)
 
     def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
-        """What acts at one time."""
+        """Inputs of the equations at one time."""
         curves, curves_x = self.curves(np.array([time]))
         return Inputs(curves[0], curves_x[0], scale, np.asarray(levels, float), True, False)
 

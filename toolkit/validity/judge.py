@@ -27,6 +27,7 @@ from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffeni
 from toolkit.validity.bodies.spinning.partly_stiffened import partly_stiffened
 from toolkit.validity.bodies.spinning.turns_in_a_step import turns_in_a_step
 from toolkit.validity.bodies.tension.tension_cautions import tension
+from toolkit.validity.bodies.tension.unseen_lines import unseen_lines
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
 from toolkit.validity.curves.idle_curves import idle_curves
 from toolkit.validity.curves.load_curves import unseen_curves
@@ -116,6 +117,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from merging_vibrations(solution)
     yield from parametric_resonance(solution)
     yield from unseen_tension(solution)
+    yield from unseen_lines(solution)
     yield from sheared(solution)
     yield from folded_skins(scene)
     yield from bent_between_nodes(solution)

@@ -19,7 +19,7 @@ from toolkit.foundation.near_ties import first_smallest
 
 
 def along(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """e (d,) from one place to the other, real or with a complex step."""
+    """Unit vector e (d,) from one place to the other, real or with a complex step."""
     side = other - one
     return side / np.sqrt(side @ side)
 

@@ -19,7 +19,7 @@ STEP = 1e-30
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ChordBoundary(Boundary):
-    """First the rows that tie the frame, then, where points are named, the other motions of both ends, and all of the other points."""
+    """Boundary of a chord: rows that tie the frame, then, for named points, other motions of both ends and all of the others."""
 
     chord: Chord
     xi: np.ndarray  # (n,), of the undeformed nodal coordinates
@@ -43,7 +43,7 @@ class ChordBoundary(Boundary):
         return _alone(self.rows[: self.per_point // 3 + 1])
 
     def rates(self, d_interface_rows: Mapping[str, np.ndarray], d_xi: np.ndarray | None = None) -> np.ndarray:
-        """dR (n_r, n); the chord turns with its points."""
+        """Derivative dR (n_r, n) of the rows; the chord turns with its points."""
         rows = {name: row + 1j * STEP * d_interface_rows.get(name, 0.0) for name, row in self.interface_rows.items()}
         xi = self.xi + 1j * STEP * (0.0 if d_xi is None else d_xi)
         return np.imag(_rows(self.chord, rows, xi, self.points)) / STEP
@@ -52,7 +52,7 @@ class ChordBoundary(Boundary):
 def chord_boundary(
     chord: Chord, interface_rows: Mapping[str, np.ndarray], xi: np.ndarray, mass: np.ndarray | None = None
 ) -> ChordBoundary:
-    """The rows of a chord, with those of its points and of all others if there is a mass matrix.
+    """Boundary of a chord, with the rows of its points and of all others if there is a mass matrix.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def refuse_short(chord: Chord, one: np.ndarray, other: np.ndarray) -> None:
 
 
 def per_point(interface_rows: Mapping[str, np.ndarray]) -> int:
-    """Rows of a point, 3 in the plane and 6 in space."""
+    """Number of rows of a point, 3 in the plane and 6 in space."""
     return len(next(iter(interface_rows.values())))
 
 

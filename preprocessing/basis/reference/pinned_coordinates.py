@@ -21,7 +21,7 @@ REGULAR = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class PinnedCoordinates:
-    """u_p = -R_p^-1 R_f u_f for rows R of the chord, where p are as many coordinates as it has rows."""
+    """Coordinates u_p = -R_p^-1 R_f u_f that follow from rows R of the chord, as many as it has."""
 
     rows: np.ndarray  # (m, n)
     pinned: np.ndarray  # (m,) numbers of coordinates
@@ -30,7 +30,7 @@ class PinnedCoordinates:
 
     @cached_property
     def columns(self) -> np.ndarray:
-        """Shapes (n, n - m)."""
+        """Shapes on the nodal coordinates, (n, n - m)."""
         n = self.rows.shape[1]
         free = np.delete(np.arange(n), self.pinned)
         shapes = np.eye(n)[:, free]
@@ -38,7 +38,7 @@ class PinnedCoordinates:
         return shapes
 
     def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
-        """Derivatives (n, n - m, n_x): R dPsi = -dR Psi, in the coordinates that follow."""
+        """Derivatives (n, n - m, n_x) of the shapes: R dPsi = -dR Psi, in the coordinates that follow."""
         found = np.zeros((*self.columns.shape, len(d_pencils)))
         for k, each in enumerate(d_pencils):
             found[self.pinned, :, k] = -np.linalg.solve(self.rows[:, self.pinned], each.rows @ self.columns)
@@ -46,7 +46,7 @@ class PinnedCoordinates:
 
 
 def pinned_coordinates(boundary: ChordBoundary) -> PinnedCoordinates:
-    """The coordinates that follow: those of the nodes nearest to both points, as far as they lie across the chord.
+    """Coordinates that follow the others: those of the nodes nearest to both points, as far as they lie across the chord.
 
     Raises
     ------

@@ -62,7 +62,7 @@ MORE = 4
 
 @dataclass(frozen=True, eq=False)
 class SolidShapes:
-    """Columns of Psi on the independent coordinates, with the system that they solve."""
+    """Shapes Psi of a solid on the independent coordinates, with the system that they solve."""
 
     columns: np.ndarray  # (n^, n_f)
     words: str
@@ -78,11 +78,11 @@ class SolidShapes:
 
     @property
     def left_out(self) -> dict[str, float]:
-        """As `ReducedModel.left_out`."""
+        """Lowest frequency that the shapes leave out, as in `ReducedModel.left_out`."""
         return slowest_left_out(self.beyond.eigenvalues, bool(self.points)) if self.beyond else {}
 
     def rates(self, change: BasisChange) -> np.ndarray:
-        """Derivatives (n^, n_f) by a variable that changes what is on the independent coordinates."""
+        """Derivatives (n^, n_f) by a variable that changes the matrices on the independent coordinates."""
         found = np.zeros_like(self.columns)
         if self.system is None:
             return found
@@ -100,7 +100,10 @@ class SolidShapes:
         return found
 
     def _static_rates(self, columns: np.ndarray, change: BasisChange, inside: int) -> np.ndarray:
-        """du of K du + B^T dp = -dK u - dB^T p, B du = -dB u, where the coordinates beyond `inside` stay what they are."""
+        """Derivatives of static shapes: du of K du + B^T dp = -dK u - dB^T p, B du = -dB u.
+
+        The coordinates beyond `inside` stay what they are.
+        """
         assert self.system is not None
         loads = self.system.loads_of(-(self.stiffness @ columns)[:inside], change.inside(inside))
         below = 0.0 if change.rows is None else -(change.rows @ columns)
@@ -116,7 +119,7 @@ def solid_shapes(
     free: Freedom,
     ties: Mapping[str, Tie],
 ) -> SolidShapes:
-    """The shapes that were chosen.
+    """Shapes of a solid that the basis choice asks for.
 
     Parameters
     ----------
@@ -201,12 +204,12 @@ def _with_interface(
 
 
 def _first_of(matrix: Any, n: int) -> Any:
-    """The block of the first n coordinates; the sparse matrix itself if these are all."""
+    """Block of a sparse matrix for the first n coordinates; the matrix itself if these are all."""
     return matrix if n == matrix.shape[0] else matrix[:n, :n].tocsr()
 
 
 def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: System) -> tuple[NormalModes, NormalModes]:
-    """The modes to keep, and those beyond them that were found; one at least, to tell a cut cluster."""
+    """Modes to keep, and those beyond them that were found; at least one, to detect a cut cluster."""
 
     def by_static_error(found: NormalModes) -> int | None:
         return count_by_static_error(found, rows, system, choice.static_error or 0.0)

@@ -10,7 +10,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class BasisChange:
-    """Derivatives by one variable; what is None does not depend on it."""
+    """Derivatives by one variable of what a solid's basis is made of; None is what does not depend on it."""
 
     stiffness: Any  # dK, sparse (n, n)
     mass: Any = None  # dM, sparse (n, n)
@@ -19,7 +19,7 @@ class BasisChange:
     turn: np.ndarray | None = None  # rate of what a chord leaves of the points' motions, see `chord_turn`
 
     def inside(self, n: int) -> BasisChange:
-        """The same of the first n coordinates."""
+        """Derivatives on the first n coordinates."""
         if n == self.stiffness.shape[0]:
             return self
         return BasisChange(

@@ -52,11 +52,11 @@ class SuperLUFactors:
 
     @property
     def writers(self) -> dict[str, str]:
-        """The solver and its version."""
+        """Name of the solver and its version."""
         return {"SuperLU": f"scipy {scipy.__version__}"}
 
     def solve(self, above: np.ndarray) -> np.ndarray:
-        """u (n, k) under loads (n, k)."""
+        """Displacements u (n, k) under loads (n, k)."""
         if self.order is None:
             return self.factors.solve(above)
         found = np.empty_like(above)
@@ -65,7 +65,7 @@ class SuperLUFactors:
 
 
 def superlu_factors(stiffness: Any, places: np.ndarray | None) -> SuperLUFactors:
-    """Factors; in space, where the nodes are given, in an order that leaves fewer entries."""
+    """Factors by SuperLU; in space, where the nodes are given, in an order that leaves fewer entries."""
     symmetric = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     if places is None or places.shape[1] < 3:
         return SuperLUFactors(splu(sparse.csc_array(stiffness), permc_spec="MMD_AT_PLUS_A", **symmetric), None)
@@ -93,11 +93,11 @@ class PardisoFactors:
 
     @property
     def writers(self) -> dict[str, str]:
-        """The solver and its version."""
+        """Name of the solver and its version."""
         return {"MKL Pardiso": f"pypardiso {version('pypardiso')}{_mkl()}"}
 
     def solve(self, above: np.ndarray) -> np.ndarray:
-        """u (n, k) under loads (n, k)."""
+        """Displacements u (n, k) under loads (n, k)."""
         if not above.shape[1]:
             return np.zeros_like(above)
         found: np.ndarray = self._solver.solve(self._upper, np.asfortranarray(above))
@@ -105,7 +105,7 @@ class PardisoFactors:
 
 
 def pardiso_factors(stiffness: Any) -> PardisoFactors | None:
-    """Factors; None where Pardiso is not installed, or refuses the matrix."""
+    """Factors by Pardiso; None where it is not installed, or refuses the matrix."""
     try:
         from pypardiso import PyPardisoSolver
         from pypardiso.pardiso_wrapper import PyPardisoError
@@ -131,14 +131,14 @@ LARGE = 10_000
 
 
 class Factors(Protocol):
-    """What solves with a matrix that was factored."""
+    """Factors of a matrix, with which it can be solved."""
 
     @property
     def writers(self) -> dict[str, str]:
-        """The solver and its version, for the reduced model."""
+        """Name of the solver and its version, for the reduced model."""
 
     def solve(self, above: np.ndarray) -> np.ndarray:
-        """u (n, k) under loads (n, k)."""
+        """Displacements u (n, k) under loads (n, k)."""
 
 
 def factored(stiffness: Any, places: np.ndarray | None) -> Factors:

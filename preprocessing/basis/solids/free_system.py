@@ -15,7 +15,10 @@ from preprocessing.basis.solids.held_system import HeldSystem, held_system
 
 @dataclass(frozen=True, eq=False)
 class FreeSystem:
-    """P K^+ P^T with P = I - T T^T M: displacements without rigid motion under f - M T T^T f, for rigid motions T with T^T M T = I."""
+    """Static solver P K^+ P^T of a free body: displacements without rigid motion under f - M T T^T f.
+
+    P = I - T T^T M, for rigid motions T with T^T M T = I.
+    """
 
     stiffness: Any  # (n, n) sparse
     mass: Any  # M (n, n) sparse
@@ -28,7 +31,7 @@ class FreeSystem:
 
     @property
     def writers(self) -> dict[str, str]:
-        """The solver and its version."""
+        """Name of the solver and its version."""
         return self.held.writers
 
     def solve(self, above: np.ndarray, _: np.ndarray | float = 0.0) -> np.ndarray:
@@ -36,7 +39,7 @@ class FreeSystem:
         return self._balanced(self.held.solve, above)
 
     def nearly(self, above: np.ndarray) -> np.ndarray:
-        """The same without iterative refinement."""
+        """Displacements (n, k) under loads (n, k), without iterative refinement."""
         return self._balanced(self.held.nearly, above)
 
     def _balanced(self, solve: Callable[[np.ndarray], np.ndarray], above: np.ndarray) -> np.ndarray:
@@ -46,14 +49,14 @@ class FreeSystem:
         return u - self.rigid @ (self.inertia.T @ u)
 
     def following(self, shapes: np.ndarray, change: BasisChange) -> np.ndarray:
-        """u (n, k) with T^T M u = -d(T^T M) shapes, so that shapes (n, k) without rigid motion stay such."""
+        """Rigid motions u (n, k) with T^T M u = -d(T^T M) shapes, so that shapes (n, k) stay without rigid motion."""
         if change.mass is None or change.motions is None:
             return np.zeros_like(shapes)
         moved = np.linalg.solve(self.triangle, change.motions.T @ (self.mass @ shapes))
         return -self.rigid @ (moved + self.rigid.T @ (change.mass @ shapes))
 
     def loads_of(self, forces: np.ndarray, _: BasisChange) -> np.ndarray:
-        """Nothing carries a free body: zeros (n, k)."""
+        """Zeros (n, k): no forces hold a free body."""
         return np.zeros_like(forces)
 
 
@@ -75,7 +78,10 @@ def free_system(stiffness: Any, mass: Any, motions: np.ndarray, places: np.ndarr
 
 
 def _support(motions: np.ndarray) -> list[int]:
-    """As many coordinates as rigid motions, none of which leaves all of them at rest: each time the one that moves most in what is left."""
+    """Numbers of as many coordinates as rigid motions, so that none leaves all of them at rest.
+
+    Each is the coordinate that moves most in what the ones before have left.
+    """
     left, chosen = motions.copy(), []
     for _ in range(motions.shape[1]):
         place = int(np.argmax((left**2).sum(axis=1)))

@@ -28,20 +28,20 @@ class HeldSystem:
 
     @property
     def writers(self) -> dict[str, str]:
-        """The solver and its version."""
+        """Name of the solver and its version."""
         return self.factors.writers
 
     def solve(self, above: np.ndarray, below: np.ndarray | float = 0.0) -> np.ndarray:
-        """u (n, k) of K u + B^T p = above (n, k), B u = below (m, k)."""
+        """Displacements u (n, k) of K u + B^T p = above (n, k), B u = below (m, k)."""
         u = self.factors.solve(above)
         return self._on_rows(u + self.factors.solve(above - self.stiffness @ u), below)
 
     def nearly(self, above: np.ndarray) -> np.ndarray:
-        """The same for B u = 0 without the step of iterative refinement: of what is not kept, at half the price."""
+        """Displacements for B u = 0 without iterative refinement: of what is not kept, at half the price."""
         return self._on_rows(self.factors.solve(above), 0.0)
 
     def _on_rows(self, u: np.ndarray, below: np.ndarray | float) -> np.ndarray:
-        """The displacements (n, k) moved by forces on the rows until B u is what it should be."""
+        """Displacements (n, k) moved by forces on the rows until B u is what it should be."""
         if self.complement is None:
             return u
         for _ in range(2):  # the second time takes out the round-off that the first one leaves on the rows
@@ -49,17 +49,17 @@ class HeldSystem:
         return u
 
     def reactions(self, forces: np.ndarray) -> np.ndarray:
-        """p (m, k) of B^T p = forces (n, k), which are such."""
+        """Reactions p (m, k) of B^T p = forces (n, k), which are such."""
         return np.linalg.solve((self.rows @ self.rows.T).toarray(), self.rows @ forces)
 
     def following(self, shapes: np.ndarray, change: BasisChange) -> np.ndarray:
-        """u (n, k) with B u = -dB shapes, so that shapes (n, k) with B shapes = 0 go on meeting that."""
+        """Displacements u (n, k) with B u = -dB shapes, so that shapes (n, k) with B shapes = 0 go on meeting that."""
         if self.complement is None or change.rows is None:
             return np.zeros_like(shapes)
         return self.solve(np.zeros_like(shapes), -(change.rows @ shapes))
 
     def loads_of(self, forces: np.ndarray, change: BasisChange) -> np.ndarray:
-        """dB^T p (n, k) for the reactions p that carry forces = B^T p."""
+        """Forces dB^T p (n, k) for the reactions p that carry forces = B^T p."""
         if self.complement is None or change.rows is None:
             return np.zeros_like(forces)
         return change.rows.T @ self.reactions(forces)

@@ -18,39 +18,39 @@ from toolkit.foundation.mode_shapes import told_apart
 SMALL = 300
 """Coordinates up to which all modes are computed with dense matrices."""
 CONVERGED, PATIENCE = 1e-11, 500
-"""Of the conjugate gradients for derivatives: relative residual, and steps; the round-off of the factors is smaller by some 1e-3."""
+"""Relative residual and steps of the conjugate gradients for derivatives; the factors' round-off is smaller by some 1e-3."""
 
 
 class System(Protocol):
-    """A stiffness that is factored, under conditions."""
+    """Factored stiffness of a body under conditions that hold it."""
 
     @property
     def stiffness(self) -> Any:
-        """K (n, n), sparse."""
+        """Stiffness K (n, n), sparse."""
 
     @property
     def rows(self) -> Any:
-        """B (m, n) of B u = 0, sparse."""
+        """Condition rows B (m, n) of B u = 0, sparse."""
 
     @property
     def writers(self) -> dict[str, str]:
-        """The solver that factored it, and its version."""
+        """Name of the solver that factored the stiffness, and its version."""
 
     def solve(self, above: np.ndarray, below: np.ndarray | float = 0.0) -> np.ndarray:
-        """u (n, k) under loads (n, k)."""
+        """Displacements u (n, k) under loads (n, k)."""
 
     def nearly(self, above: np.ndarray) -> np.ndarray:
-        """The same for B u = 0 without the last digits: what iterations need that find these themselves."""
+        """Displacements for B u = 0 without the last digits, for iterations that find these themselves."""
 
     def following(self, shapes: np.ndarray, change: BasisChange) -> np.ndarray:
         """Displacements (n, k) that keep shapes (n, k) in what holds the body."""
 
     def loads_of(self, forces: np.ndarray, change: BasisChange) -> np.ndarray:
-        """Rates (n, k) of the forces that hold the body, where their size stays what it is."""
+        """Rates (n, k) of the forces that hold the body, at constant size of these forces."""
 
 
 def lowest_modes(system: System, mass: Any, enough: Callable[[NormalModes], bool], first: int) -> NormalModes:
-    """The lowest modes of K phi = lambda M phi - B^T eta, B phi = 0, as many as are `enough`; more may be found.
+    """Lowest modes of K phi = lambda M phi - B^T eta, B phi = 0, as many as are `enough`; more may be found.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def lowest_modes(system: System, mass: Any, enough: Callable[[NormalModes], bool
 
 
 def _no_modes(system: System, mass: Any) -> NormalModes:
-    """Of a body all of whose coordinates are held."""
+    """Empty set of modes, of a body all of whose coordinates are held."""
     none = np.zeros((mass.shape[0], 0))
     pencil = ConstrainedPencil(system.stiffness, mass, system.rows)
     return NormalModes(pencil, np.zeros(0), none, np.zeros((system.rows.shape[0], 0)), np.zeros(0), none)
@@ -96,7 +96,7 @@ def _lanczos(system: System, mass: Any, count: int) -> NormalModes:
 
 
 def _modes(system: System, mass: Any, values: np.ndarray, shapes: np.ndarray) -> NormalModes:
-    """Modes in order."""
+    """Normal modes from eigenvalues and shapes, in order."""
     pencil = ConstrainedPencil(system.stiffness, mass, system.rows)
     columns = told_apart(values, shapes, np.sqrt(mass.diagonal()))
     return NormalModes(pencil, values, shapes, np.zeros((system.rows.shape[0], len(values))), np.zeros(0), columns)
@@ -176,5 +176,5 @@ def _conjugate_gradients(matrix: Callable, nearly_inverse: Callable, force: np.n
 
 
 def _products(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Of the columns, (k,)."""
+    """Scalar products of the columns of two arrays, (k,)."""
     return np.einsum("nk,nk->k", one, other)

@@ -28,7 +28,7 @@ THIN = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Tie:
-    """One interface point; m = 3 motions in the plane, 6 in space."""
+    """Interface point tied to nodes; m = 3 motions in the plane, 6 in space."""
 
     nodes: np.ndarray  # numbers of the nodes that carry it
     point: np.ndarray  # (d,) its undeformed place
@@ -36,7 +36,10 @@ class Tie:
     rigid: bool
 
     def motion(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (d, 1 + n_f), and T_P (1 + n_f,) or (3, 1 + n_f), for Z = [xi, Psi]; the first column is the undeformed place."""
+        """Shape functions Z_P (d, 1 + n_f), and T_P (1 + n_f,) or (3, 1 + n_f), for Z = [xi, Psi].
+
+        The first column is the undeformed place.
+        """
         moved, d = self.rows @ z, len(self.point)
         moved[:, 0] = [*self.point, *np.zeros(len(moved) - d)]
         return moved[:d], moved[2] if d == 2 else moved[d:]
@@ -44,7 +47,7 @@ class Tie:
 
 @dataclass(frozen=True, eq=False)
 class Freedom:
-    """Independent coordinates: nodal coordinates are T u^, first those of free nodes, then the motions of each rigid tie."""
+    """Independent coordinates u^ of nodal ones T u^: first those of free nodes, then the motions of each rigid tie."""
 
     map: Any  # T, sparse (n, n_free + m n_rigid)
     rigid: tuple[str, ...]  # names of the rigid ties that can move, in the order of their coordinates
@@ -76,13 +79,13 @@ class Freedom:
         return np.vstack([motions[self.free], *(ties[name].rows @ motions for name in self.rigid)])
 
     def places(self, nodes: np.ndarray, ties: Mapping[str, Tie]) -> np.ndarray:
-        """Where each independent coordinate is, (n^, d)."""
+        """Positions of all independent coordinates, (n^, d)."""
         each = np.repeat(nodes, nodes.shape[1], axis=0)[self.free]
         return np.vstack([each, *(np.tile(ties[name].point, (self.motions, 1)) for name in self.rigid)])
 
 
 def tie(mesh: SolidMesh, nodes: np.ndarray, spread: Any, at: list[float] | None, rigid: bool) -> Tie:
-    """A point carried by nodes; those of the mesh are real, or complex for a complex step.
+    """Interface point carried by nodes; those of the mesh are real, or complex for a complex step.
 
     Parameters
     ----------
@@ -105,7 +108,7 @@ def tie(mesh: SolidMesh, nodes: np.ndarray, spread: Any, at: list[float] | None,
 
 
 def _at_one_node(mesh: SolidMesh, node: int, at: list[float] | None, rigid: bool) -> Tie:
-    """The displacement of the node, and the rotation of those around it."""
+    """Rows of a point at one node: the node's displacement, and the rotation of the nodes around it."""
     place = mesh.nodes[node]
     if rigid or (at is not None and not np.allclose(at, place, rtol=0, atol=NARROW * mesh.size)):
         raise InputError(
@@ -159,7 +162,7 @@ def _placed(mesh: SolidMesh, nodes: np.ndarray, values: np.ndarray) -> Any:
 
 
 def freedom(mesh: SolidMesh, clamped: np.ndarray, ties: Mapping[str, Tie]) -> Freedom:
-    """What clamp and rigid ties leave free; a rigid tie whose nodes are all clamped stands still.
+    """Independent coordinates that clamp and rigid ties leave; a rigid tie whose nodes are all clamped stands still.
 
     Raises
     ------

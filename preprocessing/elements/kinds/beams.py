@@ -47,7 +47,7 @@ class BeamPatch:
 
     @property
     def polynomials(self) -> SectionShape:
-        """Of its section; numbers where shear deforms it."""
+        """Polynomials of the section of an element; numbers where shear deforms it."""
         return self.shape.fixed(self.sheared.dimensions) if self.sheared else self.shape
 
     @property
@@ -58,7 +58,7 @@ class BeamPatch:
 
 
 class Beam(LineElement):
-    """What beams of the plane and of space share; a kind states its sections and makes its `BeamElements`."""
+    """Base of beams in the plane and in space; a kind states its sections and makes its `BeamElements`."""
 
     ends_first: ClassVar[bool]
     """Order of the stress points of an element: both ends of a fibre follow each other, or all fibres of an end."""
@@ -66,25 +66,25 @@ class Beam(LineElement):
     @property
     @abstractmethod
     def sections(self) -> Sequence[BeamPatch]:
-        """Every section, and the elements of it."""
+        """Sections of the beams, each with its elements."""
 
     @abstractmethod
     def elements(self, numbers: np.ndarray) -> BeamElements:
-        """Some of the elements."""
+        """Beam elements with the given numbers."""
 
     @property
     def planes(self) -> int:
-        """In which the beams bend: one, or two in space."""
+        """Number of planes in which the beams bend: one, or two in space."""
         return self.space.dimension - 1
 
     @cached_property
     def beams(self) -> BeamElements:
-        """The elements that contribute."""
+        """Elements that contribute."""
         return self.elements(self.contributing)
 
     @cached_property
     def phi(self) -> np.ndarray | None:
-        """Phi of deflections in every plane of every element, (n_e, planes); None without shear."""
+        """Shear parameters Phi of deflections in every plane of every element, (n_e, planes); None without shear."""
         if not any(each.sheared for each in self.sections):
             return None
         lengths = length(self.ends)
@@ -106,7 +106,7 @@ class Beam(LineElement):
 
     @property
     def stress_points(self) -> StressPoints:
-        """Element by element, both ends of every fibre."""
+        """Stress points element by element, at both ends of every fibre."""
         found = np.zeros((3, int(self.first_rows[-1])), int)
         for each in self.sections:
             for number, fibre in enumerate(each.shape.fibres):
@@ -115,7 +115,7 @@ class Beam(LineElement):
         return StressPoints(*found)
 
     def _rows(self, each: BeamPatch, elements: np.ndarray, number: int) -> np.ndarray:
-        """Numbers of the stress rows at both ends of one of the fibres of some elements, (n, 2)."""
+        """Numbers of the stress rows at both ends of one fibre of some elements, (n, 2)."""
         own = [number, len(each.shape.fibres) + number] if self.ends_first else [2 * number, 2 * number + 1]
         rows: np.ndarray = self.first_rows[elements, None] + own
         return rows
@@ -152,7 +152,7 @@ class Beam(LineElement):
             yield squared(each.patch, terms, self.placed_rows(elements, np.sqrt(each_factor) * rows[here]))
 
     def _stress(self, each: BeamPatch, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
-        """The strain at all fibres, and the curvatures at both ends of each."""
+        """Contributions to the stress: strain at all fibres, and the curvatures at both ends of each."""
         fibres, factor, count = each.polynomials.fibres, each.modulus_factor, int(self.first_rows[-1])
         every = self.first_rows[elements, None] + np.arange(2 * len(fibres))
         strain = factor * np.repeat(self.beams.strain[here][:, None, :], 2 * len(fibres), axis=1)
@@ -181,7 +181,10 @@ class Beam(LineElement):
                     yield from section_terms("fibre_distance", patch, rows, distance, 1.0, column)
 
     def tensions(self) -> Iterator[Tension]:
-        """The normal force on the slopes of the centre line; in space also its stress on how fibres turn when the section twists."""
+        """Stiffening by the normal force, on the slopes of the centre line; in space also on fibres that turn in torsion.
+
+        Of those it is the stress of the normal force that acts on how they turn when the section twists.
+        """
         slopes, strain = np.concatenate(self.beams.turning, axis=1), self.beams.strain
         for each in self.sections:
             (elements, here), shape = self.of_patch(each.patch), each.polynomials
@@ -199,7 +202,7 @@ class Beam(LineElement):
 
 @dataclass(frozen=True, eq=False)
 class SpatialBeam(Beam):
-    """Displacements along and rotations about x, y and z at both ends."""
+    """Spatial beams with displacements along and rotations about x, y and z at both ends."""
 
     orientation: np.ndarray  # (n_e, 3), the e_3 of each section before it is made normal to its element
     patches: Sequence[BeamPatch]
@@ -208,7 +211,7 @@ class SpatialBeam(Beam):
 
     @property
     def hidden(self) -> int:
-        """One coordinate for the offset of points from the centre line."""
+        """Number of hidden coordinates: one for the offset of points from the centre line."""
         return 1
 
     @property
@@ -231,7 +234,10 @@ class SpatialBeam(Beam):
 
 @dataclass(frozen=True, eq=False)
 class PlanarBeam(Beam):
-    """Displacements x, y and the rotation at both ends, of rectangles: thickness in the plane, width across it."""
+    """Planar beams with displacements x, y and the rotation at both ends.
+
+    Their sections are rectangles: thickness in the plane, width across it.
+    """
 
     patches: Sequence[Patch]
     modulus_factor: Any = 1.0  # 1, or 1 / (1 - nu^2) in plane strain; may carry a complex step
@@ -242,7 +248,7 @@ class PlanarBeam(Beam):
 
     @property
     def hidden(self) -> int:
-        """One coordinate for the offset of points from the centre line, where the section has rotary inertia."""
+        """Number of hidden coordinates: one for the offset of points from the centre line, where there is rotary inertia."""
         return int(self.rotary_inertia)
 
     @cached_property

@@ -42,7 +42,7 @@ ALL = np.zeros(0, int)
 
 @dataclass(frozen=True, eq=False)
 class Solid(Element):
-    """Displacements along the axes at every node, the same functions for each."""
+    """Elastic solid with displacements along the axes at every node, and the same shape functions for each."""
 
     nodes: np.ndarray  # (n_nodes, d)
     scalar_mass: Any  # of one component of the displacement, sparse (n_nodes, n_nodes)
@@ -103,7 +103,7 @@ def element_solid(
     stressed: StressedSolid | None = None,
     constant_mass: Mapping[Pair, Any] | None = None,
 ) -> Solid:
-    """Of elements, or what a parameter changes of them.
+    """Solid from its elements, or from what a parameter changes of them.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def finished_solid(
     made_with: Mapping[str, float],
     constant_mass: Mapping[Pair, Any] | None = None,
 ) -> Solid:
-    """Of finished matrices, which are proportional to the material that they were made with, or else to a scale.
+    """Solid from finished matrices, which are proportional to their own material's constants, or else to a scale.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ from preprocessing.elements.solids.node_pairs import node_pairs
 
 @dataclass(frozen=True, eq=False)
 class SolidMatrices:
-    """The matrices for unit parameters."""
+    """Mass and stiffness matrices of a solid for unit parameters."""
 
     scalar_mass: Any  # s, sparse (n_nodes, n_nodes)
     first: Any  # K_lambda, sparse (n, n)
@@ -63,7 +63,10 @@ def in_block(scalar: Any, a: int, b: int, dimension: int) -> Any:
 
 
 def _element_matrices(functions: Any, motion: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """s_pq at [e, p, q] and g^ab_pq at [e, p, q, a, b] of some elements, or their rates as their nodes move (n_e, n_local, d)."""
+    """Matrices s_pq at [e, p, q] and g^ab_pq at [e, p, q, a, b] of some elements, or their rates.
+
+    The rates are those as their nodes move (n_e, n_local, d).
+    """
     values = np.stack([np.asarray(each[0])[0] for each in functions.basis])  # (n_local, n_points), the same in all elements
     gradients = np.stack([each[0].grad for each in functions.basis], axis=-1).transpose(1, 2, 3, 0)  # [e, point, p, a]
     weights, half = functions.dx, gradients / 2

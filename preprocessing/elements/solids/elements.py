@@ -57,7 +57,7 @@ DEGENERATE = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class ElementBlock:
-    """All elements of one kind."""
+    """All elements of one kind in a mesh."""
 
     kind: str
     connectivity: np.ndarray  # (n_e, n_local) in the order of scikit-fem's shape functions
@@ -69,7 +69,7 @@ class ElementBlock:
         return skfem.CellBasis(self.geometry, self.shapes, quadrature=points_of(self.kind))
 
     def functions_in_parts(self) -> Iterator[tuple[np.ndarray, Any]]:
-        """The same for some elements after others, with their numbers, so that the gradients of all are not in memory at once."""
+        """Shape functions and numbers of some elements after others, so that not all gradients are in memory at once."""
         points = points_of(self.kind)
         at_once = max(1, IN_MEMORY // (points[0].size * self.shapes.doflocs.shape[0]))
         for start in range(0, len(self.connectivity), at_once):
@@ -88,7 +88,7 @@ class ElementBlock:
 
 
 def element_blocks(mesh: SolidMesh) -> list[ElementBlock]:
-    """The elements, kind by kind.
+    """Elements of a mesh, kind by kind.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def _refuse_degenerate(block: ElementBlock, nodes: np.ndarray) -> None:
 
 
 def _determinant(gradient: np.ndarray) -> np.ndarray:
-    """Of (d, d, n_e, n_points)."""
+    """Determinants of matrices (d, d, n_e, n_points)."""
     return np.linalg.det(np.moveaxis(gradient, (0, 1), (-2, -1)))
 
 

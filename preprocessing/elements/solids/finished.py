@@ -17,7 +17,7 @@ RESISTED = 1e-6
 
 
 def refuse_swapped(mesh: SolidMesh, mass: Any, stiffness: Any) -> None:
-    """Refuse a mass matrix that lets the body move without inertia, while the stiffness matrix resists: each is the other.
+    """Refuse swapped matrices: a mass matrix without inertia of translations, while the stiffness matrix resists them.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def refuse_swapped(mesh: SolidMesh, mass: Any, stiffness: Any) -> None:
 
 
 def scalar_mass(mass: Any, d: int) -> Any:
-    """The mass matrix (n_nodes, n_nodes) of one component of d, which is that of all.
+    """Mass matrix (n_nodes, n_nodes) of one of d components, which is the same for all.
 
     Raises
     ------

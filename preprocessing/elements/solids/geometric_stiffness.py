@@ -19,7 +19,7 @@ from preprocessing.elements.solids.elements import ElementBlock
 
 @dataclass(frozen=True, eq=False)
 class StressedSolid:
-    """The elements of a solid, and Lame's constants for unit modulus; complex where a parameter made a complex step."""
+    """Elements of a solid, and Lame's constants for unit modulus; complex where a parameter made a complex step."""
 
     blocks: Sequence[ElementBlock]
     lame: tuple[Any, Any]  # lambda / E and mu / E
@@ -28,7 +28,7 @@ class StressedSolid:
     )
 
     def stiffness(self, displacement: np.ndarray) -> Any:
-        """K_g for unit modulus and width, sparse (n, n), of a displacement (n,), real or complex."""
+        """Geometric stiffness K_g for unit modulus and width, sparse (n, n), of a displacement (n,), real or complex."""
         entries = [np.concatenate(each) for each in zip(*self._entries(displacement), strict=True)]
         d = self.blocks[0].geometry.p.shape[0]
         n = len(displacement) // d
@@ -56,7 +56,7 @@ class StressedSolid:
         return gradients - 1j * np.einsum("exca,excp->exap", slope, gradients), functions.dx * (1 + 1j * divergence)
 
     def _stress(self, gradients: np.ndarray, moved: np.ndarray) -> np.ndarray:
-        """(n_e, n_points, d, d) of displacements (n_e, n_local, d)."""
+        """Stress (n_e, n_points, d, d) of displacements (n_e, n_local, d)."""
         slope = np.einsum("exap,epc->exca", gradients, moved)
         strain = (slope + slope.swapaxes(2, 3)) / 2
         pressure = self.lame[0] * np.trace(strain, axis1=2, axis2=3)

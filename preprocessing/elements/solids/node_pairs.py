@@ -14,7 +14,7 @@ from preprocessing.elements.solids.elements import ElementBlock
 
 @dataclass(frozen=True, eq=False)
 class NodePairs:
-    """The pairs in the order of a sparse matrix by rows."""
+    """Pairs of nodes in common elements, in the order of a sparse matrix by rows."""
 
     n_nodes: int
     starts: np.ndarray  # (n_nodes + 1,) of the rows
@@ -22,7 +22,7 @@ class NodePairs:
     places: tuple[np.ndarray, ...]  # of each block, (n_e, n_local, n_local) numbers of the pairs of its elements
 
     def sums(self, places: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """What elements add to the pairs, (n_pairs, ...); values (n_e, n_local, n_local, ...) belong to the places."""
+        """Sums (n_pairs, ...) of element values over the pairs; values (n_e, n_local, n_local, ...) belong to the places."""
         flat = values.reshape(places.size, -1)
         every = [np.bincount(places.ravel(), column, len(self.columns)) for column in flat.T]
         return np.stack(every, axis=-1).reshape(len(self.columns), *values.shape[3:])
@@ -36,7 +36,7 @@ class NodePairs:
 
 
 def node_pairs(blocks: Sequence[ElementBlock], n_nodes: int) -> NodePairs:
-    """The pairs of all elements."""
+    """Pairs of nodes of all elements."""
     keys = [n_nodes * block.connectivity[:, :, None] + block.connectivity[:, None, :] for block in blocks]
     found, number = np.unique(np.concatenate([key.ravel() for key in keys]), return_inverse=True)
     starts = np.searchsorted(found, n_nodes * np.arange(n_nodes + 1))

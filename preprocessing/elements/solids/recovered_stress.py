@@ -37,14 +37,14 @@ STRAIGHT = {
 }  # fmt: skip
 """Shape functions of the corners."""
 ROUNDS = 3
-"""How often a patch may grow."""
+"""Number of times that a patch may grow."""
 UNTOLD = 1e-6
 """Part of the largest eigenvalue of a patch's normal matrix below which its points leave a term open."""
 
 
 @dataclass(frozen=True, eq=False)
 class RecoveredStress:
-    """The polynomials round the corners."""
+    """Smooth stress field of polynomials around the corners."""
 
     nodes: np.ndarray  # (n_nodes, d)
     order: int
@@ -63,7 +63,7 @@ class RecoveredStress:
 
 
 def recovered(blocks: Sequence[ElementBlock], nodes: np.ndarray, samples: Sequence[np.ndarray]) -> RecoveredStress:
-    """The smooth field.
+    """Smooth stress field, recovered from samples in the elements.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def recovered(blocks: Sequence[ElementBlock], nodes: np.ndarray, samples: Sequen
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """Least squares of the polynomials of all patches."""
+    """Least-squares fit of the polynomials of all patches."""
 
     radius: np.ndarray  # (n_nodes,)
     used: np.ndarray  # numbers of the corners
@@ -104,7 +104,7 @@ class _Fit:
         return found
 
     def coefficients(self, values: np.ndarray) -> np.ndarray:
-        """Of values (n_samples, k) at the points, (n_nodes, n_terms, k); zero where there is no corner."""
+        """Coefficients (n_nodes, n_terms, k) from values (n_samples, k) at the points; zero where there is no corner."""
         right = (self.rows @ values).reshape(len(self.radius), self.normal.shape[1], -1)
         found = np.zeros_like(right)
         found[self.used] = np.linalg.pinv(self.normal, rcond=UNTOLD, hermitian=True) @ right[self.used]
@@ -112,7 +112,7 @@ class _Fit:
 
 
 def _fit(nodes: np.ndarray, places: np.ndarray, patches: Any, order: int) -> _Fit:
-    """The fit of patches (n_nodes, n_samples) of samples at places (n_samples, d)."""
+    """Fit of patches (n_nodes, n_samples) of samples at places (n_samples, d)."""
     patches = patches.tocoo()
     centre, sample = patches.row, patches.col
     arms = places[sample] - nodes[centre]
@@ -131,7 +131,7 @@ def _fit(nodes: np.ndarray, places: np.ndarray, patches: Any, order: int) -> _Fi
 
 
 def _rows(chosen: np.ndarray) -> Any:
-    """Keeps some rows, and makes others zero."""
+    """Sparse matrix that keeps some rows, and makes others zero."""
     return sparse.diags_array(chosen.astype(float))
 
 
@@ -141,7 +141,7 @@ def _incidence(pairs: np.ndarray, shape: tuple[int, int]) -> Any:
 
 
 def sample_points(block: ElementBlock) -> np.ndarray:
-    """Points (d, n_points) of the reference element."""
+    """Sample points (d, n_points) of the reference element."""
     if block.kind in WEDGES:
         return wedge_points(*WEDGES[block.kind])[0]
     return get_quadrature(block.shapes.refdom, SAMPLED.get(block.kind, 1))[0]
@@ -156,7 +156,7 @@ def monomials(x: np.ndarray, order: int) -> np.ndarray:
 
 
 def _places(blocks: Sequence[ElementBlock]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of all samples their places (n, d); pairs (corner, element); and the element of every sample (n,)."""
+    """Places (n, d) of all samples; pairs (corner, element); and the element of every sample (n,)."""
     places, corners, members, first = [], [], [], 0
     for block in blocks:
         x = np.moveaxis(np.asarray(block.functions_at(sample_points(block)).global_coordinates()), 0, -1)
@@ -178,6 +178,6 @@ def _corners(block: ElementBlock) -> np.ndarray:
 
 
 def _in_order_of(straight: Any, block: ElementBlock, corners: np.ndarray) -> np.ndarray:
-    """The corners in the order of the straight element's functions."""
+    """Corners in the order of the straight element's functions."""
     own, theirs = block.shapes.doflocs[: corners.shape[1]], straight.doflocs
     return corners[:, [int(np.argmin(np.abs(own - place).sum(axis=1))) for place in theirs]]

@@ -28,7 +28,7 @@ COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 MIDDLE_OF_EDGE = (np.array([[0.5]]), np.ones(1))
 
 Rows = tuple[Any, Any]
-"""Those for lambda and for mu, sparse (n_stress, n)."""
+"""Stress rows for lambda and for mu, sparse (n_stress, n)."""
 
 
 def stress_rows(
@@ -69,7 +69,7 @@ def stress_rows(
 
 
 def _centre(block: ElementBlock) -> np.ndarray:
-    """Of the reference element."""
+    """Centre of the reference element."""
     return block.geometry.elem.refdom.p.mean(axis=1)
 
 
@@ -144,7 +144,7 @@ def _normal_rows(gradients: np.ndarray, members: np.ndarray, points: np.ndarray)
 
 
 def _shear_rows(gradients: np.ndarray, members: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, ...]:
-    """The same of 2 a . eps b in all six rows: the derivative along b of the displacement along a, and the other way round."""
+    """Values, rows and columns of 2 a . eps b in all six rows: the derivative along b of displacement along a, and vice versa."""
     axes = np.array(COMPONENTS)
     values = np.moveaxis(gradients[:, :, axes[:, ::-1]], 2, 1)
     row = 6 * points[:, None, None, None] + np.arange(6)[:, None, None]
@@ -156,7 +156,7 @@ def _flat(*each: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def _gradients(functions: Any) -> np.ndarray:
-    """Of all shape functions at one point of each element, (d, n_e, n_local)."""
+    """Gradients of all shape functions at one point of each element, (d, n_e, n_local)."""
     return np.stack([functions.basis[i][0].grad[:, :, 0] for i in range(functions.Nbfun)], axis=2)
 
 

@@ -25,7 +25,7 @@ REST = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Elastic:
-    """The elements of a body, and Lame's constants in any unit."""
+    """Elements of a body, and Lame's constants in any unit."""
 
     blocks: Sequence[ElementBlock]
     nodes: np.ndarray  # (n_nodes, d)
@@ -33,14 +33,14 @@ class Elastic:
     across: float = 0.0  # stress across the plane in parts of the sum of both in it: Poisson's ratio in plane strain
 
     def stress(self, block: ElementBlock, functions: Any, moved: np.ndarray) -> np.ndarray:
-        """Of displacements (n_e, n_local, d, k) of some elements, at [e, point, a, b, k]."""
+        """Stress at [e, point, a, b, k] from displacements (n_e, n_local, d, k) of some elements."""
         gradients = np.stack([each[0].grad for each in functions.basis], axis=-1)  # [a, e, point, p]
         slope = np.einsum("aeqp,epck->eqcak", gradients, moved, optimize=True)
         strain, first, shear = (slope + slope.swapaxes(2, 3)) / 2, *self.lame
         return first * np.einsum("eqaak->eqk", strain)[:, :, None, None] * np.eye(len(gradients))[..., None] + 2 * shear * strain
 
     def energy(self, stress: np.ndarray) -> np.ndarray:
-        """sigma . C sigma of stresses at [e, point, a, b, k], at [e, point, k]."""
+        """Product sigma . C sigma at [e, point, k] of stresses at [e, point, a, b, k]."""
         first, shear = self.lame
         mean = np.einsum("eqaak->eqk", stress)
         return ((stress**2).sum(axis=(2, 3)) - first / (2 * shear + stress.shape[2] * first) * mean**2) / (2 * shear)
@@ -48,14 +48,14 @@ class Elastic:
 
 @dataclass(frozen=True, eq=False)
 class StressErrors:
-    """Of k load cases."""
+    """Estimated stress errors of k load cases."""
 
     relative: np.ndarray  # (k,) nan of one that is a rigid motion
     place: np.ndarray  # (k, d) centre of the element with the largest part of it
 
 
 def stress_errors(body: Elastic, displacements: np.ndarray) -> StressErrors:
-    """The errors of displacements (n, k)."""
+    """Estimated stress errors of displacements (n, k)."""
     k, d = displacements.shape[1], body.nodes.shape[1]
     moved = displacements.reshape(-1, d, k)
     samples = []

@@ -43,7 +43,7 @@ REMEDY = (
 
 @dataclass(frozen=True)
 class UniformMaterial:
-    """One isotropic material, as body.toml describes it."""
+    """Isotropic material of a whole body, as body.toml describes it."""
 
     youngs_modulus: float
     density: float
@@ -53,7 +53,7 @@ class UniformMaterial:
 
 
 class Volume(NamedTuple):
-    """The volume of elements, or their area in the plane."""
+    """Volume of elements, or their area in the plane, with its centre."""
 
     size: float
     centre: np.ndarray  # (d,)
@@ -62,7 +62,7 @@ class Volume(NamedTuple):
 
 
 def volume_of(blocks: Sequence[ElementBlock]) -> Volume:
-    """Of the elements of a mesh."""
+    """Volume of the elements of a mesh, with its centre."""
     size, coarse, moment = 0.0, 0.0, 0.0
     for block in blocks:
         mapping, (points, weights) = block.geometry.mapping(), points_of(block.kind)
@@ -76,7 +76,7 @@ def volume_of(blocks: Sequence[ElementBlock]) -> Volume:
 
 
 def volume_of_mass(mesh: SolidMesh, scalar_mass: Any, material: UniformMaterial) -> Volume:
-    """The volume that the mass has with the density of the material, of a body of which only nodes are known.
+    """Volume that the mass has at the density of the material, of a body of which only nodes are known.
 
     Raises
     ------
@@ -213,7 +213,7 @@ def _pairs(d: int) -> list[tuple[int, int]]:
 
 
 def _forms(d: int) -> tuple[np.ndarray, np.ndarray]:
-    """What lambda and mu are multiplied by in the elasticity of these strains."""
+    """Matrices that lambda and mu multiply in the elasticity of the unit strains."""
     normal = np.array([a == b for a, b in _pairs(d)], float)
     return np.outer(normal, normal), np.diag(1 + normal)
 
@@ -228,7 +228,7 @@ def _modulus_and_ratio(lame: np.ndarray, state: str) -> tuple[float, float]:
 
 
 def _power_of_ten(ratio: float) -> str:
-    """What a ratio of 1000 and the like comes from, in words; empty for others."""
+    """Likely origin of a ratio of 1000 and the like, in words; empty for others."""
     power = log10(ratio) if ratio > 0 else 0.0
     if round(power) and abs(power - round(power)) < UNEQUAL:
         return f", 10^{round(power)}, as of other units (check `units`, and `scale` in [mesh])"

@@ -14,7 +14,7 @@ AT_ONCE = 300_000
 
 
 def volume_of(blocks: Iterable[ElementBlock]) -> float:
-    """Sum of the volumes, in the plane of the areas, of all elements."""
+    """Volume of all elements, in the plane their area."""
     return fsum(_volume(block) for block in blocks)
 
 

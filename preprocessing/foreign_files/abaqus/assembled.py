@@ -14,7 +14,7 @@ from toolkit.foundation.errors import InputError
 
 
 class PlacedElements(NamedTuple):
-    """The elements of one block in one instance."""
+    """Elements of one block in one instance."""
 
     of: Elements
     instance: Numbered
@@ -23,13 +23,13 @@ class PlacedElements(NamedTuple):
 
     @property
     def part(self) -> Part:
-        """The part that the elements stand in."""
+        """Part that the elements belong to."""
         return self.instance.part
 
 
 @dataclass(eq=False)
 class Numbered:
-    """An instance, and where its nodes are among the points."""
+    """Instance with the places of its nodes among the points."""
 
     label: str
     part: Part
@@ -45,7 +45,7 @@ class Numbered:
 
 @dataclass
 class Assembled:
-    """The nodes and elements of all instances."""
+    """Nodes and elements of all instances of a deck."""
 
     deck: Deck
     instances: list[Numbered]  # that of the assembly, or of the deck itself, is the first
@@ -55,7 +55,7 @@ class Assembled:
     remarks: list[str] = field(default_factory=list)
 
     def instance(self, label: str) -> Numbered | None:
-        """The instance of a label."""
+        """Instance with the given label."""
         return next((each for each in self.instances if each.label == label), None)
 
 
@@ -99,7 +99,7 @@ def _instances(deck: Deck) -> list[Instance]:
 
 
 def _placed(numbered: Numbered, remarks: list[str]) -> list[PlacedElements]:
-    """The elements of an instance; of those with one number the last one counts, as in the manual."""
+    """Elements of an instance; of those with one number the last one counts, as in the manual."""
     blocks, found, start = numbered.part.elements, [], 0
     kept = last_of(np.concatenate([np.zeros(0, np.int64), *(each.labels for each in blocks)]))
     if np.any(~kept):
@@ -116,7 +116,7 @@ def _placed(numbered: Numbered, remarks: list[str]) -> list[PlacedElements]:
 
 
 def _on_points(numbered: Numbered, each: Elements, labels: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """The nodes of elements as places among the points."""
+    """Nodes of elements as places among the points."""
     found = numbered.places_of(nodes)
     if found.min() < 0:
         row = int(np.flatnonzero((found < 0).any(axis=1))[0])

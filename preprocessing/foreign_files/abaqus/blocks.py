@@ -24,13 +24,13 @@ COMMENT = re.compile(rb"^[ \t]*\*\*", re.MULTILINE)
 
 @dataclass(frozen=True, eq=False)
 class Text:
-    """The bytes of one file."""
+    """Content of one file as bytes."""
 
     file: Path
     content: Any  # bytes, or the file mapped into memory
 
     def place(self, at: int) -> str:
-        """Where in the file a byte is, in words."""
+        """Position of a byte in the file, in words."""
         return f"{str(self.file)!r}, line {self.line(at)}"
 
     def line(self, at: int) -> int:
@@ -67,7 +67,7 @@ def read_text(path: Path) -> Text:
 
 @dataclass(frozen=True)
 class Piece:
-    """Lines of one file after one another."""
+    """Lines of one file that follow each other."""
 
     text: Text
     start: int
@@ -83,15 +83,15 @@ class Piece:
 
     @property
     def blank(self) -> bool:
-        """Whether there is nothing but blanks and comments."""
+        """Whether the piece holds nothing but blanks and comments."""
         return next(self.rows(), None) is None
 
     def lines(self) -> TextIOWrapper:
-        """The lines as a text file."""
+        """Lines of the piece as a text file."""
         return TextIOWrapper(BufferedReader(_Window(self)), "utf-8", "replace")
 
     def data(self) -> Iterator[str]:
-        """The lines that are no comments."""
+        """Lines of the piece that are no comments."""
         lines = self.lines()
         return (line for line in lines if not line.lstrip().startswith("**")) if self.has_comments else iter(lines)
 
@@ -127,7 +127,7 @@ WITH_FILES = ("INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET")
 
 @dataclass(frozen=True)
 class Block:
-    """A keyword line, and its data lines."""
+    """Keyword line with its data lines."""
 
     keyword: str  # in capitals, without its star; empty of lines ahead of the first keyword
     parameters: dict[str, str]  # name in capitals -> value as it is written; empty where it has none
@@ -142,7 +142,7 @@ class Block:
 
     @property
     def place(self) -> str:
-        """Where the keyword line is, in words."""
+        """Position of the keyword line in words."""
         return self.text.place(self.start)
 
     def lines(self) -> Iterator[tuple[str, str]]:
@@ -153,32 +153,32 @@ class Block:
                 yield f"{str(piece.text.file)!r}, line {first + k}", line
 
     def rows(self) -> Iterator[tuple[str, list[str]]]:
-        """The same with the fields of every line, of which the last is no empty one."""
+        """Position, in words, and fields of every data line that is neither blank nor a comment; no last field is empty."""
         for place, line in self.lines():
             yield place, fields_of(line)
 
     def data(self) -> Iterator[str]:
-        """The data lines alone."""
+        """Data lines without blank lines and comments."""
         return chain.from_iterable(piece.data() for piece in self.pieces)
 
     def refuse(self, what: str) -> InputError:
-        """The error that something is wrong with this block."""
+        """Error saying that something is wrong with this block."""
         return InputError(f"{self.place}: {what}")
 
 
 def fields_of(line: str) -> list[str]:
-    """What stands between the commas of a line; a comma at its end counts for nothing."""
+    """Fields between the commas of a line; a comma at its end counts for nothing."""
     found = [text.strip() for text in line.split(",")]
     return found[:-1] if found[-1] == "" else found
 
 
 def label_of(text: str) -> str:
-    """A label as it is compared: capitals without blanks, unless it is quoted."""
+    """Label for comparison: capitals without blanks, unless it is quoted."""
     return text[1:-1] if len(text) > 1 and text[0] == text[-1] == '"' else re.sub(r"\s", "", text).upper()
 
 
 def name_of(text: str) -> str:
-    """A name as it is told: as the deck spells it, without the quotation marks around it."""
+    """Name for messages: as the deck spells it, without the quotation marks around it."""
     text = text.strip()
     return text[1:-1] if len(text) > 1 and text[0] == text[-1] == '"' else text
 
@@ -213,7 +213,7 @@ def _read(path: Path, main: Path, found: list[Block]) -> None:
 
 
 def _append(found: list[Block], piece: Piece) -> None:
-    """Give lines to the last block; those ahead of all keywords make a block of their own, which has none."""
+    """Append lines to the last block; those ahead of all keywords make a block without a keyword."""
     if piece.start >= piece.end:  # also where a byte order mark is all that stands ahead of the first keyword
         return
     if not found and not piece.blank:
@@ -233,7 +233,7 @@ class KeywordLine:
 
     @property
     def file(self) -> str:
-        """Name of the file whose lines belong here; empty if there is none."""
+        """Name of the file whose lines belong after this keyword line; empty if there is none."""
         return self.parameters.get("INPUT", "") if self.keyword in WITH_FILES else ""
 
 
@@ -263,7 +263,7 @@ def keyword_lines(content: Any) -> Iterator[KeywordLine]:
 
 
 def _parameters(keyword: str, text: str) -> dict[str, str]:
-    """Name in capitals -> value, as they stand on a keyword line."""
+    """Parameters of a keyword line: name in capitals -> value as written."""
     found = {}
     for each in PARAMETER.findall(text):
         name, _, value = each.partition("=")

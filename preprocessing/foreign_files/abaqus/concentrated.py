@@ -65,7 +65,7 @@ def _masses(
 
 
 def _properties(deck: Deck, instance: Numbered) -> dict[tuple[str, int], Block]:
-    """Keyword and number of an element -> the block that says how heavy it is, the last one that names it."""
+    """Block that gives the mass of each element, by keyword and number; the last one that names the element."""
     given: dict[tuple[str, int], Block] = {}
     for found in deck.masses:
         own = found.part.element_sets.get(label_of(found.block.parameters.get("ELSET", "")))
@@ -77,7 +77,7 @@ def _properties(deck: Deck, instance: Numbered) -> dict[tuple[str, int], Block]:
 
 
 def _property(given: dict[tuple[str, int], Block], each: PlacedElements, keyword: str, label: int) -> Block:
-    """The block that says how heavy an element is."""
+    """Block that gives the mass of an element."""
     block = given.get((keyword, label))
     if block is None:
         raise each.of.block.refuse(
@@ -99,7 +99,10 @@ def _isotropic(block: Block, values: list[float]) -> float:
 
 
 def _turned(numbered: Numbered, values: list[float]) -> tuple[float, ...]:
-    """The tensor J of an instance in the axes of the assembly; Abaqus gives J_12 itself, minus the integral of x_1 x_2."""
+    """Inertia tensor J of an instance in the axes of the assembly.
+
+    Abaqus gives J_12 itself, minus the integral of x_1 x_2.
+    """
     xx, yy, zz, xy, xz, yz = values
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     if numbered.instance.placement is not None:
@@ -109,7 +112,7 @@ def _turned(numbered: Numbered, values: list[float]) -> tuple[float, ...]:
 
 
 def _together(ties: list[Carriers]) -> tuple[np.ndarray, bool]:
-    """The nodes that carry a mass on the reference node of these ties, and whether they are rigid.
+    """Nodes that carry a mass on the reference node of these ties, and whether they are rigid.
 
     Raises
     ------
@@ -151,7 +154,7 @@ def _holds(block: Block) -> bool:
 
 
 def _tied(block: Block) -> Iterator[tuple[str, str]]:
-    """Kind and name of what a block ties to its reference node."""
+    """Kind and name of the set or surface that a block ties to its reference node."""
     for name, kind in (("NSET", "NSET"), ("TIE NSET", "NSET"), ("PIN NSET", "NSET"), ("SURFACE", "SURFACE"), ("ELSET", "ELSET")):
         if text := block.parameters.get(name):
             yield kind, text

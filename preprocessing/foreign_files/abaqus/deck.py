@@ -27,7 +27,7 @@ from toolkit.foundation.errors import InputError
 
 
 class Instance(NamedTuple):
-    """A part that is put somewhere."""
+    """Copy of a part in its own place."""
 
     label: str  # empty of a deck without instances
     part: Part
@@ -35,7 +35,7 @@ class Instance(NamedTuple):
 
 
 class Property(NamedTuple):
-    """A block that gives something to the elements of a set, or to nodes of a part."""
+    """Block that gives something to the elements of a set, or to nodes of a part."""
 
     block: Block
     part: Part
@@ -43,7 +43,7 @@ class Property(NamedTuple):
 
 @dataclass
 class Deck:
-    """All that is used of a deck."""
+    """Contents of a deck that are used."""
 
     path: Path
     leave_out: frozenset[str]
@@ -79,7 +79,7 @@ def read_blocks(path: Path, leave_out: frozenset[str]) -> Deck:
 
 
 class _Reading:
-    """Where in the deck the reading is: in which part or instance, and under which local system."""
+    """State of reading a deck: the current part or instance, and the local system in effect."""
 
     def __init__(self, deck: Deck) -> None:
         self.deck = deck
@@ -119,7 +119,7 @@ class _Reading:
             )
 
     def _parameters(self, block: Block) -> None:
-        """Tell of parameters that are not known, as CalculiX does; refuse those without a value, which may be data."""
+        """Report parameters that are not known, as CalculiX does; refuse those without a value, which may be data."""
         unknown = unknown_parameters(block.keyword, block.parameters)
         if not all(block.parameters[name] for name in unknown):
             raise block.refuse(
@@ -142,7 +142,7 @@ class _Reading:
             )
 
     def nodes(self, block: Block) -> None:
-        """*NODE."""
+        """Read a block *NODE."""
         labels, places = node_rows(block)
         system = block.parameters.get("SYSTEM", "R").strip().upper()
         if system not in ("R", "C"):
@@ -154,11 +154,11 @@ class _Reading:
         self.part.add_nodes(labels, places if self.system is None else self.system.applied(places), block)
 
     def local_system(self, block: Block) -> None:
-        """*SYSTEM."""
+        """Read a block *SYSTEM."""
         self.system = local_system(block)
 
     def elements(self, block: Block) -> None:
-        """*ELEMENT."""
+        """Read a block *ELEMENT."""
         name = block.parameters.get("TYPE", "").strip().upper()
         if not name:
             raise block.refuse("*ELEMENT needs the parameter TYPE. Add it.")
@@ -180,11 +180,11 @@ class _Reading:
         self.part.add_elements(Elements(found, rows[:, 0], rows[:, 1:], block))
 
     def set(self, block: Block) -> None:
-        """*NSET and *ELSET."""
+        """Read a block *NSET or *ELSET."""
         read_set(self.part, block)
 
     def surface(self, block: Block) -> None:
-        """*SURFACE, of which faces of elements and nodes are read."""
+        """Read a block *SURFACE, of which faces of elements and nodes are used."""
         if not block.parameters.get("NAME") or {"COMBINE", "CROP"} & set(block.parameters):
             return
         name = block.parameters["NAME"]
@@ -196,15 +196,15 @@ class _Reading:
             faces += [Face(row[0], "NSET", "", place) for place, row in block.rows() if row]
 
     def section(self, block: Block) -> None:
-        """A section of elements."""
+        """Read a section of elements."""
         self.deck.sections.append(Property(block, self.part))
 
     def mass(self, block: Block) -> None:
-        """*MASS and *ROTARY INERTIA."""
+        """Read a block *MASS or *ROTARY INERTIA."""
         self.deck.masses.append(Property(block, self.part))
 
     def begin_part(self, block: Block) -> None:
-        """*PART."""
+        """Read *PART."""
         self._begin(block, "PART", within=())
         name = block.parameters["NAME"]
         if label_of(name) in self.deck.parts:
@@ -212,12 +212,12 @@ class _Reading:
         self.part = self.deck.parts.setdefault(label_of(name), Part(name_of(name)))
 
     def begin_assembly(self, block: Block) -> None:
-        """*ASSEMBLY."""
+        """Read *ASSEMBLY."""
         self._begin(block, "ASSEMBLY", within=())
         self.part = self.deck.root
 
     def begin_instance(self, block: Block) -> None:
-        """*INSTANCE: a copy of its part, to which it may add nodes, elements and sets of its own."""
+        """Read *INSTANCE: a copy of its part, to which it may add nodes, elements and sets of its own."""
         self._begin(block, "INSTANCE", within=("ASSEMBLY",))
         if "INSTANCE" in block.parameters:
             raise block.refuse("an instance of another analysis cannot be read. Export the whole model in one deck.")
@@ -231,7 +231,7 @@ class _Reading:
         self.deck.instances.append(Instance(label, self.part, placement(block)))
 
     def end_of(self, block: Block) -> None:
-        """*END PART, *END ASSEMBLY, *END INSTANCE."""
+        """Read *END PART, *END ASSEMBLY or *END INSTANCE."""
         what = block.keyword.removeprefix("END ")
         if not self.inside or self.inside[-1].keyword != what:
             raise block.refuse(f"*{block.keyword} stands where no *{what} has begun. Export the deck again.")
@@ -248,7 +248,7 @@ class _Reading:
 
 
 def copy_of(part: Part, name: str) -> Part:
-    """A part with lists of its own, so that more can be added to it."""
+    """Copy of a part with lists of its own, so that more can be added to it."""
     nodes, elements = (
         {key: Set(each.name, [*each.members], each.sorted) for key, each in of.items()}
         for of in (part.node_sets, part.element_sets)
@@ -268,7 +268,7 @@ def _rows(block: Block, found: ElementType) -> np.ndarray:
 
 
 def refusal_of(block: Block, found: ElementType, count: int) -> InputError:
-    """The error that elements carry what a body of solids cannot take."""
+    """Error saying that elements carry what a body of solids cannot take."""
     return block.refuse(
         f"the deck has {count} element{'s' * (count > 1)} of type {found.name} here ({found.words}), which carry mass or stiffness that a "
         f"body of solids or of the plane cannot take. Model them with solids, or leave them out on purpose: leave_out = "

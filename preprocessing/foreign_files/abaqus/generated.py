@@ -21,7 +21,7 @@ MOST = 20_000_000
 
 
 def generate(part: Part, block: Block) -> None:
-    """Add what a block generates to a part.
+    """Add the nodes, elements or sets that a block generates to a part.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def generate(part: Part, block: Block) -> None:
 
 
 def _ngen(part: Part, block: Block) -> None:
-    """Nodes on straight lines between two that are there: first, last, step of the numbers."""
+    """Generate nodes on straight lines between two existing ones: first, last, step of the numbers."""
     made = []
     for place, fields in block.rows():
         first, last, step = (*_wholes(fields, place, 2), *_wholes(fields[2:], place, 0, [1]))
@@ -49,7 +49,7 @@ def _ngen(part: Part, block: Block) -> None:
 
 
 def _nfill(part: Part, block: Block) -> None:
-    """Nodes on straight lines between those of two sets: set, set, number of intervals, step of the numbers."""
+    """Generate nodes on straight lines between those of two sets: set, set, number of intervals, step of the numbers."""
     made = []
     for place, fields in block.rows():
         if len(fields) < 3:
@@ -69,7 +69,7 @@ def _nfill(part: Part, block: Block) -> None:
 
 
 def _ncopy(part: Part, block: Block) -> None:
-    """Copies of a set of nodes, each moved by the same translation and rotation as the one before it."""
+    """Generate copies of a set of nodes, each moved by the same translation and rotation as the one before it."""
     if "SHIFT" not in block.parameters or "OLD SET" not in block.parameters or "CHANGE NUMBER" not in block.parameters:
         raise block.refuse("*NCOPY is read with SHIFT, OLD SET and CHANGE NUMBER. Export the deck with the nodes written out.")
     step, times = (whole(block.parameters.get(name) or "1", block.place) for name in ("CHANGE NUMBER", "MULTIPLE"))
@@ -83,7 +83,7 @@ def _ncopy(part: Part, block: Block) -> None:
 
 
 def _elgen(part: Part, block: Block) -> None:
-    """Rows, layers and blocks of elements like a master: its number, then for three directions count and steps of nodes and elements."""
+    """Generate rows, layers and blocks of elements like a master: its number, then per direction count, node and element step."""
     everything = []
     for place, fields in block.rows():
         numbers = _wholes(fields, place, 2, [1, 1, 1, 1, 1, 1, 1, 1])
@@ -103,7 +103,7 @@ def _elgen(part: Part, block: Block) -> None:
 
 
 def _elcopy(part: Part, block: Block) -> None:
-    """A copy of a set of elements, with other numbers of elements and nodes."""
+    """Generate a copy of a set of elements, with other numbers of elements and nodes."""
     needed = ("OLD SET", "ELEMENT SHIFT", "SHIFT NODES")
     if lacking := [name for name in needed if not block.parameters.get(name)]:
         raise block.refuse(f"*ELCOPY needs {', '.join(lacking)}. Add it.")
@@ -132,7 +132,7 @@ REFUSED = {
 
 
 def _wholes(fields: list[str], place: str, needed: int, defaults: list[int] | None = None) -> list[int]:
-    """Whole numbers of a line, those that are missing or empty by default."""
+    """Whole numbers of a line, missing or empty ones by default."""
     if len(fields) < needed:
         raise InputError(f"{place}: the line needs {needed} numbers at least. Fix it.")
     found = [whole(text, place) for text in fields[:needed]]
@@ -162,7 +162,7 @@ def _add_nodes(part: Part, block: Block, made: list[tuple[np.ndarray, np.ndarray
 
 
 def places_of(part: Part, wanted: np.ndarray, place: str) -> np.ndarray:
-    """Places (n, 3) of nodes that there are.
+    """Places (n, 3) of existing nodes.
 
     Raises
     ------
@@ -177,7 +177,7 @@ def places_of(part: Part, wanted: np.ndarray, place: str) -> np.ndarray:
 
 
 def _element(part: Part, wanted: int, place: str) -> tuple[Elements, np.ndarray]:
-    """The element of a number, the last one of it, and its nodes."""
+    """Element of a number, the last one of it, and its nodes."""
     for each in reversed(part.elements):
         if len(here := np.flatnonzero(each.labels == wanted)):
             return each, each.nodes[here[-1]]
@@ -195,7 +195,7 @@ def _members(part: Part, kind: str, name: str, place: str) -> np.ndarray:
 
 
 def _nodes_of(part: Part, wanted: np.ndarray) -> Iterator[np.ndarray]:
-    """Numbers of the nodes of elements, by block; of an element that is given twice those of the last one."""
+    """Numbers of the nodes of elements, by block; of an element that is given twice the last one counts."""
     kept, start = last_of(np.concatenate([np.zeros(0, np.int64), *(each.labels for each in part.elements)])), 0
     for each in part.elements:
         yield each.nodes[np.isin(each.labels, wanted) & kept[start : start + len(each.labels)]]

@@ -21,11 +21,11 @@ Group = tuple[str, Elements]
 
 
 KINDS = {"NSET": "node_sets", "SURFACE": "surfaces", "ELSET": "element_sets"}
-"""What names the groups -> where a part has them."""
+"""Attribute of a part that holds its groups, by the keyword that names these."""
 
 
 class Groups:
-    """The node sets, surfaces and element sets of all instances."""
+    """Node sets, surfaces and element sets of all instances."""
 
     def __init__(self, whole: Assembled) -> None:
         self.whole = whole
@@ -50,7 +50,7 @@ class Groups:
         return found
 
     def _tell_missing(self) -> None:
-        """Tell of members that the deck does not have; elements that are left out on purpose are none of the reader's business."""
+        """Report members that the deck does not have, except elements that are left out on purpose."""
         for kind, words in (("NSET", "nodes"), ("ELSET", "elements")):
             missing = self._missing[kind]
             if missing and (kind == "NSET" or not self.whole.deck.dropped):
@@ -59,13 +59,13 @@ class Groups:
                 )
 
     def _placed(self, owner: Numbered, numbers: np.ndarray) -> np.ndarray:
-        """Places of those of the nodes that there are."""
+        """Places of those nodes that exist."""
         places = owner.places_of(numbers)
         self._missing["NSET"].update(numbers[places < 0].tolist())
         return places[places >= 0]
 
     def _rows_of(self, owner: Numbered, numbers: np.ndarray) -> Iterator[tuple[PlacedElements, np.ndarray]]:
-        """Blocks with the rows of those of the elements that there are."""
+        """Blocks with the rows of those elements that exist."""
         index = self.index[id(owner)]
         self._missing["ELSET"].update(index.missing(numbers).tolist())
         yield from index.rows_of(numbers)
@@ -87,7 +87,7 @@ class Groups:
         return np.unique(np.concatenate([np.zeros(0, np.int64), *(nodes.ravel() for _, nodes in elements)]))
 
     def _of_set(self, each: Numbered, kind: str, members: list[Members]) -> Elements:
-        """The nodes, or the elements by kind, of a set."""
+        """Nodes, or elements by kind, of a set."""
         found = Elements()
         for owner, numbers in _numbers(self.whole, each, kind, members):
             if kind == "NSET":
@@ -97,7 +97,7 @@ class Groups:
         return found
 
     def _told(self, each: Numbered, faces: list[Face]) -> Elements | None:
-        """Those of a surface; None of one that is not read, which is told."""
+        """Sides and nodes of a surface; None, with a remark, of one that is not read."""
         try:
             return self._of_surface(each, faces)
         except _NotReadError as error:
@@ -125,7 +125,7 @@ class Groups:
 
 
 class _NotReadError(Exception):
-    """A surface names sides of elements that are not read."""
+    """Error of a surface that names sides of elements that are not read."""
 
 
 def _names(whole: Assembled, each: Numbered, label: str, own: Set | tuple[str, list[Face]], every: list[str]) -> Iterator[str]:
@@ -137,13 +137,13 @@ def _names(whole: Assembled, each: Numbered, label: str, own: Set | tuple[str, l
 
 
 def _owner(whole: Assembled, each: Numbered, text: str) -> tuple[Numbered, str]:
-    """The instance that a name belongs to, which may stand before it and a point, and the name itself."""
+    """Instance that a name belongs to, which may stand before it and a point, and the name itself."""
     owner = whole.instance(label_of(text.rpartition(".")[0])) if "." in text else None
     return (each, text) if owner is None else (owner, text.rpartition(".")[2])
 
 
 class _Index:
-    """The elements of an instance by their numbers."""
+    """Index of an instance's elements by their numbers."""
 
     def __init__(self, whole: Assembled, instance: Numbered) -> None:
         self.blocks = [each for each in whole.elements if each.instance is instance]
@@ -151,11 +151,11 @@ class _Index:
         self.starts = np.cumsum([0, *(len(each.labels) for each in self.blocks)])
 
     def missing(self, wanted: np.ndarray) -> np.ndarray:
-        """Those of the numbers that no element has."""
+        """Numbers among the wanted ones that no element has."""
         return wanted[self.elements.places(wanted) < 0] if len(self.elements.numbers) else wanted
 
     def rows_of(self, wanted: np.ndarray) -> Iterator[tuple[PlacedElements, np.ndarray]]:
-        """Blocks with the rows of the elements of these numbers; those that there are not count for nothing."""
+        """Blocks with the rows of the elements of these numbers; numbers without an element count for nothing."""
         if not len(self.elements.numbers):
             return
         rows = self.elements.places(wanted)
@@ -166,7 +166,7 @@ class _Index:
 
 
 def _rows(nodes: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Some rows; where these are all, the array itself, which then is kept once."""
+    """Rows of an array; where these are all, the array itself, which then is stored once."""
     return nodes if len(rows) == len(nodes) else nodes[rows]
 
 

@@ -9,7 +9,7 @@ SPARSE = 8
 
 
 class Lookup:
-    """Places of numbers in a list without repetitions; numbers are looked up in a table where they are dense, else by bisection."""
+    """Lookup of numbers in a list without repetitions, by a table where they are dense, else by bisection."""
 
     def __init__(self, numbers: np.ndarray) -> None:
         self.numbers = numbers
@@ -37,7 +37,7 @@ def rises(numbers: np.ndarray) -> bool:
 
 
 def last_of(numbers: np.ndarray) -> np.ndarray:
-    """Which of the numbers do not come again."""
+    """Whether each of the numbers is the last one of its value."""
     kept = np.ones(len(numbers), bool)
     if not rises(numbers):
         kept[:] = False

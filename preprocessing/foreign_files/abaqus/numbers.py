@@ -22,7 +22,7 @@ LARGEST_LABEL = 999_999_999
 
 
 def whole(text: str, place: str) -> int:
-    """A whole number.
+    """Whole number from a text.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def whole(text: str, place: str) -> int:
 
 
 def number(text: str, place: str) -> float:
-    """A number, also with Fortran's D instead of E; an empty field is zero.
+    """Number from a text, also with Fortran's D instead of E; an empty field is zero.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def number(text: str, place: str) -> float:
 
 
 def label(text: str, place: str) -> int:
-    """The number of a node or element, from 1 on; raises as `whole`."""
+    """Number of a node or element, from 1 on, from a text; raises as `whole`."""
     found = whole(text, place)
     if not 1 <= found <= LARGEST_LABEL:
         raise InputError(f"{place}: {found} is no number of a node or element; these go from 1 to {LARGEST_LABEL}.")
@@ -90,7 +90,7 @@ def _node_table(block: Block) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def _table(lines: Iterator[str], kind: Any) -> np.ndarray | None:
-    """Lines with as many numbers each, at once; None where there are none, or one is no plain number."""
+    """Table of lines with as many numbers each, read at once; None where there are none, or one is no plain number."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # that there are no data, or that a whole number is none
@@ -127,7 +127,7 @@ def element_rows(block: Block, n_nodes: int) -> np.ndarray:
 
 
 def _element_table(block: Block, width: int) -> np.ndarray | None:
-    """All at once, where lines hold nothing but whole numbers and all elements have as many lines; None elsewhere."""
+    """Rows of elements read at once, where lines hold only whole numbers and all elements have as many lines; else None."""
     lines = block.data()
     first = next((line for line in lines if line.strip()), "")
     lines = chain([first], lines)
@@ -153,7 +153,7 @@ def _joined(lines: Iterator[str], width: int) -> Iterator[str]:
 
 
 def _element_rows(block: Block, width: int) -> np.ndarray:
-    """The same line by line."""
+    """Rows of elements read line by line."""
     rows, row, began = list[list[int]](), list[int](), ""
     for place, line in block.lines():
         began = began if row else place

@@ -15,20 +15,20 @@ from toolkit.foundation.errors import InputError
 
 
 class Range(NamedTuple):
-    """Numbers from the first to the last one, in steps; those that nobody has count for nothing."""
+    """Numbers from the first to the last one, in steps; numbers that nothing has count for nothing."""
 
     first: int
     last: int
     step: int
 
     def of(self, numbers: np.ndarray) -> np.ndarray:
-        """Those of the numbers that are in it."""
+        """Numbers among the given ones that lie in the range."""
         inside = (numbers >= self.first) & (numbers <= self.last) & ((numbers - self.first) % self.step == 0)
         return numbers[inside]
 
 
 class NodesOf(NamedTuple):
-    """The nodes of the elements of a set."""
+    """Nodes of the elements of a set."""
 
     elements: str  # label of the set
     known: tuple[Members, ...] | None  # its members by then; None if it is not defined by then
@@ -36,7 +36,7 @@ class NodesOf(NamedTuple):
 
 
 class Named(NamedTuple):
-    """The set of a name in an instance."""
+    """Set of a name in an instance."""
 
     kind: str
     label: str
@@ -60,7 +60,7 @@ class Set:
 
 
 class Elements(NamedTuple):
-    """The elements of one block."""
+    """Elements of one block."""
 
     type: ElementType
     labels: np.ndarray  # (n_e,)
@@ -69,7 +69,7 @@ class Elements(NamedTuple):
 
 
 class Face(NamedTuple):
-    """A line of a surface: a face of an element or of those of a set, or a node or node set."""
+    """Line of a surface: a face of an element or of those of a set, or a node or node set."""
 
     target: str
     of: str  # NSET or ELSET: what a name in it means
@@ -79,7 +79,7 @@ class Face(NamedTuple):
 
 @dataclass
 class Part:
-    """A part, an instance, the assembly, or a deck without any of them."""
+    """Part, instance, assembly, or deck without any of them."""
 
     name: str = ""  # as the deck spells it
     nodes: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)  # labels (n,) and places (n, 3) of every block
@@ -91,22 +91,22 @@ class Part:
     generated: bool = False  # whether nodes were generated, which gives their ends once more
 
     def add_nodes(self, labels: np.ndarray, places: np.ndarray, block: Block) -> None:
-        """Nodes, which go into the set that the keyword line names."""
+        """Add nodes, also to the set that the keyword line names."""
         self.nodes.append((labels, places))
         self.add_to_set("NSET", labels, block)
 
     def add_elements(self, elements: Elements) -> None:
-        """The same of elements."""
+        """Add elements, also to the set that the keyword line names."""
         self.elements.append(elements)
         self.add_to_set("ELSET", elements.labels, elements.block)
 
     def add_to_set(self, kind: str, labels: np.ndarray, block: Block, key: str = "") -> None:
-        """Numbers that go into the set that a parameter of the keyword line names, if it has one."""
+        """Add numbers to the set that a parameter of the keyword line names, if it has one."""
         if name := block.parameters.get(key or kind):
             self.set_of(kind, name).members.append(Members("", labels))
 
     def set_of(self, kind: str, name: str) -> Set:
-        """The NSET or ELSET of a name, made where there is none."""
+        """Set NSET or ELSET of a name, made where there is none."""
         sets = self.node_sets if kind == "NSET" else self.element_sets
         return sets.setdefault(label_of(name), Set(name_of(name)))
 

@@ -14,24 +14,26 @@ SHORT = 1e-12
 
 
 class Placement(NamedTuple):
-    """x -> A x + b."""
+    """Affine map x -> A x + b."""
 
     rotation: np.ndarray  # A (3, 3)
     shift: np.ndarray  # b (3,)
 
     def applied(self, places: np.ndarray) -> np.ndarray:
-        """Places (n, 3) moved."""
+        """Places (n, 3) moved by the map."""
         return places @ self.rotation.T + self.shift
 
 
 def from_cylindrical(places: np.ndarray) -> np.ndarray:
-    """x, y, z of r, angle in degrees, z."""
+    """Coordinates x, y, z from cylindrical ones: r, angle in degrees, z."""
     angle = np.deg2rad(places[:, 1])
     return np.column_stack([places[:, 0] * np.cos(angle), places[:, 0] * np.sin(angle), places[:, 2]])
 
 
 def local_system(block: Block) -> Placement | None:
-    """From the coordinates of *SYSTEM to those of the deck: origin a, a point b on the first axis, c in the plane of the first two.
+    """Map from the coordinates of *SYSTEM to those of the deck; None without data lines, which end the local system.
+
+    Its origin is a, its first axis runs through b, and c is in the plane of the first two axes.
 
     Without c the third axis is that of the deck, and the first one is projected on the plane of x and y. Without data lines there is no
     local system any more.
@@ -62,7 +64,7 @@ def _axes(block: Block, first: np.ndarray, third: np.ndarray) -> np.ndarray:
 
 
 def placement(block: Block) -> Placement:
-    """A translation, and then a rotation about the axis from a to b by an angle in degrees: the lines of *INSTANCE and *NCOPY, SHIFT."""
+    """Map of a translation, then a rotation by degrees about the axis from a to b: lines of *INSTANCE and *NCOPY, SHIFT."""
     rows = [[number(text, place) for text in fields] for place, fields in block.rows()]
     if len(rows) > 2 or (rows and len(rows[0]) > 3) or (rows[1:] and len(rows[1]) != 7):
         raise block.refuse(

@@ -47,7 +47,7 @@ def read_deck(path: Path, leave_out: frozenset[str]) -> MeshContents:
 
 
 def _roles(deck: Deck, whole: Assembled) -> tuple[Cells, dict[str, int]]:
-    """Elements by kind, and how many of which type only name faces and edges.
+    """Elements of the body by kind, and number of elements of each type that only name faces and edges.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def _ties(deck: Deck) -> list[LeftOut]:
 
 
 def _remarks(deck: Deck, whole: Assembled) -> Iterator[str]:
-    """What the user should know of the reading."""
+    """Remarks on the reading that the user should know."""
     yield from whole.remarks
     solid = [each for each in deck.sections if each.block.keyword == "SOLID SECTION"]
     materials = {label_of(each.block.parameters.get("MATERIAL", "")) for each in solid} - {""}

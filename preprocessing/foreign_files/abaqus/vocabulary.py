@@ -53,7 +53,7 @@ OTHERS = {
 
 
 class ElementType(NamedTuple):
-    """What is known of an element type."""
+    """Properties of an element type."""
 
     name: str  # in capitals
     role: str  # solid, plane, skin, bar, shape, mass, or other
@@ -73,7 +73,7 @@ WORDS = {
 
 
 def element_type(name: str) -> ElementType | None:
-    """What is known of a type by its name in capitals; None if nothing is."""
+    """Properties of an element type by its name in capitals; None if it is not known."""
     if name in SHAPES:
         kind = SHAPES[name]
         return ElementType(name, "shape", kind, {"line": 2, "line3": 3, "triangle": 3, "quad": 4}[kind], WORDS["shape"])
@@ -203,12 +203,12 @@ SPELLED = {name.replace(" ", ""): name for name in (*SAY_NOTHING, *CARRIES, *TIE
 
 
 def spelled(name: str) -> str:
-    """A keyword or parameter, in capitals, as this page spells it; one that it does not have with single blanks between its words."""
+    """Keyword or parameter, in capitals, as it is spelled here; an unknown one with single blanks between its words."""
     return SPELLED.get("".join(name.split()).upper(), " ".join(name.upper().split()))
 
 
 def spelled_parameter(keyword: str, name: str) -> str:
-    """A parameter of a keyword as this page spells it; its first letters are enough where no other parameter begins with them."""
+    """Parameter of a keyword as it is spelled here; its first letters suffice where no other begins with them."""
     known = PARAMETERS.get(keyword, ())
     plain = "".join(name.split()).upper()
     exact = [each for each in known if each.replace(" ", "") == plain]
@@ -217,7 +217,7 @@ def spelled_parameter(keyword: str, name: str) -> str:
 
 
 def unknown_parameters(keyword: str, parameters: Mapping[str, str]) -> list[str]:
-    """Those parameters of a keyword that is read which it does not know."""
+    """Parameters that a keyword, if it is one that is read, does not know."""
     return [name for name in parameters if name not in PARAMETERS[keyword]] if keyword in PARAMETERS else []
 
 

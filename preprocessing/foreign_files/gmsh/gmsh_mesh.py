@@ -31,7 +31,7 @@ OTHERS = {"MeshFormat", "Comments", "Periodic", "GhostElements", "Parametrizatio
 
 
 class Format(NamedTuple):
-    """What $MeshFormat says."""
+    """Format of a file, from $MeshFormat."""
 
     version: tuple[int, int]
     binary: bool
@@ -124,7 +124,7 @@ def _version_2(path: Path, kind: Format, by_name: Mapping[str, Section]) -> tupl
 
 
 def _binary_version_2(path: Path, kind: Format, by_name: Mapping[str, Section]) -> tuple[Nodes, list[Block]]:
-    """The same of a binary file, where the number of nodes or elements stands as text on the first line."""
+    """Nodes and elements of a binary file of version 2, whose numbers of either stand as text on the first line."""
     found = []
     for name in ("Nodes", "Elements"):
         section = _needed(path, by_name, name)

@@ -42,7 +42,7 @@ def names_of_groups(path: Path, section: Section) -> dict[Group, str]:
 
 
 def named_groups(members: Mapping[Group, Elements], names: Mapping[Group, str]) -> tuple[list[tuple[str, Elements]], list[str]]:
-    """Groups by their names, and what the user should know of them.
+    """Groups by their names, and remarks that the user should know.
 
     A name that gmsh gives to groups of several dimensions stands for none of them alone: they are called, for example, "tip (curve 4)"
     and "tip (surface 2)". A group without a name is called after its dimension and tag, for example "physical surface 3".
@@ -59,7 +59,7 @@ def named_groups(members: Mapping[Group, Elements], names: Mapping[Group, str]) 
 
 
 def _name(group: Group, name: str | None, dimensions: Mapping[str, set[int]]) -> str:
-    """How a group is called."""
+    """Name of a group."""
     which = f"{DIMENSIONS[group[0]]} {group[1]}"
     if name is None:
         return f"physical {which}"
@@ -67,7 +67,7 @@ def _name(group: Group, name: str | None, dimensions: Mapping[str, set[int]]) ->
 
 
 def _remarks(dimensions: Mapping[str, set[int]], together: Mapping[str, list[Group]]) -> list[str]:
-    """What the user should know of names of several groups."""
+    """Remarks on names of several groups."""
     several = [
         f"The name {name!r} is of groups of several dimensions ({', '.join(DIMENSIONS[each] for each in sorted(of))}), which are called "
         f"'{name} ({DIMENSIONS[max(of)]} TAG)' and so on."
@@ -83,7 +83,7 @@ def _remarks(dimensions: Mapping[str, set[int]], together: Mapping[str, list[Gro
 
 
 def _without_elements(names: Mapping[Group, str], members: Mapping[Group, Elements]) -> list[str]:
-    """The remark that groups are named and have no elements, as gmsh writes MSH 2.2 with Mesh.SaveAll."""
+    """Remark that groups are named and have no elements, as gmsh writes MSH 2.2 with Mesh.SaveAll."""
     empty = [group for group in names if not members.get(group)]
     if not empty:
         return []

@@ -8,7 +8,7 @@ import numpy as np
 
 
 class GmshKind(NamedTuple):
-    """One kind of element of gmsh."""
+    """Kind of element of gmsh."""
 
     kind: str  # in the words of meshio
     nodes: int

@@ -17,7 +17,7 @@ HEAD = re.compile(rb"\$([A-Za-z0-9_]{1,40})[ \t\r]*(?:\n|$)")
 
 
 class Section(NamedTuple):
-    """What stands between `$Name` and `$EndName`."""
+    """Section of a file, between `$Name` and `$EndName`."""
 
     name: str
     line: int  # of its first line; 0 in a binary file
@@ -48,13 +48,13 @@ def sections(path: Path, content: bytes, binary: bool) -> list[Section]:
 
 
 def _next_line(content: bytes, at: int) -> int:
-    """Where the next line begins."""
+    """Position at which the next line begins."""
     end = content.find(b"\n", at)
     return len(content) if end < 0 else end + 1
 
 
 def _end(path: Path, content: bytes, head: re.Match[bytes], line: int) -> tuple[int, int]:
-    """Where the body of a section ends, and where the line after the section begins."""
+    """Positions at which the body of a section ends, and at which the line after the section begins."""
     for mark in (b"$End" + head[1], b"$END" + head[1]):  # the second in the first version
         at = content.find(b"\n" + mark, head.end() - 1)
         if at >= 0:
@@ -63,7 +63,7 @@ def _end(path: Path, content: bytes, head: re.Match[bytes], line: int) -> tuple[
 
 
 class Numbers(Protocol):
-    """The numbers of a section, which are taken one after the other."""
+    """Numbers of a section, which are taken one after the other."""
 
     def whole(self, n: int, kind: str = "int") -> np.ndarray:
         """The next n whole numbers, each an `int` or a `size` of gmsh."""
@@ -140,5 +140,5 @@ class BinaryNumbers:
 
 
 def short(path: Path, section: Section) -> InputError:
-    """The error of a section that claims more than it holds."""
+    """Error of a section that claims more than it holds."""
     return wrong_file(path, f"${section.name} claims more numbers than it holds", REMEDY, section.line)

@@ -28,13 +28,13 @@ class Rows(NamedTuple):
 
 
 def text_nodes(numbers: TextNumbers) -> Nodes:
-    """$Nodes, or $NOD in the first version: rows of tag, x, y, z."""
+    """Nodes of $Nodes, or $NOD in the first version: rows of tag, x, y, z."""
     rows = numbers.table(int(numbers.whole(1)[0]), 4)
     return Nodes(numbers.as_whole(rows[:, 0]), rows[:, 1:])
 
 
 def parametric_nodes(path: Path, numbers: TextNumbers) -> Nodes:
-    """$ParametricNodes: rows of tag, x, y, z, dimension and tag of the entity, and parameters on a curve or surface."""
+    """Nodes of $ParametricNodes: rows of tag, x, y, z, dimension and tag of the entity, and parameters on a curve or surface."""
     n = int(numbers.whole(1)[0])
     found = list(_runs(path, numbers, (4,), lambda head: 6 + {1.0: 1, 2.0: 2}.get(head[4], 0)))
     rows = np.concatenate([np.zeros((0, 4)), *(block[:, :4] for block in found)])
@@ -44,13 +44,16 @@ def parametric_nodes(path: Path, numbers: TextNumbers) -> Nodes:
 
 
 def binary_nodes(numbers: BinaryNumbers, n: int) -> Nodes:
-    """$Nodes: records of tag, x, y, z."""
+    """Nodes of a binary $Nodes: records of tag, x, y, z."""
     rows = numbers.rows(n, [("tag", "int", ()), ("place", "real", (3,))])
     return Nodes(rows["tag"].astype(np.int64), rows["place"].astype(float))
 
 
 def text_elements(path: Path, numbers: TextNumbers, first_version: bool) -> list[Block]:
-    """$Elements: rows of number, type, number of tags, tags (group, entity, partitions), nodes; or $ELM in the first version."""
+    """Elements of $Elements, or $ELM in the first version, by kind.
+
+    Rows of number, type, number of tags, tags (group, entity, partitions), nodes.
+    """
     n = int(numbers.whole(1)[0])
     read = _first_rows if first_version else _rows
     return _blocks(path, n, read(path, numbers))
@@ -87,7 +90,10 @@ def _runs(
 
 
 def binary_elements(path: Path, numbers: BinaryNumbers, n: int) -> list[Block]:
-    """$Elements: blocks behind type, number of elements and of tags, with records of number, tags, nodes."""
+    """Elements of a binary $Elements, by kind.
+
+    Blocks behind type, number of elements and of tags, with records of number, tags, nodes.
+    """
 
     def rows() -> Iterator[Rows]:
         read = 0
@@ -135,7 +141,7 @@ def _block(kind: GmshKind, groups: np.ndarray, entities: np.ndarray, nodes: np.n
 
 
 def _same(groups: np.ndarray, entities: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """For each row the first one of the same element, which gmsh writes once for each of its groups.
+    """Number of the first row of the same element for each row; gmsh writes an element once for each of its groups.
 
     Rows are of the same element if they have its nodes, in any order as a group may be against its direction, are of one entity and of
     different groups. Elements that are there twice otherwise remain.

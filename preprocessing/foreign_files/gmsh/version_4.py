@@ -16,13 +16,13 @@ Entity = tuple[int, int]
 
 
 def entities(numbers: Numbers) -> dict[Entity, tuple[int, ...]]:
-    """$Entities: tags of the physical groups of every entity."""
+    """Tags of the physical groups of every entity, from $Entities."""
     counts = numbers.whole(4, "size")
     return {entity: tags for dimension in range(4) for entity, tags in _of_one_dimension(numbers, dimension, counts, False)}
 
 
 def partitioned_entities(numbers: Numbers) -> dict[Entity, tuple[int, ...]]:
-    """$PartitionedEntities: tags of the physical groups of every piece into which a partition cuts an entity."""
+    """Tags of the physical groups of every piece into which a partition cuts an entity, from $PartitionedEntities."""
     numbers.whole(1, "size")  # partitions
     for _ in range(int(numbers.whole(1, "size")[0])):  # entities of ghosts, which hold no elements of their own
         numbers.whole(2)
@@ -52,7 +52,7 @@ def _list(numbers: Numbers) -> tuple[int, ...]:
 
 
 def nodes(path: Path, numbers: Numbers) -> Nodes:
-    """$Nodes, in blocks of one entity each."""
+    """Nodes of $Nodes, in blocks of one entity each."""
     n_blocks, n_nodes = numbers.whole(4, "size")[:2].tolist()
     tags, points = [np.zeros(0, np.int64)], [np.zeros((0, 3))]
     for _ in range(n_blocks):
@@ -70,7 +70,7 @@ def nodes(path: Path, numbers: Numbers) -> Nodes:
 
 
 def elements(path: Path, numbers: Numbers, groups: Mapping[Entity, tuple[int, ...]]) -> list[Block]:
-    """$Elements, in blocks of one entity and one kind each."""
+    """Elements of $Elements, in blocks of one entity and one kind each."""
     n_blocks, n_elements = numbers.whole(4, "size")[:2].tolist()
     found = []
     for _ in range(n_blocks):

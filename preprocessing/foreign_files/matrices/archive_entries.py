@@ -11,7 +11,7 @@ Entries = tuple[Any, np.ndarray, np.ndarray, np.ndarray]
 
 
 def of_archive(arrays: dict[str, np.ndarray]) -> Entries:
-    """Of what `scipy.sparse.save_npz` writes; raises ValueError if its parts do not fit together."""
+    """Entries of a matrix that `scipy.sparse.save_npz` wrote; raises ValueError if its parts do not fit together."""
     kind = arrays["format"].item()
     kind = kind.decode("ascii") if isinstance(kind, bytes) else kind
     shape = [int(size) for size in arrays["shape"].tolist()]
@@ -48,7 +48,7 @@ def _of_blocks(arrays: dict[str, np.ndarray], shape: list[int], blocks: np.ndarr
 
 
 def _whole(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
-    """One line of whole numbers."""
+    """Whole numbers of one line."""
     found = arrays[name]
     if found.dtype.kind not in "iu" or found.ndim != 1:
         raise ValueError(f"its {name} are no line of whole numbers")
@@ -56,7 +56,7 @@ def _whole(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
 
 
 def _of_diagonals(offsets: np.ndarray, data: np.ndarray, shape: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Entry j of diagonal k stands in column j and row j - k."""
+    """Entries of a matrix stored by diagonals: entry j of diagonal k stands in column j and row j - k."""
     if data.ndim != 2 or len(data) != len(offsets) or np.any(np.abs(offsets) > max(shape)):
         raise ValueError("its diagonals do not fit to their offsets")
     column = np.broadcast_to(np.arange(data.shape[1]), data.shape)

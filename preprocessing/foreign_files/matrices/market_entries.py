@@ -22,7 +22,7 @@ NOT_MEANT = (b"complex", b"pattern", b"hermitian", b"skew-symmetric")
 
 
 def of_matrix_market(text: bytes) -> Entries:
-    """Of the text of a file; raises ValueError if it is not what its first lines claim."""
+    """Entries of a matrix from a file's text; raises ValueError if it is not what its first lines claim."""
     head = HEAD.match(text)
     if head is None:
         raise ValueError("its first line is not: %%MatrixMarket matrix coordinate real symmetric, or the like")

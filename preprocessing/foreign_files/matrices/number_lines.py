@@ -11,7 +11,7 @@ import numpy as np
 NUMBER = re.compile(rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 """A number after `D` of Fortran's exponents became `E`."""
 PLAIN = bytes((9, 10, *range(32, 127)))
-"""What a text of numbers may hold."""
+"""Bytes that a text of numbers may hold."""
 FORTRAN = bytes.maketrans(b"dD", b"EE")
 """Fortran writes the exponent of double precision with D; no word that is a number otherwise has one."""
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
@@ -68,7 +68,7 @@ def line_of(text: bytes, row: int, before: int = 0) -> int:
 
 
 def _first_wrong(text: bytes, widths: Collection[int], separator: str | None, before: int) -> str:
-    """What is wrong with the first line that is wrong, in words that quote nothing of it."""
+    """Complaint about the first wrong line, in words that quote nothing of it."""
     width = 0
     for number, line in enumerate(text.split(b"\n"), before + 1):
         if not line.strip():
@@ -81,7 +81,7 @@ def _first_wrong(text: bytes, widths: Collection[int], separator: str | None, be
 
 
 def _complaint(line: bytes, fields: list[bytes], widths: Collection[int], separator: str | None) -> str:
-    """What is wrong with one line; empty if nothing is."""
+    """Complaint about one line; empty if nothing is wrong."""
     if line.translate(None, PLAIN):
         return "holds characters that are neither digits nor letters of plain text"
     if b";" in line:

@@ -103,7 +103,7 @@ def _labelled(found: np.ndarray, body: bytes, d: int) -> tuple[np.ndarray, np.nd
 def _numbered(
     found: np.ndarray, body: bytes, n: int, d: int, degrees: bytes | None
 ) -> tuple[np.ndarray | None, np.ndarray, np.ndarray]:
-    """The same of rows that are numbers, which a .dof file explains if there is one."""
+    """Node numbers, and rows and columns in their order, where rows are numbers; a .dof file explains them if there is one."""
     meant = None if degrees is None else _degrees(degrees, d)
     rows = n if meant is None else len(meant)
     right = (found[:, :2] == np.floor(found[:, :2])) & (found[:, :2] >= 1) & (found[:, :2] <= rows)
@@ -122,7 +122,7 @@ def _numbered(
 
 
 def _degrees(content: bytes, d: int) -> np.ndarray:
-    """d times the node, plus the direction from 0, of every line of a .dof file."""
+    """Number of every line of a .dof file: d times the node, plus the direction from 0."""
     found = []
     for number, line in enumerate(plain_text(content).split(b"\n"), 1):
         if not line.strip():

@@ -33,7 +33,7 @@ TIES = {"CP", "CPNGEN", "CPINTF", "CE", "CEINTF", "CERIG", "RBE3"}
 
 @dataclass
 class Archive:
-    """What has been read so far."""
+    """State of reading an archive: what has been read so far."""
 
     path: Path
     lines: list[bytes]
@@ -47,18 +47,18 @@ class Archive:
     others: int = 0  # commands that say nothing of the mesh
 
     def wrong(self, what: str) -> InputError:
-        """The error of the command before the next line."""
+        """Error of the command before the next line."""
         return wrong_file(self.path, what, REMEDY, self.at)
 
     def count(self, words: list[str], k: int) -> int | None:
-        """The k-th word of a command as a count; None where it is empty."""
+        """Count from the k-th word of a command; None where it is empty."""
         word = words[k] if len(words) > k else ""
         if word and not (word.isascii() and word.isdigit() and len(word) < 12):
             raise self.wrong(f"{words[0]} has other words than counts")
         return int(word) if word else None
 
     def block(self, ends: Callable[[bytes], bool]) -> list[bytes]:
-        """The lines up to one that ends the block, which is passed too."""
+        """Lines up to one that ends the block, which is passed too."""
         start = self.at
         while self.at < len(self.lines) and not ends(self.lines[self.at]):
             self.at += 1
@@ -124,7 +124,7 @@ def _command(archive: Archive) -> None:
 
 
 def _type(archive: Archive, words: list[str]) -> None:
-    """ET, number, type."""
+    """Read ET, number, type."""
     local, digits = archive.count(words, 1), re.sub(r"\D", "", words[2]) if len(words) > 2 else ""
     if local is None or not digits or len(digits) > 6:
         raise archive.wrong("ET has no number and type")
@@ -134,7 +134,7 @@ def _type(archive: Archive, words: list[str]) -> None:
 
 
 def _types(archive: Archive, words: list[str]) -> None:
-    """ETBLOCK: rows of number, type and key options, up to -1."""
+    """Read ETBLOCK: rows of number, type and key options, up to -1."""
     _, width, _ = archive.form()
     rows = archive.block(_minus_one)
     table = _fields(archive, [row[: 5 * width] for row in rows], 5, width)
@@ -145,14 +145,14 @@ def _types(archive: Archive, words: list[str]) -> None:
 
 
 def _option(archive: Archive, words: list[str]) -> None:
-    """KEYOPT, number of the local type, number of the option, value; only the third option of plane elements counts."""
+    """Read KEYOPT, number of the local type, of the option, value; only the third option of plane elements counts."""
     local = archive.count(words, 1)
     if local is not None and words[2:3] == ["3"] and words[3:4] in AXISYMMETRIC:
         archive.axisymmetric.add(local)
 
 
 def _node_block(archive: Archive, words: list[str]) -> None:
-    """NBLOCK: rows of label, with SOLID two numbers of a solid model, and x, y, z, of which zeros at the end are left out."""
+    """Read NBLOCK: rows of label, with SOLID two numbers of a solid model, and x, y, z, of which last zeros are left out."""
     count = archive.count(words, 4)
     n_whole, width, real = archive.form()
     if not real or n_whole not in (1, 3):
@@ -169,7 +169,10 @@ def _node_block(archive: Archive, words: list[str]) -> None:
 
 
 def _element_block(archive: Archive, words: list[str]) -> None:
-    """EBLOCK with SOLID: material, type, real constants, section, system, death, model, shape, number of nodes, -, label, nodes."""
+    """Read EBLOCK with SOLID.
+
+    Rows of material, type, real constants, section, system, death, model, shape, number of nodes, -, label, nodes.
+    """
     if words[2:3] != ["SOLID"]:
         raise archive.wrong("EBLOCK without SOLID, as Workbench writes it for its solver, is not read")
     count = archive.count(words, 4)
@@ -194,7 +197,7 @@ def _element_block(archive: Archive, words: list[str]) -> None:
 
 
 def _component(archive: Archive, words: list[str]) -> None:
-    """CMBLOCK: labels of nodes or elements, of which a negative one ends a range."""
+    """Read CMBLOCK: labels of nodes or elements, of which a negative one ends a range."""
     count = archive.count(words, 3)
     if len(words) < 4 or words[2] not in ("NODE", "ELEM", "ELEMENT") or count is None:
         raise archive.wrong("CMBLOCK is not of nodes or elements, with their number")
@@ -212,7 +215,7 @@ def _component(archive: Archive, words: list[str]) -> None:
 
 
 def _node(archive: Archive, words: list[str]) -> None:
-    """N or EN: only the line with -1 that ends a block."""
+    """Read N or EN, of which only the line with -1 that ends a block is known."""
     if "-1" not in words:
         raise archive.wrong(f"the command {words[0]} gives single nodes or elements, which are read from blocks only")
 

@@ -33,7 +33,7 @@ REMEDY = "Write it again with CDWRITE,DB from Ansys."
 
 
 def element_name(number: int) -> str:
-    """What a type is called, for example SHELL181."""
+    """Name of an element type, for example SHELL181."""
     return NAMES.get(number, f"type {number}")
 
 
@@ -82,7 +82,7 @@ def _of_one_size(path: Path, nodes: np.ndarray, own: np.ndarray, n: int, plane: 
 
 
 def _plane(_path: Path, nodes: np.ndarray, own: np.ndarray, n: int) -> list[Shape]:
-    """Quadrilaterals, and triangles where K = L in the letters of Ansys."""
+    """Quadrilaterals of the plane, and triangles where K = L in the letters of Ansys."""
     flat = nodes[own, 2] == nodes[own, 3]
     if n == 4:
         return [Shape("quad", own[~flat], [0, 1, 2, 3]), Shape("triangle", own[flat], [0, 1, 2])]

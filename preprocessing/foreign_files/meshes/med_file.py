@@ -72,7 +72,7 @@ def _mesh(path: Path, file: h5py.File) -> MeshContents:
 
 
 def _inside(path: Path, group: Any, name: str) -> Any:
-    """A member of a group, which may be no link to another file."""
+    """Member of a group in the file, refused if it is a link to another file."""
     if isinstance(group.get(name, getlink=True), h5py.ExternalLink):
         raise wrong_file(path, "it takes its numbers from another file", REMEDY)
     if name not in group:
@@ -81,7 +81,7 @@ def _inside(path: Path, group: Any, name: str) -> Any:
 
 
 def _array(path: Path, group: Any, name: str) -> np.ndarray:
-    """Numbers of a data set that stands in this file."""
+    """Numbers of a data set of this file."""
     found = _inside(path, group, name)
     if found.external or found.is_virtual or found.dtype.kind not in "iuf":
         raise wrong_file(path, "it takes its numbers from another file, or has others than numbers", REMEDY)
@@ -89,7 +89,7 @@ def _array(path: Path, group: Any, name: str) -> np.ndarray:
 
 
 def _only(path: Path, group: Any, what: str) -> tuple[Any, str]:
-    """The one member of a group, and its name."""
+    """Single member of a group, and its name."""
     names = list(group)
     if len(names) != 1:
         raise wrong_file(path, f"it holds {len(names)} times a {what} instead of one", "Export one mesh without results.")
@@ -129,7 +129,7 @@ def _groups(path: Path, families: Mapping[str, Any], which: str) -> dict[str, li
 
 
 def _units(mesh: Any) -> list[str]:
-    """The remark that the file names a unit of lengths, whose name is text of its own."""
+    """Remark that the file names a unit of lengths, whose name is text of its own."""
     text = mesh.attrs.get("UNI", b"")
     named = text.strip(b"\0 ") if isinstance(text, bytes) else b""
     known = {b"m": "m", b"mm": "mm", b"cm": "cm"}.get(named[:16].strip())

@@ -48,7 +48,7 @@ def _tetgen(path: Path) -> Counts:
 
 
 def _ugrid(path: Path) -> Counts:
-    """Seven numbers at the beginning of a text: nodes, and elements of six kinds."""
+    """Numbers of nodes, and of elements of six kinds, from the seven numbers at the beginning of a text."""
     words = read_start(path, 200).split()[:7] if len(path.suffixes) < 2 else []
     if len(words) < 7 or not all(word.isdigit() for word in words):
         return None, None
@@ -56,7 +56,10 @@ def _ugrid(path: Path) -> Counts:
 
 
 def _dolfin(path: Path) -> Counts:
-    """Entries of the lists, as meshio makes room for as many as the lists say and leaves it as it was where one is missing."""
+    """Numbers of nodes and elements, counted in the lists.
+
+    meshio makes room for as many as the lists say, and leaves it as it was where one is missing.
+    """
     content = read_whole(path, LARGEST_FILE)
     entries = (rb"<vertex\s", rb"<(?:interval|triangle|tetrahedron|quadrilateral|hexahedron)\s")
     nodes, elements = (len(re.findall(each, content)) for each in entries)

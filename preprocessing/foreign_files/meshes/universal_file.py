@@ -76,7 +76,7 @@ NODE, ELEMENT = 7, 8
 
 
 class Dataset(NamedTuple):
-    """What stands between two lines of -1."""
+    """Dataset of a universal file, between two lines of -1."""
 
     number: int
     line: int  # of its first line behind the number
@@ -84,7 +84,7 @@ class Dataset(NamedTuple):
 
     @property
     def numbers(self) -> bytes:
-        """Its text with exponents as C writes them."""
+        """Text of the dataset with exponents as C writes them."""
         return b"\n".join(self.rows).replace(b"D", b"E").replace(b"d", b"e")
 
 
@@ -192,7 +192,7 @@ def _elements(path: Path, dataset: Dataset) -> list[Element]:
 
 
 def _width(head: np.ndarray, most: int) -> int:
-    """Numbers of an element, from the first six of them."""
+    """Count of numbers in an element's record, from the first six of them; 0 if these are none of an element."""
     return 6 + 3 * (head[1] in BEAMS) + int(head[5]) if 1 <= head[5] <= most else 0
 
 
@@ -219,7 +219,7 @@ def _wanted(path: Path, every: Sequence[Element], leave_out: frozenset[str]) -> 
 
 
 def _cell(element: Element, labels: Labels) -> tuple[str, np.ndarray]:
-    """Kind and nodes of elements, as places among the points."""
+    """Kind of elements, and their nodes as places among the points."""
     kind = KINDS[element.descriptor]
     nodes = labels.places(element.nodes)
     return kind, nodes[:, ORDERS[kind]] if kind in ORDERS else nodes
@@ -274,7 +274,7 @@ def _named(path: Path, dataset: Dataset) -> Mapping[str, np.ndarray]:
 
 
 def _units(path: Path, datasets: Sequence[Dataset]) -> list[str]:
-    """The remark on the unit of lengths that the file names."""
+    """Remark on the unit of lengths that the file names."""
     for each in datasets:
         if each.number == 164 and each.rows:
             code = each.rows[0][:10].strip()
@@ -284,7 +284,7 @@ def _units(path: Path, datasets: Sequence[Dataset]) -> list[str]:
 
 
 def _skipped(datasets: Sequence[Dataset]) -> list[str]:
-    """The remark on datasets that are not part of the mesh."""
+    """Remark on datasets that are not part of the mesh."""
     read = {*NODE_SETS, *ELEMENT_SETS, *GROUP_SETS, 151, 164, 2420}
     others = sorted({each.number for each in datasets} - read)
     return [f"Datasets that are no part of the mesh were not read: {', '.join(map(str, others))}."] if others else []

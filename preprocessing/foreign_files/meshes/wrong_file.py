@@ -10,7 +10,7 @@ from toolkit.foundation.errors import InputError
 
 
 def wrong_file(path: Path, what: str, remedy: str, line: int = 0) -> InputError:
-    """The error of a mesh file: what is wrong, in which line if that is known, and what to do."""
+    """Error of a mesh file: what is wrong, in which line if that is known, and what to do."""
     where = f"line {line}: " if line else ""
     return InputError(f"the mesh {str(path)!r} cannot be read ({where}{what}). {remedy}")
 

@@ -33,19 +33,19 @@ NAMING = "it has no property in the file and is a face or edge of the body: it n
 
 
 class Body(NamedTuple):
-    """Elements of the file."""
+    """Elements of a bulk file: those of the body, and those that only name places of it."""
 
     body: list[Block]  # of which it consists
     naming: list[Block]  # which only name its faces and edges
 
     @property
     def all(self) -> list[Block]:
-        """Both."""
+        """All elements, those of the body first."""
         return [*self.body, *self.naming]
 
 
 def read_bulk(path: Path, leave_out: frozenset[str]) -> MeshContents:
-    """What a bulk file and the files that it includes hold.
+    """Contents of a bulk file and of the files that it includes.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def _refuse_absent(cards: Cards, leave_out: frozenset[str]) -> None:
 
 
 def _body(cards: Cards, grid: Grid, leave_out: frozenset[str]) -> Body:
-    """The elements of the body: solids, or shells where there are none.
+    """Elements of the body: solids, or shells where there are none.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def _count(cards: Cards, name: str) -> tuple[str, int, str]:
 
 
 def _refusal(cards: Cards, carrying: Sequence[tuple[str, int, str]], solids: bool) -> InputError:
-    """The error that these cards, each with its number and first place, are no part of such a body."""
+    """Error saying that these cards, each with its number and first place, are no part of such a body."""
     what = "; ".join(f"{number} {name}, the first in {place}" for name, number, place in carrying)
     names = ", ".join(f'"{name}"' for name in dict.fromkeys(name for name, _, _ in carrying))
     consists = f"solids ({', '.join(SOLIDS)}) and masses (CONM2)" if solids else "shells in one plane and masses (CONM2)"
@@ -147,7 +147,7 @@ def _cells(blocks: Sequence[Block]) -> Elements:
 
 
 def _mass_factor(cards: Cards) -> float:
-    """PARAM, WTMASS: what multiplies every mass of the file."""
+    """Factor of every mass of the file, from PARAM, WTMASS."""
     factor = 1.0
     for card in cards.by_name.get("PARAM", []):
         if card.words()[0] == "WTMASS":
@@ -158,7 +158,7 @@ def _mass_factor(cards: Cards) -> float:
 
 
 def _left_out(cards: Cards, leave_out: frozenset[str]) -> Iterator[LeftOut]:
-    """What is left out on purpose, and what is no part of a body and still worth a word."""
+    """Entries that are left out on purpose, or are no part of a body and still worth a word."""
     for name, found in cards.by_name.items():
         if name in leave_out:
             yield LeftOut(name, len(found), CHOSEN)
@@ -171,7 +171,7 @@ def _naming(blocks: Sequence[Block]) -> list[LeftOut]:
 
 
 def _remarks(cards: Cards, found: Body, masses: bool) -> Iterator[str]:
-    """What the user should know of the reading."""
+    """Remarks on the reading that the user should know."""
     if (n := _materials(cards, found.body)) > 1:
         yield f"The elements of the file have {n} materials; those of the body have the one of body.toml."
     if both := properties_of(found.body) & properties_of(found.naming):
@@ -188,7 +188,7 @@ def _remarks(cards: Cards, found: Body, masses: bool) -> Iterator[str]:
 
 
 def _materials(cards: Cards, body: Sequence[Block]) -> int:
-    """How many materials the elements have, as far as cards give them.
+    """Number of materials that the elements have, as far as cards give them.
 
     Raises
     ------

@@ -15,18 +15,18 @@ from preprocessing.foreign_files.nastran.numbers import Numbers, real_numbers, w
 from toolkit.foundation.errors import InputError
 
 COLUMNS = 80
-"""Of a line of fixed format; Nastran does not read beyond."""
+"""Columns of a line of fixed format; Nastran does not read beyond."""
 NO_MARK = (b"", b"+", b"+".ljust(8), b" " * 8)
 """First or tenth fields without a mark."""
 LONGEST = 32
 """Characters of a field of free format; a number has 16 at most where the columns are fixed."""
 NAME = re.compile(rb"[A-Z][A-Z0-9_]{0,7}")
 COMMENTS = (b"//", b"#")
-"""What OptiStruct begins lines of comment with, besides the dollar sign."""
+"""Beginnings of comment lines of OptiStruct, besides the dollar sign."""
 
 
 class Card:
-    """The fields of a card behind its name: eight characters each in `body`, or of any length in `fields`."""
+    """Card with its fields behind the name: eight characters each in `body`, or of any length in `fields`."""
 
     __slots__ = ("body", "excess", "fields", "line")
 
@@ -58,7 +58,7 @@ def _split(body: bytes) -> list[bytes]:
 
 
 class Cards:
-    """All cards, by name, and what is noted of the lines."""
+    """All cards, by name, and notes about the lines."""
 
     def __init__(self, lines: Lines) -> None:
         self.lines = lines
@@ -74,7 +74,7 @@ class Cards:
 
     @classmethod
     def of(cls, lines: Lines, which: Iterable[int]) -> Cards:
-        """The cards of some of the lines.
+        """Cards from some of the lines.
 
         Raises
         ------
@@ -211,12 +211,12 @@ def _free(line: bytes) -> tuple[bytes, list[bytes], bytes, bool]:
 
 
 def _key(mark: bytes) -> bytes:
-    """A mark without the plus or star at its front."""
+    """Continuation mark without the plus or star at its front."""
     return mark.strip().lstrip(b"+*").strip().upper()
 
 
 def _keys(mark: bytes) -> set[bytes]:
-    """Ways in which the next line may repeat the mark: whatever stands in column 73 need not be part of it."""
+    """Ways in which the next line may repeat a continuation mark: whatever stands in column 73 need not be part of it."""
     return {_key(mark), mark[1:].strip().upper()} - {b""}
 
 
@@ -224,7 +224,7 @@ class Table:
     """All cards of one name with as many fields each."""
 
     def __init__(self, name: str, cards: list[Card], fields: int, lines: Lines, rest: bool = False) -> None:
-        """Take these many fields of every card; behind them is nothing, or what does not count (`rest`).
+        """Read these many fields of every card; behind them is nothing, or what does not count (`rest`).
 
         Raises
         ------
@@ -265,7 +265,7 @@ class Table:
         return self._numbers(whole_numbers, "whole number", first, after, blank)
 
     def real(self, first: int, after: int | None = None, blank: float | None = None) -> np.ndarray:
-        """Real numbers, in the same way."""
+        """Real numbers in one field (n,), or in several (n, fields), as `whole`."""
         return self._numbers(real_numbers, "number", first, after, blank)
 
     def _numbers(
@@ -295,11 +295,11 @@ class Table:
         return (self.cards[row].words() + [""] * field)[field]
 
     def error(self, row: int, what: str) -> InputError:
-        """The error that something is wrong with one of the cards."""
+        """Error saying that something is wrong with one of the cards."""
         return self.lines.error(self.cards[row].line, what)
 
     def place(self, row: int) -> str:
-        """Where one of the cards stands, in words."""
+        """Position of one of the cards, in words."""
         return self.lines.place(self.cards[row].line)
 
 

@@ -21,14 +21,14 @@ DEGENERATE = 1e-10
 
 
 class System(NamedTuple):
-    """A coordinate system as it lies in the basic one."""
+    """Coordinate system, given in the basic one."""
 
     kind: str  # R, C or S
     origin: np.ndarray  # (3,)
     axes: np.ndarray  # (3, 3), columns are the unit vectors of x, y and z
 
     def places(self, coordinates: np.ndarray) -> np.ndarray:
-        """Places (..., 3) in the basic system."""
+        """Places (..., 3) in the basic system, from coordinates in this one."""
         a, b, c = np.moveaxis(coordinates, -1, 0)
         if self.kind == "C":
             a, b = a * np.cos(np.radians(b)), a * np.sin(np.radians(b))
@@ -43,7 +43,7 @@ BASIC = System("R", np.zeros(3), np.eye(3))
 
 
 class Definition(NamedTuple):
-    """What a card says of a coordinate system."""
+    """Definition of a coordinate system by a card."""
 
     number: int
     kind: str
@@ -53,7 +53,7 @@ class Definition(NamedTuple):
     place: str  # of the card, in words
 
     def same(self, other: Definition) -> bool:
-        """Whether both say the same."""
+        """Whether two definitions say the same."""
         return self[1:4] == other[1:4] and bool((self.points == other.points).all())
 
 
@@ -88,7 +88,7 @@ def _definitions(name: str, cards: Cards) -> Iterator[Definition]:
 
 
 def in_order(given: Mapping[int, Definition], wanted: set[int], system_of_node: Callable[[int], int]) -> list[Definition]:
-    """The systems that are wanted and those that they rest on, each behind what it rests on.
+    """Wanted coordinate systems and those that they rest on, each behind what it rests on.
 
     Raises
     ------

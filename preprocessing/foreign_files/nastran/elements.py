@@ -37,11 +37,11 @@ class Block(NamedTuple):
     table: Table
 
     def part(self, which: np.ndarray) -> Block:
-        """Some of the elements."""
+        """Block with some of the elements."""
         return self._replace(**{name: getattr(self, name)[which] for name in ("nodes", "labels", "properties", "rows")})
 
     def place(self, k: int = 0) -> str:
-        """Where one of the elements stands, in words."""
+        """Position of one of the elements in the file, in words."""
         return self.table.place(int(self.rows[k]))
 
 

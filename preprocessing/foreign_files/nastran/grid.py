@@ -18,7 +18,7 @@ FLUID = -1
 
 @dataclass(frozen=True)
 class Grid:
-    """Nodes in the order of the file, and the coordinate systems that were asked for."""
+    """Nodes in the order of the file, and the wanted coordinate systems."""
 
     labels: np.ndarray  # (n,)
     points: np.ndarray  # (n, 3) in the basic system
@@ -112,7 +112,7 @@ def _defaults(cards: Cards) -> tuple[int, int, int]:
 
 
 def _once(table: Table, given: _Given) -> _Given:
-    """Every node once: a copy at the same place counts for nothing.
+    """Nodes without copies: a copy at the same place counts for nothing.
 
     Raises
     ------

@@ -39,7 +39,7 @@ def properties_of(blocks: Sequence[Block]) -> set[int]:
 
 
 def set_groups(cards: Cards, grid: Grid, blocks: Sequence[Block]) -> tuple[list[Group], list[LeftOut]]:
-    """Groups under names such as `SET1 5`, and sets that are none."""
+    """Groups under names such as `SET1 5`, and remarks on sets that are none."""
     groups: dict[str, Elements] = {}
     left: dict[tuple[str, str], int] = {}
     for name in ("SET1", "SET3"):
@@ -51,7 +51,7 @@ def set_groups(cards: Cards, grid: Grid, blocks: Sequence[Block]) -> tuple[list[
 
 
 def _one(name: str, card: Card, grid: Grid, blocks: Sequence[Block], groups: dict[str, Elements]) -> str:
-    """Add what one card names; or why it is no group."""
+    """Add the group that one card names, or the reason why it is none."""
     words = [each for each in card.words() if each]
     of = words.pop(1) if name == "SET3" and len(words) > 1 else "GRID"
     if of not in ("GRID", "ELEM"):

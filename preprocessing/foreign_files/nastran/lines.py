@@ -37,12 +37,12 @@ class Lines:
         self.texts.extend(texts)
 
     def place(self, line: int) -> str:
-        """Where a line stands, in words."""
+        """Position of a line, in words."""
         start, path, before = self.pieces[bisect([first for first, _, _ in self.pieces], line) - 1]
         return f"{str(path)!r}, line {before + line - start + 1}"
 
     def error(self, line: int, what: str) -> InputError:
-        """The error that something is wrong with a line."""
+        """Error saying that something is wrong with a line."""
         return InputError(f"{self.place(line)}: {what}")
 
 

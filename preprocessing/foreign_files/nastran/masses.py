@@ -20,7 +20,7 @@ LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
 
 
 class Given(NamedTuple):
-    """A mass as its card gives it, in its coordinate system."""
+    """Mass as its card gives it, in its coordinate system."""
 
     table: Table
     row: int
@@ -59,7 +59,10 @@ def given_masses(cards: Cards, leave_out: frozenset[str]) -> list[Given]:
 
 
 def _conm2(table: Table) -> Iterator[Given]:
-    """Its products of inertia count as integrals of x y, so that the tensor has them with the other sign."""
+    """Masses of CONM2 cards.
+
+    A card's products of inertia count as integrals of x y, so that the tensor has them with the other sign.
+    """
     label, node, system, mass = table.whole(0), table.whole(1), table.whole(2, blank=0), table.real(3, blank=0.0)
     centre, parts = table.real(4, 7, blank=0.0), table.real(8, 14, blank=0.0)
     for k in range(len(table)):
@@ -107,7 +110,7 @@ def systems_of(masses: list[Given]) -> set[int]:
 
 
 def point_masses(masses: list[Given], cards: Cards, grid: Grid, in_body: np.ndarray, factor: float) -> list[PointMass]:
-    """The masses where they are in the basic system, times a factor, on the nodes of the body that carry them.
+    """Masses at their places in the basic system, times a factor, on the nodes of the body that carry them.
 
     Raises
     ------

@@ -19,7 +19,7 @@ ENDS = ("UM", "ALPHA", "THERM", "TREF")
 
 
 class Tie(NamedTuple):
-    """One rigid element."""
+    """Rigid element."""
 
     name: str
     place: str  # of the card, in words
@@ -123,7 +123,7 @@ def _number(text: str) -> int:
 
 
 def _translations(components: str) -> bool:
-    """Whether the three translations are among them."""
+    """Whether the three translations are among the components."""
     if not NUMBER.fullmatch(components):
         raise ValueError("no components")
     return set(components) >= set("123")

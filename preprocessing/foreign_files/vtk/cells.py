@@ -83,5 +83,5 @@ def grid_cells(path: Path, dimensions: tuple[int, ...]) -> Elements:
 
 
 def hidden(path: Path) -> InputError:
-    """The error of a mesh with ghosts."""
+    """Error of a mesh with ghosts."""
     return wrong_file(path, "it marks cells as ghosts or hidden (vtkGhostType)", "Export the whole body without ghost cells.")

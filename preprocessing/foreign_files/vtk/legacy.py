@@ -27,7 +27,7 @@ GRIDS = ("UNSTRUCTURED_GRID", "STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED
 
 
 class LegacyFile:
-    """A file of which one section after the other is read."""
+    """Legacy VTK file, of which one section after the other is read."""
 
     def __init__(self, path: Path, content: bytes) -> None:
         head = HEAD.match(content)
@@ -39,11 +39,11 @@ class LegacyFile:
 
     @property
     def line(self) -> int:
-        """The line that is read now; 0 in a binary file."""
+        """Number of the line that is read now; 0 in a binary file."""
         return 0 if self.binary else self.content.count(b"\n", 0, self.at) + 1
 
     def words(self) -> list[str]:
-        """The words of the next line that has some; none at the end of the file."""
+        """Words of the next line that has some; none at the end of the file."""
         while self.at < len(self.content):
             end = self.content.find(b"\n", self.at) + 1 or len(self.content)
             line, self.at = self.content[self.at : end], end
@@ -52,13 +52,13 @@ class LegacyFile:
         return []
 
     def whole(self, words: list[str], k: int) -> int:
-        """The k-th word of a line, which has to be a count."""
+        """Count from the k-th word of a line."""
         if len(words) <= k or not words[k].isascii() or not words[k].isdigit() or len(words[k]) > 15:
             raise wrong_file(self.path, f"{words[0]} is without its counts", REMEDY, max(self.line - 1, 0))
         return int(words[k])
 
     def numbers(self, n: int, kind: str) -> np.ndarray:
-        """The next n numbers of a type of VTK."""
+        """Next n numbers of a type of VTK."""
         if kind.lower() not in NUMBERS:
             raise wrong_file(self.path, "a list of numbers is of a type that VTK does not have", REMEDY, max(self.line - 1, 0))
         dtype = np.dtype(NUMBERS[kind.lower()]).newbyteorder(">")
@@ -103,7 +103,7 @@ def legacy_vtk(path: Path, leave_out: frozenset[str]) -> MeshContents:
 
 
 def _section(file: LegacyFile, words: list[str]) -> bool:
-    """Read a section of the grid; whether there may be more."""
+    """Read a section of the grid; returns whether there may be more."""
     name = words[0].upper() if words else ""
     if name in ("", "POINT_DATA", "CELL_DATA"):
         return False
@@ -152,7 +152,7 @@ def _dimensions(file: LegacyFile, words: list[str]) -> None:
 
 
 def _three(file: LegacyFile, words: list[str]) -> None:
-    """ORIGIN and SPACING: three numbers in the line itself."""
+    """Three numbers in the line itself, of ORIGIN and SPACING."""
     name = "SPACING" if words[0].upper() == "ASPECT_RATIO" else words[0].upper()
     file.found[name] = numbers_of_text(file.path, " ".join(words[1:]).encode(), file.line, REMEDY)
 
@@ -162,7 +162,7 @@ def _axis(file: LegacyFile, words: list[str]) -> None:
 
 
 def _field(file: LegacyFile, words: list[str]) -> None:
-    """Arrays that belong to the whole file, such as a time; they are read in order to find what follows."""
+    """Read arrays that belong to the whole file, such as a time, in order to find what follows."""
     for _ in range(file.whole(words, 2)):
         array = file.words()
         if array[:1] == ["METADATA"]:
@@ -174,7 +174,7 @@ def _field(file: LegacyFile, words: list[str]) -> None:
 
 
 def _metadata(file: LegacyFile, _words: list[str]) -> None:
-    """Names of components, up to an empty line."""
+    """Read names of components, up to an empty line."""
     end = file.content.find(b"\n\n", file.at)
     file.at = len(file.content) if end < 0 else end + 2
 

@@ -32,7 +32,7 @@ COMPRESSORS: dict[str, Callable[[bytes], bytes]] = {
 
 
 class XmlFile(NamedTuple):
-    """A file: its XML, and the bytes behind it."""
+    """VTK file in XML: its XML, and the bytes behind it."""
 
     path: Path
     root: ElementTree.Element
@@ -73,7 +73,7 @@ def xml_vtk(path: Path, leave_out: frozenset[str]) -> MeshContents:
 
 
 def _opened(path: Path) -> XmlFile:
-    """The XML of a file, from which numbers that are no XML are cut out."""
+    """XML of a file, from which numbers that are no XML are cut out."""
     content = read_whole(path, LARGEST_FILE)
     raw = RAW.search(content)
     end = content.rfind(b"</AppendedData>") if raw else -1
@@ -89,7 +89,7 @@ def _opened(path: Path) -> XmlFile:
 
 
 def _unbroken(text: str | None) -> bytes:
-    """A text without blanks and ends of lines."""
+    """Text without blanks and ends of lines."""
     return "".join((text or "").split()).encode()
 
 

@@ -22,7 +22,7 @@ from toolkit.foundation.errors import InputError
 
 
 class Form(NamedTuple):
-    """The faces of an element and its edges by their corners, the edges in the order of the nodes in their middles."""
+    """Faces of an element and its edges by their corners, the edges in the order of the nodes in their middles."""
 
     faces: tuple[tuple[int, ...], ...]  # anticlockwise seen from outside; in the plane the element itself
     edges: tuple[tuple[int, ...], ...]
@@ -35,9 +35,9 @@ FORMS = {
     "wedge": Form(WEDGE, WEDGE_EDGES),
     "hexahedron": Form(HEXAHEDRON, HEXAHEDRON_EDGES),
 }
-"""By the kind without the number of its nodes."""
+"""Forms of elements by their kind without the number of its nodes."""
 MADE = {(3,): "triangle", (3, 3, 3, 3): "tetra", (3, 3, 4, 4, 4): "wedge", (3, 3, 3, 3, 4): "pyramid"}
-"""What an element is whose faces have these numbers of corners."""
+"""Kind of an element by the numbers of corners of its faces."""
 QUADRATIC = {"triangle": "triangle6", "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid"}
 """The same with nodes in the middle of its edges."""
 AT_ONCE = 20_000
@@ -48,7 +48,7 @@ Meaning = tuple[str, list[int]]
 
 
 def uncollapsed(path: Path, raw: MeshContents) -> MeshContents:
-    """The contents of a mesh file, its groups too, with every collapsed element as what it is.
+    """Contents of a mesh file, its groups too, with every collapsed element as what it is.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def uncollapsed(path: Path, raw: MeshContents) -> MeshContents:
 
 
 def _told(kind: str, made: str, number: int) -> str:
-    """What the user should know of collapsed elements."""
+    """Remarks on collapsed elements that the user should know."""
     stiffer = (
         " Programs that integrate them as they stand, as CalculiX does, make them stiffer." if made in QUADRATIC.values() else ""
     )
@@ -77,7 +77,7 @@ def _told(kind: str, made: str, number: int) -> str:
 
 
 def _split(kind: str, elements: np.ndarray) -> Elements:
-    """Elements of one kind by the kinds that they are, each in the order of the file."""
+    """Elements of one kind by the kinds that they really are, each in the order of the file."""
     repeated = _repeat(elements) if kind.rstrip("0123456789") in FORMS and kind in KNOWN else np.zeros(len(elements), bool)
     if not repeated.any():
         return [(kind, elements)]
@@ -105,12 +105,12 @@ def _repeat(elements: np.ndarray) -> np.ndarray:
 
 
 def _first_places(elements: np.ndarray) -> np.ndarray:
-    """For every node of elements (n_e, n_local), where the element has it first."""
+    """Place at which each element first has every one of its nodes, for elements (n_e, n_local)."""
     return np.column_stack([(elements == column[:, None]).argmax(axis=1) for column in elements.T]).astype(np.uint8)
 
 
 def _meaning(kind: str, pattern: list[int]) -> Meaning:
-    """What elements of a kind are that repeat nodes; the pattern tells for every node where it stands first."""
+    """Kind that an element with repeated nodes really is, and its nodes; the pattern gives each node's first place."""
     none, form = ("", [*range(len(pattern))]), FORMS[kind.rstrip("0123456789")]
     n = 1 + max(corner for face in form.faces for corner in face)
     faces = [ring for face in form.faces if len(ring := _ring([pattern[corner] for corner in face])) > 2]
@@ -152,7 +152,7 @@ def _corners(made: str, faces: Sequence[list[int]]) -> list[int]:
 
 
 def _middles(form: Form, n: int, pattern: list[int]) -> dict[frozenset[int], int]:
-    """Both corners of every edge that is left -> the node in its middle; nothing where nodes are not as they should be."""
+    """Node in the middle of every edge that is left, by both corners; empty where nodes are not as they should be."""
     found: dict[frozenset[int], int] = {}
     for (a, b), middle in zip(form.edges, pattern[n:], strict=True):
         ends = frozenset((pattern[a], pattern[b]))

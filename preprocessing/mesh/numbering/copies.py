@@ -14,7 +14,7 @@ DENSE = 16
 
 
 def distinct(arrays: Sequence[np.ndarray], n: int) -> np.ndarray:
-    """Those of the numbers 0 to n - 1 that occur in arrays, in rising order."""
+    """Numbers from 0 to n - 1 that occur in arrays, in rising order."""
     if DENSE * sum(each.size for each in arrays) < n:
         return np.unique(np.concatenate([np.zeros(0, np.int64), *(each.ravel() for each in arrays)]))
     there = np.zeros(n, bool)
@@ -24,23 +24,23 @@ def distinct(arrays: Sequence[np.ndarray], n: int) -> np.ndarray:
 
 
 def joined(arrays: Sequence[np.ndarray]) -> np.ndarray:
-    """Rows of all arrays, of a single one without a copy."""
+    """Rows of all arrays, without a copy if there is a single one."""
     return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
 
 
 class Renumbering(NamedTuple):
-    """The new numbers of nodes of which some were left out."""
+    """New numbers of nodes of which some were left out."""
 
     table: np.ndarray  # (n,) new number, or -1
     whole: bool  # whether none was left out
 
     def of(self, nodes: np.ndarray) -> np.ndarray:
-        """New numbers; where none was left out the array itself."""
+        """New numbers of given nodes; where none was left out the array itself."""
         return nodes if self.whole else self.table[nodes]
 
     @classmethod
     def keeping(cls, used: np.ndarray, n: int) -> Renumbering:
-        """The numbers of those of n nodes that are used, in their order."""
+        """Renumbering that keeps those of n nodes that are used, in their order."""
         table = np.full(n, -1)
         table[used] = np.arange(len(used))
         return cls(table, len(used) == n)
@@ -68,7 +68,7 @@ def first_of_copies(elements: np.ndarray) -> np.ndarray:
 
 
 def _scrambled_sums(elements: np.ndarray) -> np.ndarray:
-    """One number of 64 bits for the nodes of each element, whatever their order."""
+    """Hash of 64 bits of the nodes of each element, whatever their order."""
     total = np.zeros(len(elements), np.uint64)
     for column in elements.T:
         total += _scrambled(column.astype(np.uint64))
@@ -76,7 +76,7 @@ def _scrambled_sums(elements: np.ndarray) -> np.ndarray:
 
 
 def _scrambled(numbers: np.ndarray) -> np.ndarray:
-    """SplitMix64."""
+    """Hash of every number by SplitMix64."""
     z = (numbers + np.uint64(1)) * GAMMA
     z = (z ^ (z >> np.uint64(30))) * FIRST
     z = (z ^ (z >> np.uint64(27))) * SECOND
@@ -84,12 +84,12 @@ def _scrambled(numbers: np.ndarray) -> np.ndarray:
 
 
 def _in_order(elements: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """The nodes of some elements in rising order."""
+    """Nodes of some elements in rising order."""
     return np.sort(elements[which], axis=1)
 
 
 def _compared(elements: np.ndarray) -> np.ndarray:
-    """The same as `first_of_copies`, where different elements have one sum."""
+    """First elements among copies, as `first_of_copies`, where different elements have one sum."""
     found = np.zeros(len(elements), bool)
     found[np.unique(np.sort(elements, axis=1), axis=0, return_index=True)[1]] = True
     return found

@@ -74,7 +74,7 @@ def refuse_exchanged(path: Path, nodes: np.ndarray, blocks: Mapping[str, np.ndar
 
 
 def _exchanged(kind: str, places: np.ndarray) -> np.ndarray:
-    """Which elements, by the places of their nodes (n_e, n_local, d), have such nodes."""
+    """Which elements have nodes between their corners in another order, by the nodes' places (n_e, n_local, d)."""
     corners, between = BETWEEN[kind]
     middles = np.stack([places[:, list(each)].mean(axis=1) for each in between], axis=1)
     found, further = np.zeros(len(places), bool), places[:, corners:]
@@ -92,7 +92,7 @@ def _exchanged(kind: str, places: np.ndarray) -> np.ndarray:
 
 
 def _length(arms: np.ndarray) -> np.ndarray:
-    """Of vectors (n, d), (n,)."""
+    """Lengths (n,) of vectors (n, d)."""
     return np.sqrt(np.einsum("nd,nd->n", arms, arms))
 
 
@@ -129,7 +129,7 @@ def _unlike(key: np.ndarray, middle: np.ndarray, n_nodes: int) -> np.ndarray:
 
 
 def _edges(kind: str, elements: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of every edge of every element one number that says its corners, and the node in its middle or -1."""
+    """Number of every edge of every element, made of its corners, and the node in its middle or -1."""
     edges = np.array(FORMS[kind.rstrip("0123456789")].edges)
     ends = elements[:, edges]
     key = (ends.min(axis=2) * n_nodes + ends.max(axis=2)).ravel()
@@ -140,7 +140,7 @@ def _edges(kind: str, elements: np.ndarray, n_nodes: int) -> tuple[np.ndarray, n
 
 
 def _count(numbers: np.ndarray) -> int:
-    """How many different ones there are."""
+    """Number of different values."""
     if not len(numbers):
         return 0
     rising = np.sort(numbers)

@@ -14,7 +14,7 @@ WINDOW, SIZE = 6.0, 9.0  # radius of the hole in the middle, and of the elements
 
 
 def arm(occ: Any) -> int:
-    """The volume: a hull of two eyes, three holes, and a thickness."""
+    """Volume of the arm: a hull of two eyes, three holes, and a thickness."""
     low = -THICKNESS / 2
     eyes = [(2, occ.addDisk(x, 0, low, radius, radius)) for x, radius in zip((0.0, LENGTH), EYE, strict=True)]
     corners = [occ.addPoint(x, y, low) for x, y in ((0, -EYE[0]), (LENGTH, -EYE[1]), (LENGTH, EYE[1]), (0, EYE[0]))]

@@ -29,7 +29,7 @@ from toolkit.foundation.units import UNIT_SYSTEMS, unit
 
 
 def mesh_files(path: Path, reserved: Collection[str]) -> dict[str, bytes]:
-    """Place relative to the mesh's folder -> content, of a mesh and of all files that it includes or draws on.
+    """Content of a mesh file and of all files that it includes or draws on, by place relative to the mesh's folder.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def mesh_files(path: Path, reserved: Collection[str]) -> dict[str, bytes]:
 
 
 def _place(path: Path, mesh: Path, each: Path) -> str:
-    """Where a file that the mesh draws on lies, as seen from the mesh's folder."""
+    """Place of a file that the mesh draws on, as seen from the mesh's folder."""
     place = Path(os.path.relpath(each, mesh.parent))
     if each.is_absolute() or place.parts[0] == os.pardir:
         how = "by its absolute path" if each.is_absolute() else "outside of its own folder"
@@ -72,7 +72,7 @@ def _content(each: Path) -> bytes:
 
 
 DENSITY, MODULUS = 2700.0, 70e9
-"""Of aluminium, in kg/m^3 and Pa."""
+"""Density and Young's modulus of aluminium, in kg/m^3 and Pa."""
 WEIGHT, THIN = 0.5, 0.1
 """Mass at the tip, in parts of the body's; thickness of a plane body, in parts of its length."""
 SWIFT = 0.14
@@ -86,7 +86,7 @@ LIKELY = (1e-3, 20.0)
 
 @dataclass(frozen=True)
 class Solid:
-    """A mesh as it will lie in the folder, and the groups that the body is held and gripped at."""
+    """Mesh as it will lie in the folder, and the groups that the body is held and gripped at."""
 
     name: str  # of its file
     files: dict[str, bytes]  # place in the folder -> content, of this file and of all that it includes
@@ -130,7 +130,7 @@ def new_solid(
 
 
 def size_question(mesh: str | Path, units: str) -> str:
-    """A sentence about a mesh whose size makes one ask whether its numbers are in the length of the units; empty if it does not."""
+    """Sentence on a mesh whose size makes its unit of length doubtful; empty if it does not."""
     length = unit(units, "length")
     size = read_mesh(Path(mesh)).size / PER_METRE[units]
     if LIKELY[0] <= size <= LIKELY[1]:
@@ -143,7 +143,7 @@ def size_question(mesh: str | Path, units: str) -> str:
 
 
 def _own(path: Path, clamp: str, grip: str) -> Solid:
-    """A mesh from a file, whose groups are checked."""
+    """Mesh from a file, whose groups are checked."""
     if not path.is_file():
         raise InputError(f"there is no mesh {str(path)!r}. Fix the path, or leave --mesh out: then an arm is drawn.")
     read = read_mesh(path)
@@ -159,7 +159,7 @@ def _own(path: Path, clamp: str, grip: str) -> Solid:
 
 
 def drawn_arm() -> tuple[Solid, dict[str, bytes]]:
-    """The arm, and the script that has drawn it."""
+    """Mesh of the arm, and the script that has drawn it."""
     load_gmsh()  # says what to install if it is not there
     from preprocessing.projects.solid import arm
 
@@ -174,7 +174,7 @@ are there to be quick: the stress is off by some 14 % in the energy norm, with S
 
 
 def _numbers(solid: Solid, folder: Path, units: str, drawn: bool) -> dict[str, object]:
-    """What the mesh and the units decide."""
+    """Numbers of the templates that the mesh and the units decide."""
     mesh, length, kilogram = solid.mesh, PER_METRE[units], PER_KILOGRAM[units]
     ends = [mesh.nodes[nodes_in(mesh, Region(group=group))] for group in (solid.clamp, solid.grip)]
     plane, size = mesh.dimension == 2, mesh.size

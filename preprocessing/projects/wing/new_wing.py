@@ -38,7 +38,7 @@ FRACTION = 1.1
 """Largest x that can be meant as a fraction of the chord."""
 
 ELEMENTS, ON_SKIN = 30, {"C": 10, "E": 25}
-"""Of the skin; and behind how many of them, from F on, its joints are in the reference wing."""
+"""Number of elements of the skin, and how many of them, from F on, are before its joints in the reference wing."""
 BACK, FARTHEST = -0.05, -0.95
 """Part of an element by which a joint is nearer to F than that, and by which the study may move it there: between elements the skin has
 kinks, and no derivative along it. Farther from F the linkage is near to its snap-through."""
@@ -51,14 +51,14 @@ much is left beside the skin, wherever along the chord the joint is moved to."""
 
 @dataclass(frozen=True)
 class AirfoilFile:
-    """An airfoil file, and what its numbers are in: one of `UNITS`, or None for fractions of the chord unless they cannot be."""
+    """Airfoil file, and the unit of its numbers: one of `UNITS`, or None for fractions of the chord unless they cannot be."""
 
     path: Path
     units: str | None
     option: str = "--units"  # that would say it
 
     def contour(self, chord: float) -> Contour:
-        """The section in mm.
+        """Contour of the section in mm.
 
         Raises
         ------
@@ -77,13 +77,13 @@ class AirfoilFile:
 
 
 def _in_units(chord: float, units: str | None) -> float | None:
-    """A chord in mm in the unit of length that a file is in; None for parts of the chord."""
+    """Chord in mm in the unit of length that a file is in; None for parts of the chord."""
     return {"mm": chord, "m": chord / 1000}.get(units or "")
 
 
 @dataclass(frozen=True)
 class Section:
-    """The section of the new wing, in mm."""
+    """Section of the new wing, in mm."""
 
     contour: Contour
     skin: Skin
@@ -91,13 +91,13 @@ class Section:
 
     @classmethod
     def of(cls, airfoil: AirfoilFile, chord: float) -> Section:
-        """Read the airfoil and cut its skin at F and G."""
+        """Section from the airfoil, with its skin cut at F and G."""
         contour = airfoil.contour(chord)
         start, end = (contour.at_x(CLAMP * chord, side) for side in ("upper", "lower"))
         return cls(contour, Skin(contour, start, end), chord)
 
     def along(self, name: str, part: float = BACK) -> float:
-        """Place of a joint of the skin along it from F, at a part of its element."""
+        """Place of a joint of the skin, as arc length from F, at a part of its element."""
         return float(f"{(ON_SKIN[name] + part) * self.skin.length / ELEMENTS:.6g}")
 
     def joint(self, along: float, height: float) -> list[float]:
@@ -146,7 +146,7 @@ def new_wing(
 
 
 def _known(units: str | None, option: str = "--units") -> str | None:
-    """What a skin file calls units that were asked for."""
+    """Units by the name that a skin file gives them."""
     choices = {"fraction": "chord", **{name: name for name in UNITS[1:]}}
     if units is not None and units not in choices:
         raise InputError(f"{option} {units} is unknown. Take one of {', '.join(choices)}.")
@@ -154,7 +154,7 @@ def _known(units: str | None, option: str = "--units") -> str | None:
 
 
 def _chord_of(airfoil: AirfoilFile, chord: float | None) -> float:
-    """The chord in mm that was asked for, or that of a file of lengths."""
+    """Chord in mm that was asked for, or that of a file of lengths."""
     if chord is None:
         factor = {"mm": 1.0, "m": 1000.0}.get(airfoil.units or "")
         chord = REFERENCE_CHORD if factor is None else factor * largest_x(airfoil.path)
@@ -171,7 +171,7 @@ def _chord_of(airfoil: AirfoilFile, chord: float | None) -> float:
 
 
 def _target(section: Section, file: AirfoilFile | None) -> bytes:
-    """The target's file, if it fits to the skin; or a droop of the nose."""
+    """File of the target, if it fits to the skin; or a droop of the nose."""
     if file is not None:
         section.skin.target_positions(file.contour(section.chord), np.linspace(0, section.skin.length, 31))
         return file.path.read_bytes()
@@ -181,7 +181,7 @@ def _target(section: Section, file: AirfoilFile | None) -> bytes:
 
 
 def _units(airfoil: AirfoilFile, target: AirfoilFile | None) -> str:
-    """What skin.toml says of the units of both files."""
+    """Lines of skin.toml on the units of both files."""
     drooped_in = "chord" if target is None else target.units or "chord"
     own = airfoil.units or "chord"
     lines = [f'units = "{own}"  # of the numbers in airfoil.dat\n'] if own != "chord" else []
@@ -190,7 +190,7 @@ def _units(airfoil: AirfoilFile, target: AirfoilFile | None) -> str:
 
 
 def _texts(section: Section, folder: Path, airfoil: AirfoilFile, target: AirfoilFile | None) -> dict[str, bytes]:
-    """Skin, scene and README; all lengths go with the chord, the torque with its cube: the stresses stay."""
+    """Texts of skin, scene and README; lengths follow the chord, the torque its cube, so that stresses stay."""
     scale = section.chord / REFERENCE_CHORD
     torque = float(f"{4200 * scale**3:.4g}")
     numbers = {
@@ -210,7 +210,7 @@ def _texts(section: Section, folder: Path, airfoil: AirfoilFile, target: Airfoil
 
 
 def _bounds(section: Section, torque: float, thickness: float) -> dict[str, str]:
-    """What the study may change, and how far."""
+    """Bounds of the numbers that the study may change."""
     lines = []
     for name, (along, height) in LINKAGE.items():
         (x, y), chord = section.joint(along, height), section.chord

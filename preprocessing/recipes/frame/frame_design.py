@@ -28,7 +28,7 @@ _ABOVE = np.array([0.0, 0.0, 1.0])
 
 
 def places(file: FrameFile) -> dict[str, tuple[Any, ...]]:
-    """Parameter -> keys that lead to it in frame.toml."""
+    """Keys in frame.toml that lead to each parameter."""
     found: dict[str, tuple[Any, ...]] = {
         f"{key}_{name}": ("materials", name, key) for name in file.materials for key in _material(file)
     }
@@ -41,12 +41,12 @@ def places(file: FrameFile) -> dict[str, tuple[Any, ...]]:
 
 
 def _material(file: FrameFile) -> dict[str, str]:
-    """Numbers of a material: beams in the plane do not twist, but shear may deform them."""
+    """Constants of a material: beams in the plane do not twist, but shear may deform them."""
     return {key: quantity for key, quantity in _MATERIAL.items() if file.dimension == 3 or file.shear or key != "poisson_ratio"}
 
 
 def quantities(file: FrameFile) -> dict[str, str]:
-    """Parameter -> what it is, for its unit."""
+    """Physical quantity of each parameter, for its unit."""
     found = {}
     for parameter, (table, *rest) in places(file).items():
         if table == "sections":
@@ -57,7 +57,7 @@ def quantities(file: FrameFile) -> dict[str, str]:
 
 
 def frame_space(file: FrameFile) -> DesignSpace:
-    """All designs of the frame."""
+    """Design space of the frame."""
     values = _values(file)
     tables = (*_OF_NODES, "sections") if file.shear else _OF_NODES
     by_steps = {name for name, (table, *rest) in places(file).items() if table in tables or rest[-1] == "poisson_ratio"}
@@ -65,7 +65,7 @@ def frame_space(file: FrameFile) -> DesignSpace:
 
 
 def frame_elements(file: FrameFile, design: Mapping[str, Any]) -> Discretisation:
-    """The finite elements at one design, which gives every parameter a value, real or complex."""
+    """Finite elements at one design, which gives every parameter a value, real or complex."""
     beams = frame_beams(file, design)
     at_nodes = {name: node_number(file, point.node) for name, point in file.interface_points.items()}
     return Discretisation(beams, at_nodes)
@@ -77,7 +77,7 @@ def node_number(file: FrameFile, name: str) -> int:
 
 
 def frame_beams(file: FrameFile, design: Mapping[str, Any]) -> SpatialBeam | PlanarBeam:
-    """The named nodes, then those between the ends of each beam; elements in the order of the beams."""
+    """Named nodes, then those between the ends of each beam; elements in the order of the beams."""
     places = positions(file.nodes, file.polar_nodes, design)
     names, corners = list(places), np.array(list(places.values()))
     nodes, connectivity, count = [corners], [], len(corners)
@@ -100,20 +100,20 @@ def frame_beams(file: FrameFile, design: Mapping[str, Any]) -> SpatialBeam | Pla
 
 
 def _orientation(beam: BeamTable, along: np.ndarray) -> np.ndarray:
-    """As given, or else z; x of beams along z."""
+    """Orientation of a beam: as given, or else z; x of beams along z."""
     if beam.orientation is not None:
         return np.array(beam.orientation)
     return np.roll(_ABOVE, 1) if np.linalg.norm(np.cross(along, _ABOVE)) <= ALONG * np.linalg.norm(along) else _ABOVE
 
 
 def _values(file: FrameFile) -> dict[str, float]:
-    """Parameter -> its value in the file."""
+    """Value of each parameter in the file."""
     content: Any = file.model_dump(by_alias=True)
     return {parameter: reduce(getitem, keys, content) for parameter, keys in places(file).items()}
 
 
 def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[BeamPatch]:
-    """The elements of every section in space, which also twist."""
+    """Patches of the elements of every section in space, which also twist."""
     found = []
     for name, patch in _sections(file):
         shear = 1 / (2 * (1 + design[f"poisson_ratio_{file.sections[name].material}"]))
@@ -122,7 +122,7 @@ def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[BeamPatch]:
 
 
 def _sheared(file: FrameFile, name: str, design: Mapping[str, Any]) -> Sheared | None:
-    """The numbers of a section, if shear deforms it."""
+    """Dimensions of a section as numbers, if shear deforms it."""
     section = file.sections[name]
     if not file.shear or section.kappa is None:
         return None
@@ -131,7 +131,7 @@ def _sheared(file: FrameFile, name: str, design: Mapping[str, Any]) -> Sheared |
 
 
 def _sections(file: FrameFile) -> Iterator[tuple[str, Patch]]:
-    """Every section with its elements, and the parameters that they take their quantities from."""
+    """Sections with their elements, and the parameters that they take their quantities from."""
     section_of = np.repeat([beam.section for beam in file.beams], [beam.elements for beam in file.beams])
     for name, section in file.sections.items():
         own = {key: f"{key}_{name}" for key in section.dimensions}

@@ -24,7 +24,7 @@ from preprocessing.recipes.tables import BasisTable, Damping, InterfaceName, Tab
 ALONG = 1e-6
 """Sine of the angle between a beam and the orientation of its section below which it says nothing."""
 MOST_ELEMENTS = 500
-"""Of the whole frame, whose matrices are dense in the reduction."""
+"""Largest number of elements of a frame, whose matrices are dense in the reduction."""
 
 
 class FrameFile(Table):
@@ -53,16 +53,16 @@ class FrameFile(Table):
 
     @property
     def places(self) -> dict[str, np.ndarray]:
-        """Name -> place (d,) of every node."""
+        """Place (d,) of every node, by name."""
         return positions(self.nodes, self.polar_nodes)
 
     @property
     def warnings(self) -> list[str]:
-        """What can be meant, but may also be forgotten: beams and nodes that touch without being connected."""
+        """Warnings of beams and nodes that touch without being connected, which may be intended or forgotten."""
         return loose_contacts(self.beams, self.places)
 
     def _unknown(self) -> Iterator[str]:
-        """Names that do not exist."""
+        """Complaints about names that do not exist."""
         used = [
             (f"beams.{k}.{key}", name, "node")
             for k, b in enumerate(self.beams)
@@ -79,7 +79,7 @@ class FrameFile(Table):
                 yield f"{key}: there is no {kind} {name!r}; there are {', '.join(existing) or 'none'}"
 
     def _misplaced(self) -> Iterator[str]:
-        """What belongs to the plane or to space alone."""
+        """Complaints about keys that belong to the plane or to space alone."""
         plane = self.dimension == 2
         for name, place in self.nodes.items():
             if len(place) != self.dimension:
@@ -108,7 +108,7 @@ class FrameFile(Table):
                 yield f"beams.{k}.orientation: the thickness of a beam in the plane (dimension = 2) lies in the plane; leave it out"
 
     def _shear_factors(self) -> Iterator[str]:
-        """Factors that nothing needs, or that are missing."""
+        """Complaints about shear factors that are not needed, or that are missing."""
         for name, section in self.sections.items():
             if self.shear and section.kappa is None:
                 yield f"sections.{name}.shear_factor: this key is missing; a {section.kind} has no factor that goes for all of them"
@@ -116,7 +116,7 @@ class FrameFile(Table):
                 yield f"sections.{name}.shear_factor: shear does not deform these beams; write shear = true, or leave the key out"
 
     def _shapeless(self) -> Iterator[str]:
-        """Beams without a length or with an orientation along them."""
+        """Complaints about beams without a length or with an orientation along them."""
         places = self.places
         size = max(np.linalg.norm(np.ptp(list(places.values()), axis=0)), np.finfo(float).tiny)
         for k, beam in enumerate(self.beams):
@@ -132,11 +132,11 @@ class FrameFile(Table):
             yield f"beams: all together have more than {MOST_ELEMENTS} elements; give them fewer"
 
     def _doubled(self) -> Iterator[str]:
-        """Beams that lie on each other."""
+        """Complaints about beams that lie on each other."""
         yield from doubled(self.beams, self.places)
 
     def _loose(self) -> Iterator[str]:
-        """Nodes that no beams connect with the others."""
+        """Complaints about nodes that no beams connect with the others."""
         reached = {self.beams[0].start}
         for _ in self.beams:
             for beam in self.beams:

@@ -15,7 +15,7 @@ POLAR = {"length": "length", "angle": "angle"}
 
 
 def node_values(nodes: Mapping[str, Sequence[float]], polar: Mapping[str, PolarNode]) -> dict[str, float]:
-    """Parameter -> its value: `x_A` of a node with coordinates, `length_B` and `angle_B` of one without."""
+    """Values of the nodes' parameters: `x_A` of a node with coordinates, `length_B` and `angle_B` of one without."""
     found = {f"{axis}_{name}": value for name, place in nodes.items() for axis, value in zip(AXES, place, strict=False)}
     return found | {f"{key}_{name}": getattr(each, key) for name, each in polar.items() for key in POLAR}
 
@@ -23,7 +23,7 @@ def node_values(nodes: Mapping[str, Sequence[float]], polar: Mapping[str, PolarN
 def positions(
     nodes: Mapping[str, Sequence[float]], polar: Mapping[str, PolarNode], design: Mapping[str, Any] | None = None
 ) -> dict[str, np.ndarray]:
-    """Name -> place (d,) at a design, by default that of the file, real or complex; first those with coordinates."""
+    """Places (d,) of all nodes at a design, by default that of the file, real or complex; those with coordinates first."""
     values = node_values(nodes, polar) if design is None else design
     found = {name: np.array([values[f"{axis}_{name}"] for axis in AXES[: len(place)]]) for name, place in nodes.items()}
     for name in _in_order(polar, found):
@@ -33,12 +33,12 @@ def positions(
 
 
 def hanging_in_the_air(nodes: Mapping[str, Any], polar: Mapping[str, PolarNode]) -> list[str]:
-    """Nodes that no way leads to from one with coordinates."""
+    """Names of nodes that do not lead back to one with coordinates."""
     return [name for name in polar if name not in set(_in_order(polar, nodes))]
 
 
 def _in_order(polar: Mapping[str, PolarNode], known: Mapping[str, Any]) -> Iterator[str]:
-    """Names, each behind that of the node that it starts from."""
+    """Names of nodes, each behind that of the node that it starts from."""
     placed, waiting = set(known), dict(polar)
     while ready := [name for name, each in waiting.items() if each.start in placed]:
         placed.update(ready)

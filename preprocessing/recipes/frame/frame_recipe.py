@@ -19,7 +19,7 @@ from toolkit.reduced_model.model import Mesh
 
 
 class FrameRecipe(Recipe[FrameFile]):
-    """A frame of beams."""
+    """Recipe of a frame of beams."""
 
     name = "frame.toml"
     schema = FrameFile
@@ -65,14 +65,14 @@ class FrameRecipe(Recipe[FrameFile]):
 
 
 def _picture(found: Reduced, beams: SpatialBeam | PlanarBeam, line: np.ndarray) -> dict[str, Any]:
-    """In the plane the mesh, in space the surface."""
+    """Field of the reduced model for pictures: the mesh in the plane, the surface in space."""
     if isinstance(beams, SpatialBeam):
         return beam_surface(found, beams)
     return {"mesh": Mesh(beams.nodes, beams.connectivity, found.basis.z, line, np.zeros((0, 2)))}
 
 
 def outline(file: FrameFile) -> np.ndarray:
-    """A line (n, d) along all beams, there and back where they branch."""
+    """Line (n, d) along all beams, there and back where they branch."""
     places, left = file.places, list(file.beams)
 
     def walk(name: str) -> Iterator[np.ndarray]:

@@ -97,17 +97,17 @@ class FrameSection(Table):
 
     @property
     def dimensions(self) -> dict[str, float]:
-        """The numbers of the section by their names."""
+        """Dimensions of the section by their names."""
         return {name: getattr(self, name) for name in DIMENSIONS[self.kind]}
 
     @property
     def kappa(self) -> float | None:
-        """Part of the area that carries a shear force: as given, or as of full sections."""
+        """Shear factor, the part of the area that carries a shear force: as given, or as of full sections."""
         return SHEAR_FACTORS.get(self.kind) if self.shear_factor is None else self.shear_factor
 
     @property
     def shape(self) -> SectionShape:
-        """Its polynomials."""
+        """Polynomials of the section."""
         if self.kind == "rectangle":
             return rectangle(thin=(self.thickness or 0) <= (self.width or 0))
         if self.kind == "general":

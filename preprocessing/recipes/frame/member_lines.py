@@ -18,11 +18,11 @@ SAME_LINE = 1e-4
 TOUCHING = 1e-3
 """Distance, in lengths of a beam, below which a node or another beam touches it: less than any beam is thick."""
 NAMED = 3
-"""How many of the places that are alike are named; the others are counted."""
+"""Number of similar places that are named; the others are counted."""
 
 
 class Lines(NamedTuple):
-    """The middle lines of all beams."""
+    """Middle lines of all beams."""
 
     beams: Sequence[BeamTable]
     nodes: Mapping[str, np.ndarray]  # name -> place (d,)
@@ -32,13 +32,13 @@ class Lines(NamedTuple):
 
     @classmethod
     def of(cls, beams: Sequence[BeamTable], nodes: Mapping[str, np.ndarray]) -> Self:
-        """The lines of beams between named nodes."""
+        """Middle lines of beams between named nodes."""
         start = np.array([nodes[beam.start] for beam in beams])
         along = np.array([nodes[beam.end] for beam in beams]) - start
         return cls(beams, nodes, start, along, np.linalg.norm(along, axis=1))
 
     def name(self, k: int) -> str:
-        """The key of a beam, and its nodes."""
+        """Words for a beam: its key and its nodes."""
         return f"beams.{k} (from {self.beams[k].start} to {self.beams[k].end})"
 
     def connected(self, k: int, m: int) -> bool:
@@ -56,7 +56,7 @@ def doubled(beams: Sequence[BeamTable], nodes: Mapping[str, np.ndarray]) -> Iter
 
 
 def loose_contacts(beams: Sequence[BeamTable], nodes: Mapping[str, np.ndarray]) -> list[str]:
-    """What touches without a common node and so is not connected: nodes at one place, nodes on beams, beams that cross."""
+    """Warnings of contacts without a common node: nodes at one place, nodes on beams, beams that cross."""
     lines = Lines.of(beams, nodes)
     found = {
         "nodes are at one place without being connected": (_nodes_at_one_place(lines), "If they are one node, give it one name."),
@@ -86,7 +86,7 @@ def _shared_length(lines: Lines, k: int) -> np.ndarray:
 
 
 def _twice(lines: Lines, k: int, m: int, shared: float) -> str:
-    """The complaint about two beams that lie on each other."""
+    """Complaint about two beams that lie on each other."""
     one, two = lines.beams[k], lines.beams[m]
     if {one.start, one.end} == {two.start, two.end}:
         return (
@@ -129,7 +129,7 @@ def _crossings(lines: Lines) -> Iterator[str]:
 
 
 def _nearest(lines: Lines, k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Where beam k and each of those before it are nearest, as parts of their lengths, and their distance there; (k,) each."""
+    """Nearest points of beam k and each beam before it, as parts of their lengths, and their distance; (k,) each."""
     one, two = lines.along[k], lines.along[:k]
     gap = lines.start[:k] - lines.start[k]
     mixed, squares = two @ one, lines.length[:k] ** 2

@@ -35,7 +35,9 @@ def polygon_beam(
     basis: BasisChoice = FULL,
     rotary_inertia: bool = True,
 ) -> ReducedModel:
-    """A beam along a polygon, one Euler-Bernoulli element per side, its frame tied to the first node or, by the basis, to a chord.
+    """Beam along a polygon, one Euler-Bernoulli element per side.
+
+    Its frame is tied to the first node or, by the basis, to a chord.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ _KEYS = {
     "chord": ("airfoil", "chord"),
     "y_scale": ("airfoil", "y_scale"),
 }
-"""Where the body's own parameters stand in skin.toml."""
+"""Keys of the body's own parameters in skin.toml."""
 
 
 def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) -> None:
@@ -45,7 +45,7 @@ def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) 
 
 
 def _place(file: SkinFile, name: str) -> tuple[str, ...]:
-    """Keys that lead to a parameter in the file; none for one of a single element."""
+    """Keys that lead to a parameter in the file; empty for one of a single element."""
     if name in _KEYS:
         return _KEYS[name]
     if name in file.shape:

@@ -13,7 +13,7 @@ ELEMENTS = "skin.elements"
 
 
 def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], Any]) -> SkinFile:
-    """The file with other values of some keys.
+    """Skin file with other values of some keys.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], An
 
 
 def _remesh(file: SkinFile, content: dict[str, Any], elements: int, stations: Callable[[], Any]) -> None:
-    """Say anew where the interface points and groups are that count nodes or elements."""
+    """Restate the interface points and groups that count nodes or elements."""
     own = file.skin.elements
     if file.skin.separate:
         raise InputError("skin.separate: quantities of single elements mean others in another mesh. Leave the key out.")

@@ -63,7 +63,7 @@ def drooped(contour: Contour, skin: Skin, depth: float, chord: float) -> np.ndar
 
 
 def _change(tau: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """L dk at tau = s / L."""
+    """Change of curvature L dk at tau = s / L."""
     window = _step(tau / 0.1) * _step((1 - tau) / 0.1)
     return window * (c[0] + c[1] * np.cos(np.pi * tau) + c[2] * np.cos(2 * np.pi * tau))
 

@@ -33,7 +33,7 @@ _METRES = {"mm-t-s": 1e-3, "m-kg-s": 1.0, "mm": 1e-3, "m": 1.0}
 
 @dataclass(frozen=True)
 class Source:
-    """What a geometry is constructed from at any design."""
+    """Contents from which a geometry is constructed at any design."""
 
     path: Path  # of skin.toml
     file: SkinFile
@@ -42,7 +42,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Geometry:
-    """The skin, its nodes and the places they shall reach, in the units of skin.toml; complex where a complex step is taken."""
+    """Skin, its nodes and their target places, in the units of skin.toml; complex where a complex step is taken."""
 
     source: Source
     skin: Skin

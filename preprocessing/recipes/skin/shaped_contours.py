@@ -18,7 +18,7 @@ from preprocessing.recipes.skin.skin_file import ShapeMode, SkinFile
 
 @dataclass(frozen=True)
 class Contours:
-    """The undeformed section and the wanted one."""
+    """Contours of the undeformed section and the wanted one."""
 
     airfoil: Contour
     target: Contour

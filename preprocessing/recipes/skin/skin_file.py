@@ -67,5 +67,5 @@ class SkinFile(Table):
 
     @property
     def clamp(self) -> Literal["F", "G"]:
-        """The end that the frame is tied to, if it is tied to one."""
+        """End of the skin that the frame is tied to, if it is tied to one."""
         return self.skin.clamp or "F"

@@ -30,7 +30,7 @@ _CLAMPED_NODE = {"F": 0, "G": -1}
 
 
 class SkinRecipe(Recipe[SkinFile]):
-    """A skin cut from an airfoil.
+    """Recipe of a skin cut from an airfoil.
 
     Remarks are every repair of an airfoil file, every warning about it or the thickness, and every parameter of the shape by which
     there is no derivative.
@@ -55,7 +55,7 @@ class SkinRecipe(Recipe[SkinFile]):
         return [self.path.parent / name for name in (self.file.airfoil.file, self.file.airfoil.target)]
 
     def _content(self, each: Path) -> bytes:
-        """Of an airfoil file as much as decides whether it can be used."""
+        """Content of an input for the hash: of an airfoil file as much as decides whether it can be used."""
         if each == self.path:
             return super()._content(each)
         with at_key(self.path, "airfoil.file" if each == self.inputs[1] else "airfoil.target"):
@@ -96,7 +96,10 @@ def _airfoil_bytes(path: Path) -> bytes:
 
 
 def _shape_and_pictures(found: Reduced, geometry: Geometry) -> dict[str, Any]:
-    """In the plane the mesh, in space the surface; the shape is compared in the plane of the section in both."""
+    """Fields of the reduced model for shape and pictures: the mesh in the plane, the surface in space.
+
+    The shape is compared in the plane of the section in both.
+    """
     z, mesh, elements = found.basis.z, geometry.mesh, found.space.nominal()
     shapes = {"shape": Shape(elements.positions(z)[:, :2], geometry.target, geometry.arc_lengths)}
     if found.richer is not None:

@@ -22,7 +22,7 @@ from toolkit.foundation.errors import InputError
 
 
 def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geometry: Geometry) -> DesignSpace:
-    """All designs of the skin: section, by groups of elements; Poisson's ratio, where it enters; and shape.
+    """Design space of the skin: section, by groups of elements; Poisson's ratio, where it enters; and shape.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geomet
 
 
 def _refuse_thick(patches: Iterable[Patch], section: Mapping[str, float]) -> None:
-    """A skin in space twists as a strip whose thickness is its shorter side."""
+    """Refuse a skin thicker than wide in space: it twists as a strip whose thickness is its shorter side."""
     for patch in patches:
         thickness, width = (patch.parameters[name] for name in ("thickness", "width"))
         if section[thickness] > section[width]:
@@ -69,7 +69,7 @@ def _refuse_thick(patches: Iterable[Patch], section: Mapping[str, float]) -> Non
 
 
 def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:
-    """The space without the parameters of the shape that have no derivative; `remark` is told why."""
+    """Design space without the parameters of the shape that have no derivative; `remark` receives the reasons."""
     lost, steps = {}, {}
     for name in space.values:
         if name not in space.in_monomials:

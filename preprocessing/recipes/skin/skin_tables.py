@@ -11,7 +11,7 @@ from preprocessing.recipes.tables import FileName, NonNegative, Positive, Table,
 
 
 def _group_name(name: str) -> str:
-    """It becomes part of the names of parameters, as numbers of single elements do."""
+    """Name of a group, refused if it is no legal part of parameter names, as numbers of single elements are."""
     if name.isdecimal():
         raise ValueError("numbers are for single elements; use a name with a letter")
     return interface_name(name)

@@ -27,11 +27,11 @@ PLACES = {
     "damping_mass": ("damping", "mass"),
     "damping_stiffness": ("damping", "stiffness"),
 }
-"""Where the parameters of a body stand in body.toml, besides its shape variables."""
+"""Keys of a body's parameters in body.toml, besides its shape variables."""
 
 
 class BodyRecipe(Recipe[BodyFile]):
-    """A body with a mesh of solid elements, or with finished matrices.
+    """Recipe of a body with a mesh of solid elements, or with finished matrices.
 
     What needs scikit-fem is loaded when the body is built: it takes a second.
     """
@@ -104,14 +104,14 @@ class BodyRecipe(Recipe[BodyFile]):
 
 
 def told_of_file(mesh: SolidMesh) -> Iterator[str]:
-    """What the user should know of the reading of a mesh file, and what of it is not part of the body."""
+    """Remarks on the reading of a mesh file, and on what of it is not part of the body."""
     yield from mesh.remarks
     if mesh.left_out:
         yield f"not part of the body: {told_left_out([each._asdict() for each in mesh.left_out])}."
 
 
 def _composition(body: DiscreteBody, file: BodyFile) -> dict[str, Any]:
-    """What the body was made of; the volume of a plane one is known if its width is."""
+    """Composition of the body; the volume of a plane one is known if its width is."""
     from preprocessing.elements.solids.elements import element_blocks
     from preprocessing.elements.solids.volume import volume_of
 

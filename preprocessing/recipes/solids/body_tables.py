@@ -76,7 +76,7 @@ class Region(Table):
 
     @property
     def words(self) -> str:
-        """What to call it."""
+        """Words for the region in messages."""
         if self.group is not None:
             return f"group {self.group!r}"
         return f"box {self.box}" if self.box is not None else f"nodes {self.nodes}"
@@ -143,5 +143,5 @@ class ShapeVariable(Table):
 
 
 def given(table: Table) -> dict[str, Any]:
-    """The keys that are not left out."""
+    """Keys of a table that are not left out."""
     return table.model_dump(exclude_none=True)

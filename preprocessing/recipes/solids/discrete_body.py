@@ -45,7 +45,7 @@ from toolkit.foundation.errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class DiscreteBody:
-    """What precedes the choice of a basis."""
+    """Body as finite elements, before the choice of a basis."""
 
     mesh: SolidMesh
     parts: Parts
@@ -113,7 +113,7 @@ def _stress(named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray | N
 def _from_elements(
     named: NamedMesh, values: Mapping[str, float], ties: Mapping[str, Tie]
 ) -> tuple[Solid, Iterator[tuple[str, BodyChange]], Elastic]:
-    """The elements of the body, what Poisson's ratio and the shape variables change, and what the stress is judged by."""
+    """Elements of the body, changes by Poisson's ratio and shape variables, and the elements that judge the stress."""
     mesh, ratio, state = named.mesh, _ratio(named.file), _state(named.file, named.mesh)
     with at_key(named.path, "mesh.file"):
         blocks = element_blocks(mesh)
@@ -141,7 +141,7 @@ def _changes(
     ties: Mapping[str, Tie],
     stepped: StressedSolid,
 ) -> Iterator[tuple[str, BodyChange]]:
-    """What Poisson's ratio, of which there is a solid with a complex step, and the motions change, one after the other."""
+    """Changes by Poisson's ratio, of which there is a solid with a complex step, and by the motions, one after the other."""
     normals = {
         name: faces.normals() for name, faces in named.surfaces.items()
     }  # the shapes that a pressure moves follow the ratio
@@ -154,7 +154,7 @@ def _changes(
 def _moved(
     named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray, lame: tuple[Any, Any], values: Mapping[str, float]
 ) -> BodyChange:
-    """What a motion of the nodes changes."""
+    """Change of the body by a motion of the nodes."""
     mesh = named.mesh
     own = solid_matrices(blocks, len(mesh.nodes), mesh.dimension, motion)
     moved = mesh.moved(1j * STEP * motion)
@@ -167,7 +167,7 @@ def _moved(
 def _beside_masses(
     parts: Parts, named: NamedMesh, values: Mapping[str, float], ties: Mapping[str, Tie], stressed: StressedSolid | None
 ) -> Iterator[tuple[str, BodyChange]]:
-    """How the shapes of a body with concentrated masses follow its density and width p.
+    """Changes of a body with concentrated masses by density and width p, which its shapes follow.
 
     Polynomials tell what these change of the matrices. With K and the rest of M in proportion to p, its shapes see -M_c / p: that the
     masses M_c become lighter beside the rest.
@@ -183,7 +183,7 @@ def _beside_masses(
 
 
 def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> tuple[Solid, list[str]]:
-    """The body of finished matrices, and what the user should know of how they were read."""
+    """Body of finished matrices, and remarks on how they were read."""
     path, file, mesh = named.path, named.file, named.mesh
     assert file.matrices is not None
     found = []
@@ -218,7 +218,7 @@ def _finished_stress(named: NamedMesh, blocks: list[ElementBlock]) -> Any:
 
 
 def _among_finished(mesh: SolidMesh) -> dict[Pair, Any] | None:
-    """The concentrated masses of the mesh, which another program's mass matrix holds already; None if there are none."""
+    """Concentrated masses of the mesh, which another program's mass matrix holds already; None if there are none."""
     if not mesh.masses:
         return None
     if not at_nodes(mesh):
@@ -230,7 +230,7 @@ def _among_finished(mesh: SolidMesh) -> dict[Pair, Any] | None:
 
 
 def _square(path: Path, matrices: MatricesTable, name: str, mesh: SolidMesh) -> tuple[Any, str]:
-    """One of the two matrices, in the order of the nodes of the mesh, and a remark."""
+    """Mass or stiffness matrix in the order of the mesh's nodes, and a remark."""
     degrees = matrices.degrees_of(name)
     if degrees is not None and matrices.dof is None and not (path.parent / degrees).exists():
         raise InputError(
@@ -272,7 +272,7 @@ def _refuse_other_points(rows: int, boundary: Boundary | None, mesh: SolidMesh) 
 
 
 def lame_factors(poisson_ratio: Any, state: str) -> tuple[Any, Any]:
-    """lambda / E and mu / E; real, or complex for a complex step in nu.
+    """Lame factors lambda / E and mu / E; real, or complex for a complex step in nu.
 
         mu / E = 1 / (2 (1 + nu)),   lambda / E = nu / ((1 + nu) (1 - 2 nu)), or nu / (1 - nu^2) in plane stress
 

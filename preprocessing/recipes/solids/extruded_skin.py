@@ -25,7 +25,7 @@ ON_NODE = 1e-9
 HEXAHEDRON = np.vstack([2 * CUBE, 2 * CUBE_MIDDLES]).round().astype(int)[:20]
 """Places of the 20 nodes in steps of half an element along the skin, through it and across it."""
 MOST_NODES = 3_000_000
-"""Of the grid; a body of so many takes hours to reduce."""
+"""Largest number of nodes of the grid; a body of so many takes hours to reduce."""
 FACE = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]])
 """The same of the 8 nodes of a section's faces, through the skin and across it."""
 
@@ -73,7 +73,7 @@ def extrude(path: Path, target: Path, layers: int = 8, remark: Remark | None = N
 
 
 def refuse_what_is_lost(path: Path, file: SkinFile) -> None:
-    """Refuse a skin that one solid of one material and thickness is not.
+    """Refuse a skin that is not one solid of one material and thickness.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def places(path: Path, geometry: Geometry, file: SkinFile) -> dict[str, float]:
 
 
 def _mesh(geometry: Geometry, file: SkinFile, at: dict[str, float], layers: int) -> meshio.Mesh:
-    """The structured mesh, from a grid with two steps for each element along the skin, through it and across it."""
+    """Structured mesh, from a grid with two steps for each element along the skin, through it and across it."""
     ends = np.sort(np.concatenate([geometry.arc_lengths, list(at.values())]))
     stations = ends[np.append(True, np.diff(ends) > ON_NODE * ends[-1])]
     s = np.sort(np.concatenate([stations, (stations[1:] + stations[:-1]) / 2]))

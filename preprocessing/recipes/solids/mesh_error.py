@@ -18,7 +18,7 @@ AXES = "xyz"
 
 
 def mesh_error(body: Elastic | None, mass: Any, stiffness: Any, free: Freedom, shapes: SolidShapes) -> dict[str, Any]:
-    """Fields of the reduced model: the estimated errors by load case, and where that of the largest is made; empty without elements.
+    """Fields of the reduced model with stress errors by load case, and the place of the largest; empty without elements.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ AT_ONE_PLACE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class NamedMesh:
-    """The mesh that body.toml names, and the nodes of its regions: those of the mesh before shape variables move it."""
+    """Mesh that body.toml names, and the nodes of its regions, chosen before shape variables move it."""
 
     path: Path
     file: BodyFile
@@ -39,7 +39,7 @@ class NamedMesh:
     motions: Mapping[str, np.ndarray]  # shape variable -> displacement of the nodes per unit of it, (n_nodes, d)
 
     def ties(self, nodes: np.ndarray) -> dict[str, Tie]:
-        """The interface points, where the nodes are these (n_nodes, d), real or complex for a complex step.
+        """Interface points, with the nodes at (n_nodes, d), real or complex for a complex step.
 
         Raises
         ------
@@ -56,7 +56,7 @@ class NamedMesh:
 
 
 def named_mesh(path: Path, file: BodyFile) -> NamedMesh:
-    """Read the mesh, or the nodes, and all that is named there.
+    """Mesh or nodes that body.toml names, with everything that is named on them.
 
     Raises
     ------

@@ -75,7 +75,7 @@ def _in_box(mesh: SolidMesh, box: list[float]) -> np.ndarray:
 
 
 def spread_of(mesh: SolidMesh, boundary: Boundary | None, nodes: np.ndarray) -> Any:
-    """W (k, k) of means sum_kl W_kl f_k g_l over the nodes; the sum of all is 1.
+    """Weights W (k, k) of means sum_kl W_kl f_k g_l over the nodes; the sum of all is 1.
 
     Where the nodes are those of whole elements, the mean is that over these elements, int f g dV / V; where every node is on an edge or
     face of the boundary between these nodes, that over the boundary, int f g dA / A: so it does not depend on the mesh. Else all nodes
@@ -90,7 +90,7 @@ def spread_of(mesh: SolidMesh, boundary: Boundary | None, nodes: np.ndarray) -> 
 
 
 def _over_elements(mesh: SolidMesh, nodes: np.ndarray) -> Any:
-    """int N_k N_l dV over the elements all of whose nodes are among these, (n_nodes, n_nodes); None where there are none.
+    """Integrals int N_k N_l dV over elements between these nodes, (n_nodes, n_nodes); None where there are none.
 
     The nodes of the mesh may carry a complex step, along which the integral has its derivative.
     """
@@ -106,7 +106,7 @@ def _over_elements(mesh: SolidMesh, nodes: np.ndarray) -> Any:
 
 
 def faces_in(mesh: SolidMesh, surface: BoundaryFaces, region: Region) -> BoundaryFaces:
-    """The faces of the surface that a region means: those of the group, or all between its nodes.
+    """Faces of the surface that a region means: those of the group, or all between its nodes.
 
     Raises
     ------

@@ -29,7 +29,7 @@ NO_BODY = 1e-6
 
 
 class Moved(NamedTuple):
-    """A weight that moves by rows."""
+    """Weight that moves by rows of nodal coordinates."""
 
     weight: float
     rows: Any  # sparse (d, n)
@@ -37,7 +37,7 @@ class Moved(NamedTuple):
 
 
 def constant_masses(mesh: SolidMesh) -> dict[Pair, Any]:
-    """M_ab, sparse (n + 1, n + 1), of all concentrated masses of a mesh, with its hidden coordinate; complex as the nodes are.
+    """Component masses M_ab, sparse (n + 1, n + 1), of all concentrated masses, with a hidden coordinate; complex as the nodes.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def at_nodes(mesh: SolidMesh) -> bool:
 
 
 def remarks_on_masses(named: NamedMesh) -> Iterator[str]:
-    """What is done with concentrated masses otherwise than the program that wrote them may do it, in sentences."""
+    """Sentences on concentrated masses that are treated otherwise than by the program that wrote them."""
     mesh, file = named.mesh, named.file
     if not mesh.masses:
         return
@@ -70,7 +70,7 @@ def remarks_on_masses(named: NamedMesh) -> Iterator[str]:
 
 
 def _remarks(mesh: SolidMesh, mass: PointMass, turns: bool, rigid: Sequence[np.ndarray]) -> Iterator[str]:
-    """Of one mass; `rigid` are the nodes of the clamp and of each rigid tie."""
+    """Remarks on one mass; `rigid` are the nodes of the clamp and of each rigid tie."""
     if mass.rigid and len(mass.carriers) > 1 and not any(np.isin(mass.carriers, nodes).all() for nodes in rigid):
         yield (
             f"the concentrated mass of {mass.source} is on a rigid body in the mesh file; its nodes stay elastic here, and it moves with "
@@ -124,12 +124,12 @@ def _place(mesh: SolidMesh, mass: PointMass) -> np.ndarray:
 
 
 def _own_inertia(mesh: SolidMesh, mass: PointMass) -> tuple[float, ...]:
-    """Those entries of its inertia that turn in the plane, or in space."""
+    """Entries of a mass's inertia that turn in the plane, or in space."""
     return (mass.inertia[2],) if mesh.dimension == 2 else mass.inertia
 
 
 def _of_turning(mesh: SolidMesh, mass: PointMass) -> Iterator[Moved]:
-    """A mass at its place that turns with its nodes, and those that stand for its inertia."""
+    """Weights of a mass at its place that turns with its nodes, and of those that stand for its inertia."""
     d, place = mesh.dimension, _place(mesh, mass)
     try:
         rows = rows_of_place(mesh, mass.carriers, place)

@@ -46,7 +46,7 @@ LARGEST = 3_000_000
 
 
 def inside(body: Elastic | None, mesh: SolidMesh, z: np.ndarray, parameters: Sequence[str]) -> Interior | None:
-    """The part `interior` of a reduced model; none without elements or where it is too large.
+    """Part `interior` of a reduced model; None without elements or where it is too large.
 
     Parameters
     ----------
@@ -64,7 +64,10 @@ def inside(body: Elastic | None, mesh: SolidMesh, z: np.ndarray, parameters: Seq
 
 
 def nodal_stress(body: Elastic, displacements: np.ndarray) -> np.ndarray:
-    """Components xx, yy, zz, xy at all nodes, the mean of the elements that meet there, of displacements (n, k); (n_nodes, 4, k)."""
+    """Stress components xx, yy, zz, xy (n_nodes, 4, k) at all nodes, of displacements (n, k).
+
+    They are the mean of the elements that meet there.
+    """
     moved = displacements.reshape(len(body.nodes), 2, -1)
     total, meeting = np.zeros((len(body.nodes), 2, 2, moved.shape[2])), np.zeros(len(body.nodes))
     for block in body.blocks:
@@ -83,7 +86,7 @@ NEW = 1e-6
 
 
 def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str) -> dict[str, Any]:
-    """Basis and contractions: those fields of the reduced model that follow from them; `clamp` is what is held, in words.
+    """Fields of the reduced model that follow from basis and contractions; `clamp` says in words what is held.
 
     All shapes stay what they are when modulus, density, width or damping change, because their span does: so the invariants are exact
     polynomials of these. Poisson's ratio turns the shapes, unless they are frozen, and places of nodes change all; these have derivatives.
@@ -139,7 +142,7 @@ def _condition(choice: BasisChoice, clamp: str) -> str:
 def _rate(
     body: DiscreteBody, name: str, change: BodyChange, z: np.ndarray, turned: np.ndarray | None, spin: SolidSpin | None = None
 ) -> Rate:
-    """With dZ = [dxi, dPsi] (n, 1 + n_f), where dPsi is zero if nothing has `turned`."""
+    """Changes by a parameter with dZ = [dxi, dPsi] (n, 1 + n_f), where dPsi is zero if nothing has `turned`."""
     d_z = np.zeros(z.shape)
     d_z[:, 0] = change.motion
     if turned is not None:
@@ -151,7 +154,7 @@ def _rate(
 def _turned(
     body: DiscreteBody, matrices: Matrices, change: BodyChange, choice: BasisChoice, free: Freedom, shapes: SolidShapes
 ) -> np.ndarray | None:
-    """dPsi (n, n_f), where Psi = T Psi^; None of frozen shapes, which are the same at every design."""
+    """Derivative dPsi (n, n_f), where Psi = T Psi^; None of frozen shapes, which are the same at every design."""
     if choice.derivative == "frozen":
         return None
     stepped = change.freedom(body.clamped)
@@ -171,7 +174,9 @@ def _richer(
     shapes: SolidShapes,
     z: np.ndarray,
 ) -> dict[str, Any]:
-    """The body in its frozen shapes and those into which they would turn: derivatives are then right at the nominal design.
+    """Fields of the richer basis: frozen shapes, and those that they would turn into; empty where nothing turns them.
+
+    Derivatives are then right at the nominal design.
 
     None where nothing turns them, or modes cannot be followed.
     """
@@ -212,7 +217,7 @@ def _beyond(shapes: np.ndarray, more: np.ndarray) -> np.ndarray:
 
 
 def _drawn_parts(body: DiscreteBody, z: np.ndarray, parameters: Sequence[str], coloured: bool) -> dict[str, Any]:
-    """Outline and inside of a plane body; surface of a spatial one, and pressures on it."""
+    """Parts of the reduced model for pictures: outline and interior in the plane; surface and its pressures in space."""
     if body.boundary is None or isinstance(body.boundary, BoundaryLines):
         interior = inside(body.elastic, body.mesh, z, parameters) if coloured else None
         return {"outline": None if body.boundary is None else _outline(body.boundary, z), "interior": interior}
@@ -221,14 +226,14 @@ def _drawn_parts(body: DiscreteBody, z: np.ndarray, parameters: Sequence[str], c
 
 
 def _outline(lines: BoundaryLines, z: np.ndarray) -> Outline:
-    """The nodes on the boundary, and its edges between them."""
+    """Outline of a plane body: nodes on the boundary, and its edges between them."""
     edges = np.where(lines.edges[:, [2]] >= 0, lines.edges[:, [0, 2, 1]], lines.edges[:, [0, 0, 1]])
     nodes, number = np.unique(edges, return_inverse=True)
     return Outline(z.reshape(-1, 2, z.shape[1])[nodes], number.reshape(edges.shape))
 
 
 def _interface(position: np.ndarray, rotation: np.ndarray, size: float) -> InterfacePoint:
-    """A point of a solid, which lies on no curve: its arc length is 0 and cannot change.
+    """Interface point of a solid, which lies on no curve: its arc length is 0 and cannot change.
 
     The middle of a ring of nodes is zero but for round-off, as is the rotation of the undeformed body.
     """

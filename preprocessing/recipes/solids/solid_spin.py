@@ -22,7 +22,7 @@ from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
 
 @dataclass(frozen=True, eq=False)
 class SolidSpin:
-    """Of a body at its nominal design."""
+    """Spin stiffening of a solid at its nominal design, with its dependence on every parameter."""
 
     body: DiscreteBody
     matrices: Matrices
@@ -53,7 +53,7 @@ class SolidSpin:
 
     @property
     def _by_constant_mass(self) -> np.ndarray:
-        """What the forces on concentrated masses stiffen."""
+        """Spin stiffening by the forces on concentrated masses."""
         constant = self.body.parts.constant_mass
         return self.found.by(constant.at(self.body.values)) if constant.parts else np.zeros_like(self.found.value)
 
@@ -78,7 +78,7 @@ class SolidSpin:
 
 
 def solid_spin(body: DiscreteBody, matrices: Matrices, free: Freedom, z: np.ndarray, floats: bool) -> SolidSpin:
-    """Of a body of elements, not of another program's matrices, that is clamped or floats about mean axes."""
+    """Spin stiffening of a body of elements (no finished matrices) that is clamped or floats about mean axes."""
     assert body.element is not None
     nodes = body.mesh.nodes
     spun = Spun(body.element, body.values, matrices, free.map, z, _motions(nodes, free, body.ties, floats))

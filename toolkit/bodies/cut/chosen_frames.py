@@ -10,17 +10,19 @@ from toolkit.bodies.model_body import ModelBody
 
 
 class ChosenFrames(CuttableBody):
-    """What a scene writes of the body, with a number in the place of `frames = "auto"`."""
+    """A flexible body as a scene writes it, with a number of floating frames in the place of `frames = "auto"`."""
 
     kind = ""
     uncut_kind: ClassVar[type[ModelBody]]
-    """What the scene has written."""
+    """Class of the body that the scene has written."""
 
     choice: FrameChoice
 
     def uncut(self) -> ModelBody:
-        """The body as the scene has written it, with the number that was chosen; of one frame without `modes_per_frame`, which has no parts
-        to reduce."""
+        """Body as the scene has written it, with the number of frames that was chosen.
+
+        With one frame it is without `modes_per_frame`, as it has no parts to reduce.
+        """
         chosen = {**dict(self), **self.model_values()}
         del chosen["choice"]
         if not self.parted:

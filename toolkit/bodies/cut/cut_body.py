@@ -26,16 +26,16 @@ from toolkit.reduced_model.model import ReducedModel
 
 
 class CutBody(ModelBody):
-    """What a scene writes of the body, with the numbers of the elements that its parts begin with, and how many there are in all.
+    """A cut body as a scene writes it, with the number of the first element of each part and the number of all elements.
 
     It has no coordinates of its own: those of its parts follow it, so that its markers count from the first coordinate of the first part.
     """
 
     kind = ""
     uncut_kind: ClassVar[type[ModelBody]]
-    """What the scene has in its place before it is cut."""
+    """Class of the body that the scene has in its place before it is cut."""
     part_kind: ClassVar[type[FramedPart]]
-    """Of its parts."""
+    """Class of the body's parts."""
 
     cuts: tuple[int, ...]
     choice: FrameChoice | None = None
@@ -46,42 +46,42 @@ class CutBody(ModelBody):
 
     @property
     def has_frame(self) -> bool:
-        """All of its parts have one."""
+        """Whether the body has a floating frame: always, as each of its parts has one."""
         return True
 
     def uncut(self) -> ModelBody:
-        """The body as the scene has written it."""
+        """Body as the scene has written it, without cuts."""
         written = {**dict(self), **self.model_values()}
         for own in ("cuts", "choice", "gripped", "starts"):
             written.pop(own, None)
         return self.uncut_kind.model_construct(**written)
 
     def parts(self, name: str) -> dict[str, Body]:
-        """Its parts by name: the same ones whenever they are asked for, as others remember what they make of them."""
+        """Parts of the body by their names: the same ones at every call, since others remember what they make of them."""
         return {**_parts_of(Itself(self), name)}
 
     def coordinate_names(self, scene: Placed) -> list[str]:
-        """None."""
+        """No names, since all coordinates belong to the parts."""
         return []
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """Empty."""
+        """Empty coordinates and velocities, since all coordinates belong to the parts."""
         return np.zeros(0), np.zeros(0)
 
     def coordinate_lengths(self, scene: Placed) -> np.ndarray:
-        """Empty."""
+        """No lengths, since all coordinates belong to the parts."""
         return np.zeros(0)
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
-        """Nothing."""
+        """No constant terms, since all terms belong to the parts."""
         return no_constants(0)
 
     def floating(self, scene: Placed) -> Any:
-        """Nothing."""
+        """None, since the parts have the invariants of floating frames."""
         return None
 
     def drag(self, scene: Placed) -> Any:
-        """Nothing."""
+        """None, since the parts have the mass-proportional damping."""
         return None
 
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
@@ -98,7 +98,7 @@ class CutBody(ModelBody):
         return part_number(self.cuts, place_on(scene, name, point))
 
     def marker(self, scene: Placed, point: str, name: str, *axes: Any) -> Any:
-        """An interface point, on the part that it lies in."""
+        """Marker at an interface point, on the part that the point lies in."""
         if point in (FRAME, CENTRE) or getattr(scene.interface(point), "interface", "") == FRAME:
             refuse_frame_points(point, f"body {name!r}")
         number = self.part_at(scene, point, name)
@@ -106,7 +106,7 @@ class CutBody(ModelBody):
         return found._replace(columns=self.starts[number] + found.columns)
 
     def stress_operator(self, scene: Placed) -> np.ndarray:
-        """That of all parts, on their elastic coordinates one after the other."""
+        """Stress per elastic coordinate of all parts, whose elastic coordinates follow one after the other."""
         name = next(name for name, body in scene.bodies.items() if body is self)
         parts = [part.part(scene) for part in self.parts(name).values()]  # type: ignore[attr-defined]
         operators = [part.invariants.stress_operator for part in parts]
@@ -120,29 +120,29 @@ class CutBody(ModelBody):
 
     @property
     def elastic_places(self) -> np.ndarray:
-        """Where the elastic coordinates of all parts are among those of the body."""
+        """Places of the elastic coordinates of all parts among the coordinates of the body."""
         spans = pairwise(self.starts)
         return np.concatenate([np.arange(first + self.part_kind.frame_coordinates, end) for first, end in spans])
 
     def part_starts(self, name: str, model: ReducedModel) -> tuple[int, ...]:
-        """Coordinates before every part, and of all, by the reduced model with its elements."""
+        """Number of coordinates before every part, and of all, by the reduced model with its elements."""
         sizes = [part.size(model) for part in self.parts(name).values()]  # type: ignore[attr-defined]
         return tuple(accumulate(sizes, initial=0))
 
 
 def part_number(cuts: Sequence[int], place: Place) -> int:
-    """Number of the part that has the element of a place."""
+    """Number of the part that holds the element of a place."""
     return int(np.searchsorted(cuts, place.element, side="right")) - 1
 
 
 def part_name(whole: str, number: int) -> str:
-    """Name of a part, which counts from 1."""
+    """Name of a part; parts count from 1."""
     return f"{whole}[{number + 1}]"
 
 
 @lru_cache(maxsize=16)
 def _parts_of(same: Itself[CutBody], name: str) -> dict[str, Body]:
-    """Those of a body of this name."""
+    """Parts of a body of this name."""
     body = same.item
     written = {**dict(body.uncut()), **body.model_values(), "frame": "moving"}
     return {

@@ -1,4 +1,4 @@
-"""What a scene writes of the floating frames of a flexible body, in the plane and in space."""
+"""Floating frames of a flexible body as a scene writes them, in the plane and in space."""
 
 # Without `from __future__ import annotations`, as `model_body`.
 from abc import abstractmethod
@@ -75,17 +75,17 @@ class CuttableBody(ModelBody):
         return self
 
     def means(self, field: str) -> bool:
-        """An error that is wanted is no number of the body."""
+        """Whether a field's numbers are numbers of the body, which a wanted error of `frames` is not."""
         return field != "geometric_error" and super().means(field)
 
     @property
     def dependence(self) -> tuple[str, ...]:
-        """Of the elements too, if they make parts."""
+        """Parts of the reduced model that tell how it depends on the parameters; those of the elements too if they make parts."""
         return (*DEPENDENCE, "element_derivatives", "element_affine") if self.parted else DEPENDENCE
 
     @property
     def parted(self) -> bool:
-        """Of more than one frame."""
+        """Whether the body has more than one floating frame."""
         return self.frames != 1
 
     def poses(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

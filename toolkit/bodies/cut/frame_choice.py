@@ -1,4 +1,4 @@
-"""What a number of floating frames was chosen by, where runs of the scene have chosen it."""
+"""Choice of a number of floating frames by runs of the scene, and what it was chosen by."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class FrameChoice(NamedTuple):
-    """A choice."""
+    """Number of floating frames that runs of the scene have chosen for a body, and what it was chosen by."""
 
     wanted: float  # geometric error, in parts of the largest displacement of the body
     error: float  # what the last of these runs leaves, estimated

@@ -25,11 +25,11 @@ from toolkit.reduced_model.spatial_model import SURFACE_POSITION
 MANY = 1000
 """Parts whose shapes are remembered: every complex step asks for them again."""
 NODE = "(node {})"
-"""In place of an interface point: a node of the reduced model by its number there."""
+"""Name in place of an interface point: a node of the reduced model by its number there."""
 
 
 class FramedPart(ModelBody):
-    """Elements from `first` up to, but without, `last` of a cut body, which the scene has under the name `whole`.
+    """Part of a cut body `whole`: its elements from `first` up to, but without, `last`, with a floating frame of their own.
 
     It has the numbers of the whole, and of its own the coordinates: frame and elastic ones.
     """
@@ -49,24 +49,24 @@ class FramedPart(ModelBody):
 
     @staticmethod
     def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None) -> Part:
-        """The part of elements at one design, with the element of every stress point."""
+        """Part that is assembled from elements at one design, with the element of every stress point."""
         raise NotImplementedError
 
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
-        """Names of its elastic coordinates, where nothing is reduced, with the numbers of its nodes for people."""
+        """Names of the elastic coordinates of a part that is not reduced, with the numbers of its nodes as users count them."""
         raise NotImplementedError
 
     def mass_damping(self, scene: Placed) -> Any:
-        """That of the whole."""
+        """Mass-proportional damping alpha of the whole body, in 1/time."""
         return scene.bodies[self.whole].mass_damping(scene)
 
     def stiffening(self, scene: Placed) -> np.ndarray | None:
-        """None: a cut body stiffens at its cuts."""
+        """None, since a cut body stiffens at its cuts."""
         return None
 
     @property
     def own(self) -> tuple[Any, ...]:
-        """What tells it from all other parts of the same model."""
+        """Numbers that tell this part from all other parts of the same model."""
         return self.first, self.last, self.gripped, self.modes_per_frame
 
     def part(self, scene: Placed) -> Part:
@@ -90,14 +90,14 @@ class FramedPart(ModelBody):
         return found
 
     def shapes(self, model: ReducedModel) -> PartShapes | None:
-        """What it is reduced to, by the nominal design of the model of the whole; None if it keeps all coordinates."""
+        """Shapes that the part is reduced to, by the nominal design of the whole; None if it keeps all coordinates."""
         if self.modes_per_frame is None:
             return None
         assert model.elements is not None
         return _shapes(Itself(model.elements), type(self).assembled, *self.own)
 
     def size(self, model: ReducedModel) -> int:
-        """How many coordinates it has."""
+        """Number of coordinates of the part."""
         shapes = self.shapes(model)
         return self.frame_coordinates + (self.per_node * (self.last - self.first) if shapes is None else shapes.count)
 
@@ -111,20 +111,20 @@ class FramedPart(ModelBody):
         return found
 
     def invariants(self, scene: Placed) -> Any:
-        """Sums over its elements."""
+        """Invariants of the part, which are sums over its elements."""
         return self.part(scene).invariants
 
     def some_invariants(self, scene: Placed, *names: str) -> tuple[np.ndarray, ...]:
-        """Some of these."""
+        """Invariants of the part of the given names."""
         return tuple(getattr(self.part(scene).invariants, name) for name in names)
 
     def nominal(self, scene: Placed) -> Any:
-        """The same, without imaginary steps."""
+        """Invariants of the part without imaginary steps."""
         inv = self.part(scene).invariants
         return type(inv)(**{name: np.real(array) for name, array in vars(inv).items()})
 
     def coordinate_names(self, scene: Placed) -> list[str]:
-        """The frame, and the nodal coordinates in the order of the chain."""
+        """Names of the frame's coordinates, and of the nodal coordinates in the order of the chain."""
         frame = super().coordinate_names(scene)[: self.frame_coordinates]  # type: ignore[safe-super]
         labels = node_labels(connectivity_of(scene, self.whole))
         nodal = [*self.elastic_names([labels[int(node)] for node in self.node_numbers(scene)])]
@@ -134,23 +134,23 @@ class FramedPart(ModelBody):
         return [*frame, *(nodal[k] for k in shapes.kept), *shapes.names]
 
     def node_numbers(self, scene: Placed) -> np.ndarray:
-        """Its nodes among those of the whole, (n_nodes,)."""
+        """Numbers of the part's nodes among those of the whole body, (n_nodes,)."""
         return nodes_of_part(connectivity_of(scene, self.whole), self.first, self.last)
 
     def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """Undeformed, and not deforming."""
+        """Zero elastic coordinates and velocities: a part starts undeformed and not deforming."""
         count = self.part(scene).n_f
         return np.zeros(count), np.zeros(count)
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Of a point of the whole that lies in this part, or its own centre of mass."""
+        """Z_P and T_P of a point of the whole body that lies in this part, or of the part's own centre of mass."""
         if point == CENTRE:
             inv = self.invariants(scene)
             return inv.first_moment / inv.mass, self.undeforming_point(inv.first_moment.shape[-1])[1]
         return self.part(scene).at(self.within(scene, place_on(scene, self.whole, point)))
 
     def within(self, scene: Placed, place: Place) -> Place:
-        """A node that other parts have too as that of one of its own elements."""
+        """Place on one of the part's own elements of a node that other parts have too."""
         if self.first <= place.element < self.last:
             return place
         node = connectivity_of(scene, self.whole)[place.element, int(place.ratio)]
@@ -163,7 +163,10 @@ class FramedPart(ModelBody):
 def _shapes(
     nominal: Itself[Any], assembled: Callable[..., Part], first: int, last: int, gripped: Sequence[int], count: int
 ) -> PartShapes:
-    """What a part is reduced to, by the elements of the whole at the nominal design; `first` to `count` as `FramedPart.own`."""
+    """Shapes that a part is reduced to, by the elements of the whole at the nominal design.
+
+    `first` to `count` as in `FramedPart.own`.
+    """
     whole = assembled(nominal.item, first, last, np.zeros(0, int))
     inv, nodes = whole.invariants, nodes_of_part(nominal.item.connectivity, first, last)
     kept = whole.kept(len(nodes), [k for k, node in enumerate(nodes) if node in gripped and 0 < k < len(nodes) - 1])
@@ -178,7 +181,7 @@ def whole_design(scene: Placed, whole: str) -> DesignPoint:
 
 
 def _with_surface(design: DesignPoint) -> ReducedModel:
-    """The model of a design with the surface that it has there."""
+    """Model of a design with the surface that the body has there."""
     model = design.model
     if model.surface is None or not design.moves(SURFACE_POSITION):
         return model
@@ -193,7 +196,7 @@ def connectivity_of(scene: Placed, whole: str) -> np.ndarray:
 
 
 def elements_at(design: DesignPoint) -> Any:
-    """The elements at a design."""
+    """Elements of a cut body at a design."""
     if Elements not in design.kept:
         nominal = design.model.elements
         assert nominal is not None
@@ -204,7 +207,7 @@ def elements_at(design: DesignPoint) -> Any:
 
 
 def place_on(scene: Placed, whole: str, point: str) -> Place:
-    """Where a point of the scene lies on the chain of a cut body.
+    """Place of a point of the scene on the chain of a cut body.
 
     Raises
     ------
@@ -221,14 +224,14 @@ def place_on(scene: Placed, whole: str, point: str) -> Place:
 
 
 def node_number(scene: Placed, point: str) -> int | None:
-    """Number of the node of a point that a cut has brought into the scene; None of others."""
+    """Number of the node of a point that a cut has brought into the scene; None of other points."""
     written: Any = getattr(scene.interface(point), "interface", "")
     begin, end = NODE.split("{}")
     return int(written[len(begin) : -len(end)]) if written.startswith(begin) else None
 
 
 def refuse_frame_points(point: str, what: str) -> None:
-    """Refuse what has no place on any one of the parts.
+    """Refuse a point that has no place on any one of the parts.
 
     Raises
     ------

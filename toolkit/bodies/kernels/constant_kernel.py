@@ -1,4 +1,4 @@
-"""What is constant in the equations of motion: rigid bodies (frame at the centre of mass) and grounded flexible bodies.
+"""Constant terms of the equations of motion: rigid bodies (frame at the centre of mass) and grounded flexible bodies.
 
 With the constant force f, in the two groups of the residual:
 
@@ -22,8 +22,8 @@ HALVES = 134217729.0
 
 
 EXACT, ROUGH, LEFT_OUT = range(3)
-"""How K q is summed, in the caller's `Work.care`: as above; as usual, where its round-off does not matter; or no residual of the constant
-part, where derivatives alone are asked for."""
+"""Ways of summing K q, in the caller's `Work.care`: as the head of this file says; as usual, where its round-off does not matter;
+or no residual of the constant part, where derivatives alone are asked for."""
 
 
 class Changes(NamedTuple):
@@ -40,7 +40,7 @@ class Changes(NamedTuple):
 
 
 def together(one: Changes, other: Changes) -> Changes:
-    """Changes of the sum of two matrices."""
+    """Changes of the sum of two matrices, from those of each."""
     later = other._replace(start=other.start[1:] + len(one.value))
     return Changes(*(np.concatenate(pair) for pair in zip(one, later, strict=True)))
 
@@ -87,7 +87,7 @@ class Constant(NamedTuple):
 
 @inlined
 def constant_residual(part, q, v, acc, scale, care, halves, inertial, applied):
-    """Residual of the constant part with as much `care`; `halves` (2, n) is scratch memory."""
+    """Residual of the constant part, computed with as much `care`; `halves` (2, n) is scratch memory."""
     if care == LEFT_OUT:
         return
     stiffness = part.stiffness if care == ROUGH else part.soft
@@ -143,7 +143,10 @@ def precise_sum(part, first, last, q, halves):
 
 @inlined
 def constant_jacobian(part, mixed, parts, apart, I_acc, I_q, A_q, A_v):
-    """The same in every step: what all else is added to; `apart` is 1 if the factored stiffness is left out.
+    """Jacobian of the constant part, which is the same in every step; everything else is added to it.
+
+    `apart` is 1 if the factored stiffness is left out. Where the matrices are `mixed`, each is multiplied by its entry of `parts`
+    in the one matrix that all four are.
 
     Where they are `mixed`, multiplied by its `parts` in the one matrix that all four are.
     """
@@ -188,7 +191,7 @@ def add_square_product(values, first, n, at, x, target):
 
 @inlined
 def constant_design(part, q, v, acc, scale, I_x, A_x):
-    """Partial design derivatives of the residual."""
+    """Partial design derivatives of the residual of the constant part."""
     add_changes(part.design_mass, acc, I_x)
     add_changes(part.design_damping, v, A_x)
     add_changes(part.design_loose, q, A_x)

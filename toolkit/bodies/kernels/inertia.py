@@ -58,6 +58,6 @@ def add_drag(plane, frames, part, state, q, v, rest, linearize, parts, mixed, wo
 
 @inner
 def add_drag_design(plane, frames, part, state, q, v, rest, work, A_x):
-    """Its partial design derivatives."""
+    """Add the partial design derivatives of the mass-proportional damping force alpha M(q) v to `A_x`."""
     set_frames(frames, state, q, rest, v)
     moving_design(plane, frames, part, state, q, rest, v, 0.0, work, A_x, A_x)

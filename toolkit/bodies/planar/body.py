@@ -1,4 +1,4 @@
-"""What the compilation asks of every body in the plane; a new kind of body is one subclass."""
+"""Base of bodies in the plane, which says what the compilation asks of them; a new kind of body is one subclass."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class FloatingNumbers(NamedTuple):
     stiffening: np.ndarray  # S on the same entries; () of a body that no spin stiffens
 
     def times(self, factor: Any) -> FloatingNumbers:
-        """All of them times a factor, without S."""
+        """All invariants times a factor, without the spin stiffening S."""
         return self._replace(
             mass=factor * self.mass,
             moment=factor * self.moment,
@@ -40,7 +40,7 @@ class FloatingNumbers(NamedTuple):
 
     @property
     def entries(self) -> int:
-        """Entries of G, H and S and of the three rows and columns of the frame."""
+        """Number of entries of G, H and S and of the three rows and columns of the frame."""
         return len(self.row) + self.stiffening.size * (self.stiffening.ndim > 0) + 3 * (2 * len(self.moment) + 1)
 
 
@@ -56,14 +56,14 @@ class PlanarBody(Body):
 
     @property
     def moves(self) -> int:
-        """r_x and r_y."""
+        """Number of coordinates r_x, r_y of the frame's origin: 2, or 0 without a frame."""
         return 2 if self.has_frame else 0
 
     @property
     def turns(self) -> int:
-        """theta."""
+        """Number of angles theta of the frame: 1, or 0 without a frame."""
         return 1 if self.has_frame else 0
 
     def frame_motion(self, _q: np.ndarray, v: np.ndarray) -> dict[str, np.ndarray]:
-        """Velocities of its three coordinates."""
+        """Velocity of the frame's origin (2,) and angular velocity (1,), by keys of the body's table; empty without a frame."""
         return {"velocity": v[:2], "angular_velocity": v[2:3]} if self.has_frame else {}

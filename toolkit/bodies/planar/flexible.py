@@ -65,12 +65,12 @@ class Flexible(CuttableBody, StartVelocity):
         return self
 
     def means(self, field: str) -> bool:
-        """A grounded body has no velocity."""
+        """Whether a field's numbers mean something, which velocities of a grounded body do not."""
         return super().means(field) and (self.has_frame or field not in ("velocity", "angular_velocity"))
 
     @property
     def has_frame(self) -> bool:
-        """Only a moving frame has coordinates."""
+        """Whether the body has frame coordinates, which only a moving frame has."""
         return self.frame == "moving"
 
     @property
@@ -79,30 +79,30 @@ class Flexible(CuttableBody, StartVelocity):
         return rotation(self.angle)
 
     def frame_axes(self, q: np.ndarray) -> np.ndarray:
-        """By its angle."""
+        """Rotation matrix (2, 2) of the frame, by its angle among the body's coordinates (n,)."""
         return rotation(q[2])
 
     @property
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
-        """As written."""
+        """Displacements of points at the start and their velocities as the scene writes them, by keys of the body's table."""
         return {"deflection": self.deflection, "elastic_velocity": self.elastic_velocity}
 
     def undeforming_point(self, width: int) -> tuple[np.ndarray, np.ndarray]:
-        """Two zero positions and a zero angle."""
+        """Two zero positions and a zero angle, with `width` columns each."""
         return np.zeros((2, width)), np.zeros(width)
 
     @property
     def start_spin(self) -> np.ndarray:
-        """omega, across the plane."""
+        """Angular velocity omega at the start as a vector across the plane, (3,)."""
         return self.frame_velocity()[2] * ACROSS
 
     @property
     def only_axis(self) -> np.ndarray:
-        """Across the plane."""
+        """Axis that the frame turns about, across the plane, (3,)."""
         return ACROSS
 
     def spins(self, _q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """omega, across the plane."""
+        """Angular velocity omega of the frame as vectors across the plane, (n_t, 3)."""
         return v[:, 2, None] * ACROSS
 
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
@@ -116,12 +116,12 @@ class Flexible(CuttableBody, StartVelocity):
         return inv
 
     def coordinate_names(self, scene: Placed) -> list[str]:
-        """Elastic coordinates by number, after the frame."""
+        """Names of the frame's coordinates, and of the elastic ones by their numbers."""
         elastic = [f"elastic coordinate {k}" for k in range(scene.model(self.model).n_f)]
         return ["x", "y", "rotation", *elastic] if self.has_frame else elastic
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """At its place in the given shape, with the given velocities."""
+        """Coordinates and velocities at the start: the frame at its written place, the elastic ones in the given shape."""
         shape, rate = self.start_shapes(scene)
         if not self.has_frame:
             return shape, rate
@@ -133,12 +133,12 @@ class Flexible(CuttableBody, StartVelocity):
         return np.concatenate([[1.0, 1.0, np.nan], elastic]) if self.has_frame else elastic
 
     def radius_of_gyration(self, scene: Placed) -> float:
-        """About the origin of the reference condition, at the nominal design."""
+        """Radius of gyration about the origin of the reference condition, at the nominal design."""
         inv = self.nominal(scene)
         return float(np.sqrt(inv.inertia[0, 0] / inv.mass))
 
     def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers:
-        """An interface point; the placement of a grounded body is part of its Z."""
+        """Marker at an interface point; the placement of a grounded body is part of its Z."""
         position, angle = self.point(scene, point, name)
         columns = np.flatnonzero(np.any(position[:, 1:] != 0, axis=0) | (angle[1:] != 0))
         shape = np.column_stack([position[:, 1 + columns].T, angle[1 + columns]])
@@ -151,7 +151,7 @@ class Flexible(CuttableBody, StartVelocity):
         return MarkerNumbers(np.array(z0), columns, np.column_stack([shape[:, :2] @ A.T, shape[:, 2]]))
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
-        """Damping and stiffness always; mass and weight only of a grounded body."""
+        """Constant terms of the body: always damping and stiffness, mass and weight only of a grounded body."""
         design = self.design_point(scene)
         if self.has_frame:
             row, column, (damping, stiffness) = self._elastic_damping(scene, design)
@@ -165,7 +165,7 @@ class Flexible(CuttableBody, StartVelocity):
         return ConstantNumbers(row, column, mass, damping, stiffness, weight, strains)
 
     def _elastic_damping(self, scene: Placed, design: DesignPoint) -> ElasticMatrices:
-        """Damping and stiffness where the frame moves: without the part that follows the mass, which is that of `drag`."""
+        """Damping and stiffness of a body with a moving frame, without the mass-proportional damping, which is that of `drag`."""
         alpha = self.mass_damping(scene)
         if is_zero(alpha):
             return elastic_matrices(design, "damping", "stiffness")
@@ -173,7 +173,7 @@ class Flexible(CuttableBody, StartVelocity):
         return ElasticMatrices(row, column, (damping - alpha * mass, stiffness))
 
     def undamped(self, scene: Placed) -> FloatingNumbers:
-        """No entries."""
+        """Invariants without entries, for a body without mass-proportional damping."""
         none, empty = np.zeros(0, int), np.zeros(0)
         return FloatingNumbers(0.0, np.zeros((1 + self.design_point(scene).model.n_f, 2)), none, none, empty, empty, np.zeros(()))
 

@@ -15,5 +15,5 @@ class Ground(InertialFrame, PlanarBody):
     kind = "ground"
 
     def marker(self, scene: Placed, point: str, _name: str) -> MarkerNumbers:
-        """A fixed point."""
+        """Marker at a point that is fixed to the ground."""
         return MarkerNumbers(np.append(scene.position(point), 0.0), np.zeros(0, int), np.zeros((0, 3)))

@@ -23,38 +23,38 @@ class RigidBody(StartVelocity):
         """Mass, undeformed global centre of mass (2,), moment of inertia about it."""
 
     def properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
-        """`mass_properties`, which many ask for."""
+        """Result of `mass_properties`, kept because many ask for it."""
         return scene.of_body(self, "mass", lambda: self.mass_properties(scene))
 
     def coordinate_names(self, _scene: Placed) -> list[str]:
-        """Position of the centre of mass, and rotation."""
+        """Names of the coordinates: position of the centre of mass, and rotation."""
         return ["x", "y", "rotation"]
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """Undeformed position, given velocity."""
+        """Coordinates in the undeformed position, and the given velocities."""
         return np.append(self.properties(scene)[1], 0.0), self.frame_velocity()
 
     def coordinate_lengths(self, _scene: Placed) -> np.ndarray:
-        """Two displacements and an angle."""
+        """Lengths of two displacements and nan for the angle, (3,)."""
         return np.array([1.0, 1.0, np.nan])
 
     def whole_mass(self, scene: Placed) -> Any:
-        """As given, or of the rod."""
+        """Mass of the body, as it is given or of the rod."""
         return self.properties(scene)[0]
 
     def radius_of_gyration(self, scene: Placed) -> float:
-        """About the centre of mass."""
+        """Radius of gyration about the centre of mass."""
         mass, _, inertia = self.properties(scene)
         return float(np.sqrt(np.real(inertia) / np.real(mass))) if np.real(mass) else 0.0
 
     def marker(self, scene: Placed, point: str, _name: str) -> MarkerNumbers:
-        """Any point can be gripped."""
+        """Marker at any point of the scene, since a rigid body can be gripped anywhere."""
         centre = self.properties(scene)[1]
         z0 = (centre if point == CENTRE else scene.position(point)) - centre
         return MarkerNumbers(np.append(z0, 0.0), np.arange(3), np.zeros((3, 3)))
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
-        """Diagonal mass matrix and weight."""
+        """Constant terms of the body: diagonal mass matrix and weight."""
         mass, _, inertia = self.properties(scene)
         diagonal, zero = np.arange(3), np.zeros(3)
         return ConstantNumbers(diagonal, diagonal, np.array([mass, mass, inertia]), zero, zero, np.append(mass * gravity, 0.0))
@@ -74,11 +74,11 @@ class Rigid(GivenMass, RigidBody):
     inertia: Annotated[Positive, Quantity("mass length^2")]
 
     def named_points(self) -> tuple[str, ...]:
-        """The centre of mass."""
+        """Name of the centre of mass, on which the body is built."""
         return (self.center,)
 
     def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
-        """As given."""
+        """Given mass, undeformed global centre of mass (2,), and given moment of inertia about it."""
         return self.mass, scene.position(self.center), self.inertia
 
 
@@ -88,11 +88,11 @@ class Rod(UniformRod, RigidBody):
     kind = "rod"
 
     def named_points(self) -> tuple[str, ...]:
-        """Both ends."""
+        """Names of both ends of the rod, on which the body is built."""
         return self.between
 
     def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
-        """From the end points."""
+        """Mass, undeformed global centre of mass (2,), and moment of inertia about it, from the end points of the rod."""
         start, end = (scene.position(point) for point in self.between)
         square = (end - start) @ (end - start)
         mass = self.density * self.area * np.sqrt(square)

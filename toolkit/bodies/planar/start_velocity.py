@@ -34,7 +34,7 @@ class StartVelocity(PlanarBody):
         return self
 
     def written_velocities(self) -> dict[int, str]:
-        """Keys of the velocity, omega first: they tell most."""
+        """Coordinates with a written velocity -> keys of the velocity, omega first, which tells most."""
         if not self.has_frame:
             return {}
         if self.velocity is not None:

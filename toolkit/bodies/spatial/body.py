@@ -1,4 +1,4 @@
-"""What the compilation asks of every spatial body; a new kind of body is one subclass."""
+"""Base of bodies in space, which says what the compilation asks of them; a new kind of body is one subclass."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class SpatialFloatingNumbers(NamedTuple):
     stiffening: np.ndarray  # (n_entries, 9) S_ab - delta_ab tr S / 2; () of a body that no spin stiffens
 
     def times(self, factor: Any) -> SpatialFloatingNumbers:
-        """All of them times a factor, without S."""
+        """All invariants times a factor, without the spin stiffening S."""
         return self._replace(
             mass=factor * self.mass, moment=factor * self.moment, second=factor * self.second, stiffening=np.zeros(())
         )
@@ -61,7 +61,7 @@ class SpatialFloatingNumbers(NamedTuple):
 
     @property
     def entries(self) -> int:
-        """Entries of all Q[a, b], S[a, b] and N, and the mass."""
+        """Number of entries of all Q[a, b], S[a, b] and N, and the mass."""
         return self.second.size + self.stiffening.size * (self.stiffening.ndim > 0) + self.moment.size + 1
 
 
@@ -105,17 +105,20 @@ class SpatialBody(Body):
         return self
 
     def means(self, field: str) -> bool:
-        """Not those of the axis that defines an angle, and of no velocity of a frame that has none."""
+        """Whether a field's numbers mean something.
+
+        Those of the axis that defines an angle do not, nor any velocity of a frame that has none.
+        """
         return bool({"axis": 0, "velocity": self.moves, "angular_velocity": self.turns}.get(field, 1))
 
     @property
     def moves(self) -> int:
-        """How many coordinates its origin has."""
+        """Number of coordinates of the frame's origin."""
         return 3 if self.frame in ("moving", "translating") else 0
 
     @property
     def turns(self) -> int:
-        """How many coordinates its orientation has."""
+        """Number of coordinates of the frame's orientation."""
         return {"moving": 4, "turning": 1}.get(self.frame, 0)
 
     @property
@@ -125,11 +128,11 @@ class SpatialBody(Body):
 
     @property
     def spin(self) -> np.ndarray:
-        """Written angular velocity (3,), or zero."""
+        """Written angular velocity at the start, (3,), or zero."""
         return np.zeros(3) if self.angular_velocity is None else np.array(self.angular_velocity)
 
     def written_velocities(self) -> dict[int, str]:
-        """Keys of the velocities, those of the rotation first: they tell most."""
+        """Coordinates with a written velocity -> keys of the velocities, those of the rotation first, which tell most."""
         turning = {} if self.angular_velocity is None else {self.moves + k: "angular_velocity" for k in range(self.turns)}
         return turning | ({} if self.velocity is None else {k: f"velocity.{k}" for k in range(self.moves)})
 
@@ -138,7 +141,7 @@ class SpatialBody(Body):
         return [*"xyz"[: self.moves], *({4: ORIENTATION, 1: ("rotation",)}.get(self.turns, ()))]
 
     def frame_lengths(self) -> np.ndarray:
-        """Displacements and angles."""
+        """Lengths of the frame's displacements, 1 each, and nan for the coordinates of its orientation."""
         return np.array([1.0] * self.moves + [np.nan] * self.turns)
 
     def frame_state(self, origin: np.ndarray, quaternion: np.ndarray, omega: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -152,7 +155,10 @@ class SpatialBody(Body):
         return np.array([*origin[: self.moves], *orientation]), np.array([*velocity, *rate])
 
     def frame_motion(self, q: np.ndarray, v: np.ndarray) -> dict[str, np.ndarray]:
-        """Of what the frame has; the angular velocity from the quaternion's rate, or along the axis."""
+        """Velocity of the frame's origin and angular velocity (3,), as far as the frame has them, by keys of the body's table.
+
+        The angular velocity follows from the quaternion's rate, or lies along the axis of a turning frame.
+        """
         found, turns = {}, v[self.moves : self.frame_size]
         if self.moves:
             found["velocity"] = v[: self.moves]
@@ -165,7 +171,7 @@ class SpatialBody(Body):
 
     @abstractmethod
     def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> Any:
-        """The named point of the scene as a marker on this body; `axes` (3, 3) in the undeformed configuration."""
+        """Marker on this body at the named point of the scene; `axes` (3, 3) in the undeformed configuration."""
 
 
 def pose_of(position: np.ndarray, axes: np.ndarray, origin: np.ndarray | None = None) -> np.ndarray:

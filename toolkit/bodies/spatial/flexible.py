@@ -54,11 +54,11 @@ class SpatialFlexible(CuttableBody, SpatialBody):
         return matrix_of(quaternion_of(np.array(self.orientation)))
 
     def coordinate_names(self, scene: Placed) -> list[str]:
-        """Elastic coordinates by number, after the frame."""
+        """Names of the frame's coordinates, and of the elastic ones by their numbers."""
         return [*self.frame_names(), *(f"elastic coordinate {k}" for k in range(scene.model(self.model).n_f))]
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """At its place in the given shape, with the given velocities."""
+        """Coordinates and velocities at the start: the frame at its written place, the elastic ones in the given shape."""
         shape, rate = self.start_shapes(scene)
         omega = self.placement.T @ self.spin
         q, v = self.frame_state(np.array(self.position), quaternion_of(np.array(self.orientation)), omega)
@@ -80,32 +80,35 @@ class SpatialFlexible(CuttableBody, SpatialBody):
         return inv
 
     def frame_axes(self, q: np.ndarray) -> np.ndarray:
-        """By its quaternion, or by the angle that it has turned by from where it is placed."""
+        """Rotation matrix (3, 3) of the frame, by its quaternion or by the angle that it has turned from where it is placed."""
         if self.frame == "turning":
             return matrix_of(quaternion_of(q[self.moves] * self.unit_axis)) @ self.placement
         return matrix_of(q[self.moves : self.moves + QUATERNION])
 
     @property
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
-        """As written."""
+        """Displacements of points at the start and their velocities as the scene writes them, by keys of the body's table."""
         return {"deflection": self.deflection, "elastic_velocity": self.elastic_velocity}
 
     def undeforming_point(self, width: int) -> tuple[np.ndarray, np.ndarray]:
-        """Three zero positions and a zero rotation vector."""
+        """Three zero positions and a zero rotation vector, with `width` columns each."""
         return np.zeros((3, width)), np.zeros((3, width))
 
     @property
     def start_spin(self) -> np.ndarray:
-        """As written, turned into the model."""
+        """Written angular velocity at the start, turned into the axes of the reduced model, (3,)."""
         return self.placement.T @ self.spin
 
     @property
     def only_axis(self) -> np.ndarray | None:
-        """That of a turning frame."""
+        """Axis of a turning frame in the axes of the reduced model, (3,); None of other frames."""
         return self.placement.T @ self.unit_axis if self.frame == "turning" else None
 
     def spins(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """From the quaternion's rate, or along the axis."""
+        """Angular velocity of the frame in the axes of the reduced model, (n_t, 3).
+
+        It follows from the quaternion's rate, or lies along the axis of a turning frame.
+        """
         at = self.moves
         if self.only_axis is not None:
             return v[:, at, None] * self.only_axis
@@ -116,7 +119,7 @@ class SpatialFlexible(CuttableBody, SpatialBody):
         return np.array(self.position) + self.placement @ self.point(scene, point, name)[0][:, 0]
 
     def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> SpatialMarkerNumbers:
-        """An interface point; the placement of a body whose frame is no quaternion is part of its Z."""
+        """Marker at an interface point; the placement of a body whose frame is no quaternion is part of its Z."""
         position, rotation = self.point(scene, point, name)
         columns = np.flatnonzero(np.any(position[:, 1:] != 0, axis=0) | np.any(rotation[:, 1:] != 0, axis=0))
         at, shape = position[:, 0], np.column_stack([position[:, 1 + columns].T, rotation[:, 1 + columns].T])
@@ -137,7 +140,7 @@ class SpatialFlexible(CuttableBody, SpatialBody):
         )
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
-        """Damping and stiffness always; mass and weight only of a frame that does not turn."""
+        """Constant terms of the body: always damping and stiffness, mass and weight only where the frame does not turn."""
         inv, size, m = self.invariants(scene), self.frame_size, self.moves
         whole, moment = size + len(inv.stiffness), self.placement @ inv.first_moment
         dtype = np.result_type(moment, inv.second_moment, inv.stiffness, inv.damping, inv.mass, gravity, self.mass_damping(scene))
@@ -156,12 +159,12 @@ class SpatialFlexible(CuttableBody, SpatialBody):
         return ConstantNumbers(row, column, mass[row, column], damping[row, column], stiffness[row, column], force)
 
     def undamped(self, scene: Placed) -> SpatialFloatingNumbers:
-        """No entries."""
+        """Invariants without entries, for a body without mass-proportional damping."""
         none, moment = np.zeros(0, int), np.zeros((1 + self.design_point(scene).model.n_f, 3))
         return SpatialFloatingNumbers(0.0, moment, none, none, np.zeros((0, 9)), self.unit_axis, np.zeros(()))
 
     def surface_load(self, scene: Placed, surface: str) -> SurfaceLoad:
-        """A unit pressure on one of the surfaces that the reduced model names."""
+        """Load of a unit pressure on one of the surfaces that the reduced model names."""
         design = self.design_point(scene, "surface_loads")
         return SurfaceLoad(*(design.value(f"surface_loads.{surface}.{key}") for key in ("force", "moment")))
 

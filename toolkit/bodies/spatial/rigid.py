@@ -36,7 +36,7 @@ class SpatialRigidBody(SpatialBody):
         """Mass, undeformed centre of mass (3,), second moments int rho x_a x_b dV about it (3, 3)."""
 
     def named_points(self) -> tuple[str, ...]:
-        """The frame's origin, where it is a point of the scene."""
+        """Name of the frame's origin, where that is a point of the scene."""
         return () if self.origin is None else (self.origin,)
 
     def frame_origin(self, scene: Placed) -> np.ndarray:
@@ -44,19 +44,19 @@ class SpatialRigidBody(SpatialBody):
         return self.mass_properties(scene)[1] if self.origin is None else scene.position(self.origin)
 
     def coordinate_names(self, _scene: Placed) -> list[str]:
-        """Those of the frame."""
+        """Names of the coordinates, which are those of the frame."""
         return self.frame_names()
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """Undeformed position, given velocity."""
+        """Coordinates in the undeformed position, and the given velocities."""
         return self.frame_state(self.frame_origin(scene), np.array([1.0, 0, 0, 0]), self.spin)
 
     def coordinate_lengths(self, _scene: Placed) -> np.ndarray:
-        """Displacements and angles."""
+        """Lengths of the frame's displacements, 1 each, and nan for the coordinates of its orientation."""
         return self.frame_lengths()
 
     def whole_mass(self, scene: Placed) -> Any:
-        """As given, or of the rod."""
+        """Mass of the body, as it is given or of the rod."""
         return self.mass_properties(scene)[0]
 
     def radius_of_gyration(self, scene: Placed) -> float:
@@ -65,7 +65,7 @@ class SpatialRigidBody(SpatialBody):
         return float(np.sqrt(np.real(np.trace(moments)) / np.real(mass)))
 
     def marker(self, scene: Placed, point: str, _name: str, axes: np.ndarray | None = None) -> SpatialMarkerNumbers:
-        """Any point can be gripped."""
+        """Marker at any point of the scene, since a rigid body can be gripped anywhere."""
         origin = self.frame_origin(scene) if self.frame_size else np.zeros(3)
         axes = np.eye(3) if axes is None else axes
         place = self.mass_properties(scene)[1] if point == CENTRE else scene.position(point)
@@ -73,14 +73,14 @@ class SpatialRigidBody(SpatialBody):
         return SpatialMarkerNumbers(pose, np.arange(self.frame_size), np.zeros((self.frame_size, 6)))
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
-        """Mass and weight of a body that does not turn."""
+        """Constant terms of a body that does not turn: mass and weight."""
         if self.turns or not self.moves:
             return no_constants(self.frame_size)
         mass, diagonal, zero = self.mass_properties(scene)[0], np.arange(3), np.zeros(3)
         return ConstantNumbers(diagonal, diagonal, mass * np.ones(3), zero, zero, mass * gravity)
 
     def floating(self, scene: Placed) -> SpatialFloatingNumbers | None:
-        """Moments about the frame's origin."""
+        """Invariants of a body that turns: its moments about the frame's origin; None of other bodies."""
         if not self.turns:
             return None
         mass, center, moments = self.mass_properties(scene)
@@ -118,11 +118,11 @@ class SpatialRigid(GivenMass, SpatialRigidBody):
         return inertia
 
     def named_points(self) -> tuple[str, ...]:
-        """The centre of mass, and the frame's origin."""
+        """Names of the centre of mass and of the frame's origin, on which the body is built."""
         return (self.center, *super().named_points())
 
     def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, np.ndarray]:
-        """As given."""
+        """Given mass, undeformed centre of mass (3,), and second moments about it (3, 3) from the given moments of inertia."""
         return self.mass, scene.position(self.center), second_moments(np.array(self.inertia))
 
 
@@ -132,11 +132,11 @@ class SpatialRod(UniformRod, SpatialRigidBody):
     kind = "rod"
 
     def named_points(self) -> tuple[str, ...]:
-        """Both ends, and the frame's origin."""
+        """Names of both ends of the rod and of the frame's origin, on which the body is built."""
         return (*self.between, *super().named_points())
 
     def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, np.ndarray]:
-        """From the end points."""
+        """Mass, undeformed centre of mass (3,), and second moments about it (3, 3), from the end points of the rod."""
         start, end = (scene.position(point) for point in self.between)
         square = (end - start) @ (end - start)
         mass, along = self.density * self.area * np.sqrt(square), np.outer(end - start, end - start) / square
@@ -145,7 +145,10 @@ class SpatialRod(UniformRod, SpatialRigidBody):
 
 
 def second_moments(inertia: np.ndarray) -> np.ndarray:
-    """int rho x_a x_b dV (3, 3) from the inertia tensor Theta (3 or 6 numbers in the order of `INERTIA`): tr(Theta) / 2 I - Theta."""
+    """Second moments int rho x_a x_b dV (3, 3) from the inertia tensor Theta: tr(Theta) / 2 I - Theta.
+
+    Theta has 3 or 6 numbers in the order of `INERTIA`.
+    """
     xx, yy, zz, *rest = inertia
     yz, xz, xy = rest or (0 * xx, 0 * xx, 0 * xx)
     tensor: Any = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

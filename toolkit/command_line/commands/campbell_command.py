@@ -53,7 +53,7 @@ def campbell(
 
 
 def speeds_of(text: str) -> list[float]:
-    """The numbers of `first:last:count`, or of a list with commas.
+    """Speeds from the text `first:last:count`, or from a list with commas.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def speeds_of(text: str) -> list[float]:
 
 
 def print_campbell(found: Campbell) -> None:
-    """One row per speed."""
+    """Print the frequencies, one row per speed."""
     modes = found.frequencies.shape[1]
     rows = table("speed in rad/s", *(f"{k + 1}, Hz" for k in range(modes)), "least damping ratio")
     for speed, frequencies, damping in zip(found.speeds, found.frequencies, found.damping, strict=True):
@@ -95,7 +95,7 @@ def print_campbell(found: Campbell) -> None:
 
 
 def record_of(found: Campbell) -> dict[str, Any]:
-    """The JSON object."""
+    """JSON object of Campbell's diagram."""
     return {
         "speeds": {"value": found.speeds.tolist(), "unit": "rad/s"},
         "frequencies": {"value": [[finite_or_none(each) for each in row] for row in found.frequencies.tolist()], "unit": "Hz"},
@@ -105,7 +105,7 @@ def record_of(found: Campbell) -> dict[str, Any]:
 
 
 def write(found: Campbell, folder: Path, name: str) -> list[Path]:
-    """The picture as PNG and SVG, the table as CSV, and everything as JSON."""
+    """Write the picture as PNG and SVG, the table as CSV, and everything as JSON."""
     from toolkit.foundation.files.replaced_file import write_whole
     from toolkit.report.campbell_drawing import campbell_drawing
     from toolkit.results.csv_tables import write_csv

@@ -75,7 +75,7 @@ def certify(
 
 
 def record_of(found: Certificate) -> dict:
-    """The JSON object of a certificate."""
+    """JSON object of a certificate."""
     return {
         "gradients": {
             response: {x: finite_or_none(slope) for x, slope in slopes.items()}
@@ -101,7 +101,7 @@ def record_of(found: Certificate) -> dict:
 
 
 def print_certificate(found: Certificate) -> None:
-    """Gradients with the digits on which adjoint and complex step agree with them, Taylor rates, and the V of the differences."""
+    """Print gradients with the digits on which adjoint and complex step agree, Taylor rates, and the V of the differences."""
     console = Console(width=WIDE, highlight=False)
     others = [method.replace("-", " ") for method in found.differences]
     gradients = table("gradient", "by", "direct", f"agreeing digits: {others[0]}", *others[1:], "round-off leaves")
@@ -130,7 +130,7 @@ def print_certificate(found: Certificate) -> None:
 
 
 def agreement(found: Certificate, tolerance: float) -> str:
-    """One sentence on gradients that agree, and one on those that round-off leaves fewer digits than the tolerance asks for."""
+    """Sentences on gradients that agree, and on those that round-off leaves fewer digits than the tolerance asks for."""
     worst = {(f, x): max(each[f][x] for each in found.differences.values()) for f, limits in found.limits.items() for x in limits}
     limited = [pair for pair, value in worst.items() if value > tolerance]
     if len(limited) == len(worst) and found.vanish(tolerance):
@@ -150,7 +150,7 @@ def agreement(found: Certificate, tolerance: float) -> str:
 
 
 def digits_of(difference: float) -> str:
-    """How many decimal digits agree; a dash where a method does not apply."""
+    """Number of decimal digits that agree, as text; a dash where a method does not apply."""
     from toolkit.sensitivity.certificate.certificate import digits
 
     return "-" if math.isnan(difference) else f"{digits(difference):.1f}"
@@ -174,7 +174,7 @@ def refuse_no_picture(path: Path) -> None:
 
 
 def draw(found: Certificate, path: Path) -> None:
-    """Write the picture."""
+    """Write the picture of a certificate."""
     from toolkit.report.certificate_drawing import certificate_drawing
 
     certificate_drawing(found).save_as(path)

@@ -65,7 +65,7 @@ def _solution(file: Path, static: bool, changes: list[str] | None, models: Path 
 
 
 def record_of_check(found: Comparison, solution: Solution) -> dict[str, Any]:
-    """Part of the JSON object for one body."""
+    """JSON object of one body's check."""
     from toolkit.foundation.units import unit
 
     units = solution.system.scene.units
@@ -83,7 +83,7 @@ def record_of_check(found: Comparison, solution: Solution) -> dict[str, Any]:
 
 
 def record_of_mechanism(found: Mechanism) -> dict[str, Any]:
-    """Part of the JSON object for the whole mechanism."""
+    """JSON object of the check of the whole mechanism."""
     record: dict[str, Any] = {
         "elements": dict(found.elements),
         "distances": dict(found.distances),
@@ -108,7 +108,7 @@ def record_of_mechanism(found: Mechanism) -> dict[str, Any]:
 
 
 def print_mechanism(found: Mechanism) -> None:
-    """Distances of the bodies, then values and gradients of both mechanisms."""
+    """Print distances of the bodies, then values and gradients of both mechanisms."""
     if found.own is None or found.corotational is None:
         return
     console, own, exact = Console(width=WIDE, highlight=False), found.own, found.corotational
@@ -139,7 +139,7 @@ def _off(value: float, true: float) -> str:
 
 
 def print_check(found: dict[str, Comparison], solution: Solution) -> None:
-    """One row per body, then what is compared."""
+    """Print one row per body, then what is compared."""
     from toolkit.foundation.units import unit
 
     units = solution.system.scene.units

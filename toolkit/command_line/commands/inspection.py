@@ -22,7 +22,7 @@ NOT_SOLVED = "the scene is judged as it is written, and was not solved: ffrf sta
 
 
 def describe(path: Path) -> dict[str, Any]:
-    """Content of results, or of a reduced model (anything else).
+    """Content of a results file, or of a reduced model (anything else), as a record.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def describe(path: Path) -> dict[str, Any]:
 
 
 def describe_results(results: Results) -> dict[str, Any]:
-    """What was computed, of what, with which settings."""
+    """Record of stored results: what was computed, of what, with which settings."""
     from toolkit.command_line.printed.printing import finite_or_none
     from toolkit.kept_run.layout import SCHEMA, SCHEMA_VERSION
 
@@ -77,7 +77,7 @@ def describe_results(results: Results) -> dict[str, Any]:
 
 
 def describe_scene(scene: Scene) -> dict[str, Any]:
-    """Names and kinds of all parts, the declared design variables, all numbers that could be one, and what makes one ask."""
+    """Record of a scene: names and kinds of all parts, design variables, numbers that could be one, and questions."""
     from toolkit.foundation.files.outside_files import outside_files
     from toolkit.scene.cut_scene import written
     from toolkit.sensitivity.preparation import responses_of
@@ -103,7 +103,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
 
 
 def _questions(scene: Scene) -> Verdict:
-    """What is to be asked about a scene before it runs; of one that cannot be compiled, why not."""
+    """Questions about a scene before it runs; of one that cannot be compiled, the reason."""
     from toolkit.foundation.verdict import Caution, Verdict
     from toolkit.system.system import compile_scene
     from toolkit.validity.description.scene_cautions import cautions_of_scene

@@ -67,7 +67,7 @@ def solid(
 
 
 def _start(kind: str, folder: Path, as_json: bool, quiet: bool, **options: object) -> None:
-    """Run the program, and say what it says; if quiet, warnings and errors alone."""
+    """Run the program and print what it says; if quiet, warnings and errors alone."""
     given = [kind, str(folder)]
     for name, value in options.items():
         given += [] if value is None else [f"--{name.replace('_', '-')}", str(value)]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
 
 PARTS = ("forward-difference", "central-difference", "complex-step", "certificate", "figures", "animation")
-"""What a report's time goes to, in the order of the work."""
+"""Parts of a report that take time, in the order of the work."""
 
 
 def report(
@@ -63,7 +63,7 @@ def report(
 
 
 def title_of(file: Path) -> str:
-    """What the page is called: the name of the scene, which is that of its folder where its file is only called scene or results."""
+    """Title of the page: name of the scene, or of its folder where its file is called scene or results."""
     name = file.resolve().parent.name if file.stem in ("scene", "results") else file.stem
     return f"{name[:1].upper()}{name[1:]}".replace("_", " ")
 
@@ -104,7 +104,7 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
 
 
 def _part(progress: Progress):
-    """One bar for all parts: each is a hundredth of its share."""
+    """Progress function for named parts on one bar, of which each part takes the same share."""
 
     def moved(part: str, done: int, total: int) -> None:
         progress(100 * PARTS.index(part) + round(100 * done / total), 100 * len(PARTS))

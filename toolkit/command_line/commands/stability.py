@@ -77,7 +77,7 @@ def stability(
 
 
 def print_study(study: StabilityResult) -> None:
-    """Limits of every map, what happens beyond them, and what the names mean."""
+    """Print the limits of every map, what happens beyond them, and what the names mean."""
     from toolkit.studies.stability.map_limits import breakdowns, mapped_range, stable_where
     from toolkit.studies.stability.record import criteria
 
@@ -106,12 +106,12 @@ def print_study(study: StabilityResult) -> None:
 
 
 def first_sentence(text: str) -> str:
-    """A message without its advice."""
+    """First sentence of a message, without its advice."""
     return text.split(". ")[0].rstrip(".") + "."
 
 
 def write(study: StabilityResult, folder: Path, name: str) -> list[Path]:
-    """The picture as PNG and SVG, and everything as JSON."""
+    """Write the picture as PNG and SVG, and everything as JSON."""
     from toolkit.foundation.files.replaced_file import write_whole
     from toolkit.report.stability_drawing import stability_drawing
     from toolkit.studies.stability.record import record_of

@@ -61,7 +61,7 @@ def sweep(
 
 
 def _changed(study: Study, given: dict[str, Any]) -> Study:
-    """The study with options of the command line: those of other kinds of designs in the file count no more.
+    """Study with options of the command line; other kinds of designs in the file then count no more.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def _drawing(found: Swept) -> Drawing:
 
 
 def _print(found: Swept, record: dict[str, Any]) -> None:
-    """Variables with their bounds, and responses where they are least and largest."""
+    """Print variables with their bounds, and where responses are least and largest."""
     console, problem = Console(width=WIDE, highlight=False), found.problem
     variables = table("variable", "least", "largest", "unit")
     for name, bounds in record["sweep"]["variables"].items():

@@ -90,7 +90,7 @@ def tradeoff(
 
 
 def _model_verdict(scene: Scene) -> Verdict:
-    """What speaks against the model itself, which no setting fixes: of the motion with the scene's own ones."""
+    """Doubts about the model itself, which no setting fixes, from the motion with the scene's own settings."""
     from toolkit.foundation.verdict import Caution, Verdict
     from toolkit.sensitivity.preparation import prepare, solve
     from toolkit.validity.bodies.bent_surfaces import bent_surfaces

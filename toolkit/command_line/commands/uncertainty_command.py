@@ -76,7 +76,7 @@ def _drawing(found: UncertainResult) -> Drawing:
 
 
 def _print(found: UncertainResult) -> None:
-    """Uncertain numbers, responses with their spread, shares of their variance, quantiles and probabilities."""
+    """Print uncertain numbers, responses with their spread, shares of their variance, quantiles and probabilities."""
     console, problem = Console(width=WIDE, highlight=False), found.study.problem
     numbers = table("uncertain", "mean", "sigma", "unit")
     for name, each in zip(problem.variables, found.study.joint.marginals, strict=True):
@@ -99,7 +99,7 @@ def _print(found: UncertainResult) -> None:
 
 
 def _print_spreads(console: Console, found: UncertainResult) -> None:
-    """Mean and sigma by polynomials, by first derivatives, and by random designs."""
+    """Print mean and sigma by polynomials, by first derivatives, and by random designs."""
     rows = table("response", "mean", "sigma", "+- of both", "unit", "degree", "left out", "first order", "random designs")
     for name, each in found.responses.items():
         first = "" if each.first_order is None else "{:.6g}, {:.3g}".format(*each.first_order)
@@ -121,7 +121,7 @@ def _print_spreads(console: Console, found: UncertainResult) -> None:
 
 
 def _print_shares(console: Console, found: UncertainResult) -> None:
-    """Sobol's indices: of a number alone, and with others."""
+    """Print Sobol's indices: of a number alone, and together with others."""
     names = found.study.problem.variables
     shares = table("share of the variance", *names)
     for name, each in found.responses.items():

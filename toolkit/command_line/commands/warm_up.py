@@ -12,7 +12,7 @@ from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 
 class Part(StrEnum):
-    """What is compiled."""
+    """Part of the formulas that can be compiled."""
 
     plane = "plane"
     space = "space"

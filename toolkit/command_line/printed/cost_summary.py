@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def compiled(scene: Scene, keep_all: bool) -> Model:
-    """The scene with what it needs, or with everything put back."""
+    """Model of a scene with only what it needs, or with everything put back."""
     from toolkit.door.model import Model, compile_model
 
     if not keep_all:
@@ -29,7 +29,7 @@ def compiled(scene: Scene, keep_all: bool) -> Model:
 
 
 def cost_summary_of(scene: Scene, design: list[str], keep_all: bool, measured: bool, quiet: bool = False) -> dict[str, Any]:
-    """The cost summary, or why there is none: a scene that cannot be compiled can still be looked at."""
+    """Cost summary of a scene, or the reason why there is none: one that cannot be compiled can still be looked at."""
     from toolkit.cost_summary.cost_summary import cost_summary
 
     try:
@@ -72,7 +72,7 @@ def _costs(costs: list[dict[str, Any]]) -> Any:
 
 
 def remarks(costs: list[dict[str, Any]]) -> list[str]:
-    """What the numbers mean, and what dropping gains."""
+    """Sentences on what the numbers mean, and on what dropping gains."""
     lines = [
         "factorization, solution: multiplications of one Newton iteration; bytes read: of the arrays in the files; us: processor time."
     ]

@@ -39,7 +39,7 @@ def record_of_deformations(solution: Solution, found: Deformations) -> dict[str,
 
 
 def print_deformations(solution: Solution, found: Deformations) -> None:
-    """A table with one row per flexible body."""
+    """Print a table with one row per flexible body."""
     if not found:
         return
     length = unit(solution.system.scene.units, "length")

@@ -29,7 +29,7 @@ def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> Fre
 
 
 def record_afresh(found: FreshGradients | None) -> dict[str, Any] | None:
-    """Part of the JSON object."""
+    """JSON object of the gradients by fresh models."""
     if found is None:
         return None
     slopes = {
@@ -40,7 +40,7 @@ def record_afresh(found: FreshGradients | None) -> dict[str, Any] | None:
 
 
 def print_afresh(found: FreshGradients | None, exact: Result) -> None:
-    """A table, and what is missing in it."""
+    """Print a table of gradients by fresh models, and what is missing in it."""
     if found is None:
         typer.echo("No comparison with reduced models built afresh: the preprocessing is not installed.")
         return
@@ -60,7 +60,7 @@ def print_afresh(found: FreshGradients | None, exact: Result) -> None:
 
 
 def with_doubts_afresh(verdict: Verdict, found: FreshGradients | None, exact: Result) -> Verdict:
-    """The verdict with what fresh models say against frozen bases."""
+    """Verdict with what fresh models say against frozen bases."""
     from toolkit.sensitivity.certificate.fresh_models import doubts_of_fresh
 
     return verdict if found is None else Verdict.of([*verdict.warnings, *doubts_of_fresh(found, exact)], verdict.measures)

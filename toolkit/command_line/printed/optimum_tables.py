@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def print_optimum(found: Optimum) -> None:
-    """Variables with their bounds, responses before and after, what limits cost, and how the searches went."""
+    """Print variables with their bounds, responses before and after, the price of limits, and the course of the searches."""
     console = Console(width=WIDE, highlight=False)
     problem = found.problem
     variables = table("variable", "start", "optimum", "least", "largest", "unit")

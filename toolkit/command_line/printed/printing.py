@@ -24,7 +24,7 @@ LEFT = ("unit", "by", "why")
 
 
 def print_verdict(verdict: Verdict) -> None:
-    """Whether the numbers can be trusted, all that has to be known about them, and where their codes are explained."""
+    """Print whether the numbers can be trusted, all cautions, and where their codes are explained."""
     from toolkit.foundation.verdict import PAGE
 
     said = [str(verdict), *([f"Codes: {', '.join(verdict.codes)}. What they mean: {PAGE}."] if verdict.codes else [])]
@@ -32,7 +32,7 @@ def print_verdict(verdict: Verdict) -> None:
 
 
 def warn(verdict: Verdict, quiet: bool = False) -> None:
-    """The same on standard error, where standard output belongs to JSON or to names of files."""
+    """Print a verdict on standard error, where standard output belongs to JSON or to names of files."""
     for caution in () if quiet else verdict.warnings:
         typer.echo(f"{'warning' if caution.doubt else 'note'}: {caution.text}", err=True)
 
@@ -40,7 +40,7 @@ def warn(verdict: Verdict, quiet: bool = False) -> None:
 def print_answer(
     record: Callable[[], dict[str, Any]], shown: Callable[[], None], verdict: Verdict, as_json: bool, quiet: bool
 ) -> None:
-    """An answer with its verdict: one JSON object, or tables; what has to be known is said in both."""
+    """Print an answer with its verdict: one JSON object, or tables; cautions are in both."""
     if as_json:
         print_json(record())
         warn(verdict, quiet)
@@ -50,7 +50,7 @@ def print_answer(
 
 
 def print_files(files: Sequence[Path], verdict: Verdict, as_json: bool, quiet: bool = False) -> None:
-    """Print the names of files that show a run, and what has to be known about that."""
+    """Print the names of files that show a run, and the cautions about it."""
     if as_json:
         print_json({"files": [str(file) for file in files], **verdict.record()})
     else:
@@ -59,7 +59,7 @@ def print_files(files: Sequence[Path], verdict: Verdict, as_json: bool, quiet: b
 
 
 def table(first: str, *others: str) -> Table:
-    """An empty table: a column of words, columns of numbers."""
+    """Empty table with a column of words and columns of numbers."""
     made = Table(box=SIMPLE)
     made.add_column(first)
     for name in others:
@@ -68,5 +68,5 @@ def table(first: str, *others: str) -> Table:
 
 
 def finite_or_none(value: float) -> float | None:
-    """JSON knows no nan."""
+    """Number, or None if it is not finite: JSON has no nan."""
     return value if math.isfinite(value) else None

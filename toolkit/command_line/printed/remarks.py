@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def accuracy(result: Result) -> list[str]:
-    """What the length of the steps does to values and gradients, as far as it is known."""
+    """Sentences on the time-step error of values and gradients, as far as it is known."""
     lines, found = [], result.step_error
     if result.solution.local_error is not None:
         lines.append(f"Largest estimated local error of a step: {result.solution.local_error:.1e} of the model size.")
@@ -24,12 +24,12 @@ def accuracy(result: Result) -> list[str]:
 
 
 def _percent(part: float) -> str:
-    """A part in percent, with two digits, zero where round-off makes it negative."""
+    """Part in percent, with two digits; zero where round-off makes it negative."""
     return f"{100 * part:.2g} %" if part > 0 else "0 %"
 
 
 def chosen_steps(result: Result) -> list[str]:
-    """What steps a run has chosen, and whose derivatives its gradients are."""
+    """Sentences on the steps that a run has chosen, and on whose derivatives its gradients are."""
     if (result.solution.options or result.solution.system.scene.solver).local_error is None:
         return []
     times = result.solution.whole_run
@@ -41,7 +41,7 @@ def chosen_steps(result: Result) -> list[str]:
 
 
 def remarks(result: Result) -> list[str]:
-    """Remarks of the responses, constraint violation and energy balance, iterations, wall times."""
+    """Sentences on responses, constraint violation and energy balance, iterations and wall times."""
     from toolkit.responses.stress.stress import KSStress
     from toolkit.validity.start.start_state import start_lines
 

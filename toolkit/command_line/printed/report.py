@@ -34,7 +34,7 @@ def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
 
 
 def record_of(result: Result) -> dict[str, Any]:
-    """The JSON object of a run; a number that does not exist is None."""
+    """JSON object of a run; a number that does not exist is None."""
     from toolkit.scene_file.gradient_units import gradient_units
     from toolkit.validity.start.start_state import start_record
 
@@ -62,7 +62,7 @@ def record_of(result: Result) -> dict[str, Any]:
 
 
 def path_record(result: Result) -> dict[str, Any]:
-    """What a static solution has passed on its path, if that was followed past limit points."""
+    """Record of what a static solution has passed on its path, if that was followed past limit points."""
     path = result.solution.path
     if not path or not path.passed_limit:
         return {}
@@ -74,7 +74,7 @@ def path_record(result: Result) -> dict[str, Any]:
 
 
 def print_tables(result: Result) -> None:
-    """Values and gradients as tables."""
+    """Print values and gradients as tables."""
     from toolkit.results.short_tables import table_of_gradients, table_of_values
 
     for found in filter(None, (table_of_values(result), table_of_gradients(result))):
@@ -85,7 +85,7 @@ def print_tables(result: Result) -> None:
 
 
 def print_frequencies(frequencies: list[float], damping: list[float] | None = None) -> None:
-    """Table of eigenfrequencies, and of damping in parts of the critical one."""
+    """Print a table of eigenfrequencies, and of damping in parts of the critical one."""
     found = table("mode", "frequency in Hz", *([] if damping is None else ["damping ratio"]))
     for number, frequency in enumerate(frequencies, 1):
         found.add_row(str(number), f"{frequency:.6g}", *([] if damping is None else [f"{damping[number - 1]:.3g}"]))

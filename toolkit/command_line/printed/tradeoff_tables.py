@@ -19,7 +19,7 @@ SHOWN = 30
 
 
 def print_tradeoff(found: Tradeoff) -> None:
-    """Reference, settings, failures, recommendation."""
+    """Print reference, settings, failures and recommendation."""
     console = Console(width=WIDE, highlight=False)
     _print_reference(console, found)
     _print_settings(console, found)
@@ -30,7 +30,7 @@ def print_tradeoff(found: Tradeoff) -> None:
 
 
 def failures(found: Tradeoff) -> list[str]:
-    """One line for every reason why settings failed, with what these have in common."""
+    """Lines on settings that failed: one for every reason, with what these settings have in common."""
     reasons: dict[str, list[dict[str, str]]] = {}
     for each in found.failed:
         reasons.setdefault(each.outcome.reason, []).append(each.setting.labels)
@@ -139,7 +139,7 @@ def _print_recommendation(found: Tradeoff, best: JudgedSetting) -> None:
 
 
 def record_of(found: Tradeoff) -> dict[str, Any]:
-    """The JSON object of a study."""
+    """JSON object of a tradeoff study."""
     from toolkit.studies.tradeoff.recommendation import changes, skin_fragments, solver_fragment
 
     reference, best, case = found.reference, found.recommended, found.plan.case

@@ -78,7 +78,7 @@ def constant_part(
 
 
 PLACES = ("segment_start", "segment_size", "row", "column", "position")
-"""What no number changes."""
+"""Arrays that no number of the scene changes."""
 
 
 def _places(parts: list[ConstantNumbers], rows: list, pattern: Pattern) -> dict[str, np.ndarray]:
@@ -89,7 +89,7 @@ def _places(parts: list[ConstantNumbers], rows: list, pattern: Pattern) -> dict[
 
 
 def _on_pattern(pattern: Pattern, position: np.ndarray, entries: np.ndarray) -> np.ndarray:
-    """Entries of a matrix at their places among all that are stored, if there are any."""
+    """Entries of a matrix at their places among all that are stored; empty if it has none."""
     found = np.zeros(len(pattern.indices) if len(entries) else 0, entries.dtype)
     np.add.at(found, position, entries)
     return found
@@ -104,8 +104,10 @@ def _changes_of(
     name: str,
     bodies: list[int] | None = None,
 ) -> Changes:
-    """What is not zero in the derivatives of one matrix, of all or some bodies, whose entries are body by body and row by row; `known` from
-    other numbers."""
+    """Changes of one matrix of all or some bodies, without the derivatives that are zero.
+
+    Entries are body by body and row by row; `known` are from other numbers.
+    """
     parts = [
         (x, b, getattr(part, name))
         for x, derivative in enumerate(derivatives)
@@ -120,7 +122,7 @@ def _changes_of(
 
 
 def _runs(entry: np.ndarray, variable: np.ndarray, row: np.ndarray, column: np.ndarray) -> Changes:
-    """Runs of entries, without values."""
+    """Changes without their values: runs of entries, each of one row by one variable."""
     rows = row[entry].astype(np.int64)
     begins = np.ones(len(entry), bool)
     begins[1:] = (rows[1:] != rows[:-1]) | (variable[1:] != variable[:-1])
@@ -136,7 +138,7 @@ def _changes_of_forces(numbering: Numbering, derivatives: list[Quantities]) -> t
 
 
 def _not_zero(parts: list[tuple[int, int, np.ndarray]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Place, variable and value of what is not zero, of arrays with the place of their first number and their variable."""
+    """Place, variable and value of what is not zero in arrays with the place of their first number and their variable."""
     found = [(first, x, change, np.flatnonzero(change)) for first, x, change in parts]
     place = ints([first + at for first, _, _, at in found])
     variable = np.repeat(ints([[x for _, x, _, _ in found]]), [len(at) for *_, at in found])
@@ -193,7 +195,7 @@ def floating_part(first: list[int], values: Quantities, derivatives: list[Quanti
 
 
 def drag_alone(values: Quantities, derivatives: list[Quantities]) -> tuple[Quantities, list[Quantities]]:
-    """The numbers with the drag in the place of the invariants, and without gravity; no bodies if none is damped by its mass."""
+    """Quantities with the drag in the place of the invariants, and without gravity; no bodies if none is damped by its mass."""
     damped = any(len(part.row) for part in values.drag.values())
     kept = values.floating if damped else {}
     drag = {b: values.drag[b] if b in values.drag else part.times(0.0) for b, part in kept.items()}
@@ -203,7 +205,7 @@ def drag_alone(values: Quantities, derivatives: list[Quantities]) -> tuple[Quant
 
 
 def stiffened_entries(part: Any) -> np.ndarray:
-    """Those among the entries of a body's matrices that a spin stiffens, (n,) numbers."""
+    """Numbers of the entries of a body's matrices that a spin stiffens, (n,)."""
     return np.flatnonzero((part.row > 0) & (part.column > 0)) if np.ndim(part.stiffening) else np.zeros(0, np.int64)
 
 

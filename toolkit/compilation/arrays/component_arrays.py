@@ -19,7 +19,7 @@ from toolkit.scene.scene import Scene
 
 
 def families(loads: list[Load]) -> list:
-    """The different formulas of the loads, in order of appearance."""
+    """Formulas of the loads, each once, in order of appearance."""
     return list(dict.fromkeys(load.law() for load in loads))
 
 
@@ -91,7 +91,7 @@ def load_arrays(
 
 
 PLACES = ("family", "marker", "curve", "scaled", "state", "position_start", "position")
-"""What no number changes."""
+"""Arrays that no number of the scene changes."""
 
 
 def _places(scene: Scene, numbering: Numbering, columns: list[np.ndarray], pattern: Pattern) -> dict[str, np.ndarray]:

@@ -38,7 +38,7 @@ PIN_PLACES, PIN_VALUES = (0, 0, 3, 0, 1, 4), (0, 1, -1, 0, 1, -1)
 
 
 def laws_of(joints: list[Joint]) -> list[CPUDispatcher]:
-    """The different open formulas of the joints, in order of appearance; angles and profiles have a place of their own."""
+    """Open formulas of the joints, each once, in order of appearance; angles and profiles have a place of their own."""
     return [law for law in dict.fromkeys(law for joint in joints for law in joint.laws) if law not in (angle_law, profile_law)]
 
 
@@ -121,7 +121,7 @@ def _pinned(of: np.ndarray, forms: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def _laws(joints: list[Joint], rows: list[tuple[Row, ...]], most: int) -> np.ndarray:
-    """What stands for the law of every row, and how many forms it has, (n_joints, 2 most)."""
+    """Number of the law of every row, and how many forms it has, (n_joints, 2 most)."""
     known: list = laws_of(joints)
     found: np.ndarray = np.zeros((len(rows), most, 2), np.int64)
     for j, each in enumerate(rows):

@@ -145,7 +145,7 @@ def spatial_marker_arrays(
 
 
 def _with_axes(scene: Scene, numbering: Numbering) -> set[int]:
-    """Markers whose axes something asks for."""
+    """Numbers of the markers whose axes something asks for."""
     components: dict[str, Component] = {**{f"joints.{name}": each for name, each in scene.joints.items()}}
     components |= {f"loads.{name}": each for name, each in named_loads(scene).items()}
     used = {numbering.marker(grip) for path, each in components.items() if each.feels_axes for grip in grips_of(path, each)}

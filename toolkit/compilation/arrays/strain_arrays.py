@@ -21,7 +21,7 @@ def factored_bodies(values: Quantities, derivatives: list[Quantities]) -> set[in
 def strain_arrays(
     numbering: Numbering, bodies: set[int], values: Quantities, derivatives: list[Quantities], dtype: type
 ) -> tuple[Factored, FactoredChanges]:
-    """Those of some bodies, one after the other."""
+    """Factored stiffness of some bodies, one after the other, and its derivatives by the design."""
     first: list[int] = list(numbering.first.values())
     edges: dict[int, int] = {}
     every, count = [no_strains()], 0
@@ -47,7 +47,7 @@ def strain_arrays(
 
 
 def _factored(column: np.ndarray, value: np.ndarray, weight: np.ndarray) -> Factored:
-    """With columns too."""
+    """Factored stiffness from rows of B with their columns and weights, with the columns of B too."""
     wide, columns, values = column.shape[1], column.ravel(), value.ravel()
     order = np.argsort(columns, kind="stable")
     felt, felt_start = np.unique(columns[order], return_index=True)

@@ -54,7 +54,7 @@ def _squared(keys: np.ndarray, size: int) -> np.ndarray:
 
 
 def _spread(tables: list, owner: int, completed: Callable[[np.ndarray, int], np.ndarray] = lambda keys, _size: keys) -> None:
-    """Matrices of one body, on the union of their entries, or on more."""
+    """Bring the matrices of one body, in all tables, to the union of their entries or to more."""
     parts = [table[owner] for table in tables]
     size = 1 + max(int(max(part.row.max(initial=0), part.column.max(initial=0))) for part in parts)
     keys = [part.row * size + part.column for part in parts]
@@ -69,7 +69,7 @@ def _spread(tables: list, owner: int, completed: Callable[[np.ndarray, int], np.
 
 
 def _widen(tables: list, owner: int) -> None:
-    """Coordinates that one marker feels."""
+    """Bring one marker, in all tables, to the union of the coordinates that it feels."""
     parts = [table[owner] for table in tables]
     union = np.unique(np.concatenate([part.columns for part in parts]))
     for table, part in zip(tables, parts, strict=True):
@@ -78,7 +78,7 @@ def _widen(tables: list, owner: int) -> None:
 
 
 def placed(values: np.ndarray, place: np.ndarray, size: int) -> np.ndarray:
-    """Values at places of an array of a size that is zero elsewhere."""
+    """Array of a size that holds the values at their places, and zeros elsewhere."""
     wide = np.zeros((size, *np.shape(values)[1:]), np.asarray(values).dtype)
     wide[place] = values
     return wide

@@ -11,14 +11,17 @@ from toolkit.scene.scene import Scene
 from toolkit.scene.space import SPACE
 
 VECTORS = 4
-"""Of a pose in space: its position, and three axes that no translation moves."""
+"""Vectors of a pose in space: its position, and three axes that no translation moves."""
 Entries = list[tuple[np.ndarray, np.ndarray]]
 
 
 def joint_entries(
     scene: Scene, numbering: Numbering, name: str, rows: tuple[Row, ...], markers: list[int], columns: list[np.ndarray]
 ) -> Entries:
-    """Rows and columns of all entries, of a joint that is stated by these `rows`; `columns` are the coordinates that its markers feel."""
+    """Rows and columns of all entries of a joint that is stated by these `rows`.
+
+    `columns` are the coordinates that its markers feel.
+    """
     numbers, both = numbering.row[name] + np.arange(len(rows)), np.concatenate(columns)
     grips = [numbering.markers[m][:2] for m in markers]
     if scene.space is SPACE:
@@ -47,7 +50,11 @@ def _felt(rows: tuple[Row, ...], columns: list[np.ndarray], framed: list[bool]) 
 
 
 def _in_space(numbers: np.ndarray, rows: tuple[Row, ...], columns: list[np.ndarray], moves: list[int]) -> Entries:
-    """Each row by what it feels, its force by what moves the vectors that are multiplied, and by what bends the pose."""
+    """Entries of a joint in space.
+
+    Each row has those of what it feels, its force those of what moves the vectors that are multiplied, and of what bends the
+    pose.
+    """
     found: Entries = [block(own[first:], own[first:]) for own, first in zip(columns, moves, strict=True)]
     for number, row in zip(numbers, rows, strict=True):
         pairs = [pair[:2] for form in row.forms for pair in form.pairs]
@@ -71,7 +78,10 @@ def _felt_of(side: int, linear: list[int], pairs: list[tuple[int, int]], columns
 
 
 def _multiplied(pair: tuple[int, int], columns: list[np.ndarray], moves: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Entries of a product of two vectors: translations do not move axes, and only components of the same direction meet."""
+    """Entries of a product of two vectors.
+
+    Translations do not move axes, and only components of the same direction meet.
+    """
     (side, axis), (other, second) = (divmod(vector, VECTORS) for vector in pair)
     own, theirs = (np.arange(moves[s] if a else 0, len(columns[s])) for s, a in ((side, axis), (other, second)))
     i, k = block(own, theirs)

@@ -11,11 +11,11 @@ from toolkit.compilation.quantities import GROUPS, Quantities
 
 
 class NewEntryError(Exception):
-    """Something is not zero any more where the pattern has no entry."""
+    """Error of a number that is not zero any more where the pattern has no entry."""
 
 
 def renew(old: Quantities, new: Quantities, entries: Quantities, changed: set[str]) -> Quantities:
-    """The old numbers with the new ones in their places.
+    """Old numbers of a scene with new ones in their places.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def renew(old: Quantities, new: Quantities, entries: Quantities, changed: set[st
 
 
 def _on(part: Any, known: Any) -> Any:
-    """The part on the entries of a known one."""
+    """Part of the quantities, on the entries of a known one."""
     fields = getattr(part, "_fields", ())
     if "row" in fields and _same(part.row, known.row) and _same(part.column, known.column):
         return part
@@ -67,12 +67,12 @@ def _on(part: Any, known: Any) -> Any:
 
 
 def _same(one: np.ndarray, other: np.ndarray) -> bool:
-    """As `np.array_equal`, in half of the time."""
+    """Whether two arrays are equal, as `np.array_equal` tells, in half of the time."""
     return one.shape == other.shape and bool((one == other).all())
 
 
 def _places(known: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Where the wanted keys are among the known ones, which ascend."""
+    """Places of the wanted keys among the known ones, which ascend."""
     found = np.searchsorted(known, wanted)
     if (not len(known) and len(wanted)) or not np.array_equal(known[found.clip(max=len(known) - 1)], wanted):
         raise NewEntryError

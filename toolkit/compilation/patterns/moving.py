@@ -1,4 +1,4 @@
-"""What moves in the loop's matrices: all that joints, loads and turning frames touch; the rest is that of constant bodies."""
+"""Changing entries of the loop's matrices: all that joints, loads and turning frames touch; the rest is constant."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ class Pattern:
 
     @classmethod
     def of(cls, indptr: np.ndarray, indices: np.ndarray) -> Pattern:
-        """That of compressed rows."""
+        """Pattern of compressed rows, from their starts and their columns."""
         n = len(indptr) - 1
         return cls(indptr, indices, np.repeat(np.arange(n), np.diff(indptr)) * n + indices)
 

@@ -16,7 +16,7 @@ out what couples displacements with rotations, corrections from 300 elements on 
 
 
 class StiffEntries(NamedTuple):
-    """As in `Constant`."""
+    """Arrays of the stiffness entries that are summed in twice the precision, and of all others; fields as in `Constant`."""
 
     soft: np.ndarray
     stiff_row: np.ndarray
@@ -29,9 +29,9 @@ class StiffEntries(NamedTuple):
 def stiff_entries(
     row: np.ndarray, column: np.ndarray, stiffness: np.ndarray, weights: np.ndarray, body: np.ndarray, bodies: int
 ) -> StiffEntries:
-    """The stiff entries row by row, for `constant_kernel`, and before them the stiffness without them.
+    """Stiff entries row by row, for `constant_kernel`, and before them the stiffness without them.
 
-    Entries of one `body`, whose number each has, are compared as |K_ik| / (w_i w_k): the work of a motion by the scene's size, free of
+    Entries of one `body`, whose number each has, are compared as |K_ik| / (w_i w_k): the work of a motion by the model size, free of
     units.
     """
     size = np.abs(np.real(stiffness)) / (weights[row] * weights[column])

@@ -39,7 +39,7 @@ def _causes(
     curve_index: np.ndarray,
     curve_variable: np.ndarray,
 ) -> Iterator[np.ndarray]:
-    """What `touched` looks at and numbers of a scene can change."""
+    """Arrays that `touched` looks at and that numbers of a scene can change."""
     yield from (constant.force_row, constant.force_variable)
     for change in (constant.design_mass, constant.design_damping, constant.design_loose, constant.design_strains):
         yield from (change.row, change.variable)
@@ -86,7 +86,7 @@ def touched(
 
 
 def _by_strains(constant: Constant) -> tuple[np.ndarray, np.ndarray]:
-    """What the rows that change act on; all have as many entries."""
+    """Unknowns that the changing rows of strains act on, and their variables; all rows have as many entries."""
     strains, changes = constant.strains, constant.design_strains
     shape = len(strains.weight), int(strains.start[-1]) // max(len(strains.weight), 1)
     column, value = (each.reshape(shape)[changes.row] for each in (strains.column, strains.value))
@@ -95,13 +95,13 @@ def _by_strains(constant: Constant) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _state(loads: Loads, k: int) -> np.ndarray:
-    """The state of a load, if it has one."""
+    """Number of the state of a load, empty if it has none."""
     own: np.ndarray = loads.state[k : k + 1]
     return own[own >= 0]
 
 
 def _by_floating(floating: Floating | SpatialFloating) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Whole bodies: those whose invariants change, and all if gravity does."""
+    """Rows and variables of whole bodies: of those whose invariants change, and of all if gravity does."""
     pairs = list(zip(floating.block_body, floating.block_variable, strict=True))[len(floating.frame) :]
     pairs += [(b, x) for b in range(len(floating.frame)) for x in floating.gravity_variable]
     sizes = 3 + floating.n_f if isinstance(floating, Floating) else floating.moves + floating.turns + floating.n_f
@@ -112,7 +112,7 @@ def _by_floating(floating: Floating | SpatialFloating) -> list[tuple[np.ndarray,
 def _by_pressures(
     pressures: Pressures, curve_index: np.ndarray, curve_variable: np.ndarray
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Whole bodies under pressures that change."""
+    """Rows and variables of whole bodies under pressures that change."""
     found = list(zip(pressures.block_load, pressures.block_variable, strict=True))[len(pressures.curve) :]
     found += [(k, x) for k, c in enumerate(pressures.curve) for x in curve_variable[curve_index == c]]
     sizes = pressures.moves + pressures.turns + pressures.n_f

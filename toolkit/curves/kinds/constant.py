@@ -25,10 +25,10 @@ class Constant(Curve):
     value: Annotated[Number, OF_OWNER] = 1.0
 
     def rates(self, _time: np.ndarray) -> tuple[Any, Any, Any]:
-        """The value; it stays."""
+        """Value of the curve, with derivatives f' and f'' that are zero."""
         return self.value, 0.0, 0.0
 
     @property
     def is_constant(self) -> bool:
-        """It is."""
+        """Whether the curve has one value at all times: always."""
         return True

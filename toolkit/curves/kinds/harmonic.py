@@ -27,6 +27,6 @@ class Harmonic(Oscillation):
     offset: Annotated[Number, OF_OWNER] = 0.0
 
     def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
-        """Offset, cosine and sine."""
+        """f, f', f'' at the times, from the offset, cosine and sine."""
         omega, cosine, sine = self.phasor(time)
         return self.offset + cosine, -omega * sine, -(omega**2) * cosine

@@ -29,7 +29,7 @@ class Polynomial(Curve):
     start: Annotated[Number, Quantity("time")] = 0.0
 
     def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
-        """By Horner's rule."""
+        """f, f', f'' at the times, by Horner's rule."""
         t: Any = time - self.start
         f, slope, half = 0 * t, 0 * t, 0 * t
         for coefficient in reversed(self.coefficients):
@@ -40,5 +40,5 @@ class Polynomial(Curve):
 
     @property
     def is_constant(self) -> bool:
-        """With one coefficient."""
+        """Whether the polynomial has one coefficient alone."""
         return len(self.coefficients) == 1

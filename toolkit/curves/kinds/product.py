@@ -28,7 +28,7 @@ class Product(Curve):
     factors: Annotated[tuple[Curve, ...], Quantity("none")] = Field(min_length=1)
 
     def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
-        """By the rule of the product, f'' = g'' h + 2 g' h' + g h''."""
+        """f, f', f'' at the times by the product rule, f'' = g'' h + 2 g' h' + g h''."""
         g, g_1, g_2 = self.curve.rates(time)
         for factor in self.factors:
             h, h_1, h_2 = factor.rates(time)
@@ -36,22 +36,22 @@ class Product(Curve):
         return g, g_1, g_2
 
     def corners(self) -> tuple[Any, ...]:
-        """Those of all."""
+        """Times at which any factor of the product has a corner."""
         return tuple(corner for part in self.parts() for corner in part.curve.corners())
 
     def kink(self) -> str:
-        """That of the first that has one."""
+        """Sentence on the kink of the first factor that has one, empty if none has."""
         return next(filter(None, (part.curve.kink() for part in self.parts())), "")
 
     @property
     def is_constant(self) -> bool:
-        """If all are."""
+        """Whether all factors of the product are constant."""
         return all(part.curve.is_constant for part in self.parts())
 
     def periods(self) -> tuple[float, ...]:
-        """Those of all."""
+        """Periods of the oscillations of all factors."""
         return tuple(period for part in self.parts() for period in part.curve.periods())
 
     def parts(self) -> tuple[Part, ...]:
-        """The curve and its factors."""
+        """Curve and factors that the product is made of."""
         return Part("curve", self.curve), *(Part(f"factors.{n}", factor) for n, factor in enumerate(self.factors))

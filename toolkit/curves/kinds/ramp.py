@@ -53,15 +53,15 @@ class Ramp(Curve):
         return self
 
     def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
-        """From the initial to the final value."""
+        """f, f', f'' at the times of the ramp from the initial to the final value."""
         s, slope, curvature = risen(time, self.start, self.end - self.start, _SHAPES[self.smoothness])
         height = self.final - self.initial
         return self.initial + height * s, height * slope, height * curvature
 
     def corners(self) -> tuple[Any, ...]:
-        """Both times: the slope jumps there, or the second or third derivative."""
+        """Start and end of the ramp: the slope jumps there, or the second or third derivative."""
         return self.start, self.end
 
     def kink(self) -> str:
-        """Of straight lines."""
+        """Sentence on the kinks of a linear ramp, empty for smoother ones."""
         return "a linear ramp has none at its ends: use smoothness = 'cubic' or 'quintic'" if self.smoothness == "linear" else ""

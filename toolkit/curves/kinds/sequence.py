@@ -55,7 +55,7 @@ class Sequence(Curve):
         return self
 
     def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
-        """Those of the curve whose turn it is."""
+        """f, f', f'' at the times, each from the curve whose turn it is."""
         turn = np.searchsorted(np.real(self.times), np.real(time), "right")
         turns = [np.flatnonzero(turn == k) for k in range(len(self.curves))]
         found = [
@@ -66,7 +66,7 @@ class Sequence(Curve):
         return f, slope, curvature
 
     def _levels(self) -> list[Any]:
-        """d_k of every curve."""
+        """Levels d_k that make every curve go on from the value before it."""
         levels: list[Any] = [0.0]
         starts = (0.0, *self.times)
         for k, (before, after) in enumerate(zip(self.curves[:-1], self.curves[1:], strict=True)):
@@ -75,12 +75,12 @@ class Sequence(Curve):
         return levels
 
     def corners(self) -> tuple[Any, ...]:
-        """The times, and the corners of each curve in its turn."""
+        """Times at which curves take over, and the corners of each curve in its turn."""
         inner = (part.shift + corner for part in self.parts() for corner in _within(part))
         return tuple(sorted((*self.times, *inner), key=np.real))
 
     def kink(self) -> str:
-        """Of a curve, or between two of them."""
+        """Sentence on the first kink of a curve, or else on a jump of the slope between two curves; empty without either."""
         for curve in self.curves:
             if words := curve.kink():
                 return words
@@ -98,25 +98,25 @@ class Sequence(Curve):
 
     @property
     def is_constant(self) -> bool:
-        """If all curves are."""
+        """Whether all curves of the sequence are constant."""
         return all(curve.is_constant for curve in self.curves)
 
     def periods(self) -> tuple[float, ...]:
-        """Those of all curves."""
+        """Periods of the oscillations of all curves."""
         return tuple(period for curve in self.curves for period in curve.periods())
 
     def parts(self) -> tuple[Part, ...]:
-        """The curves in their turns."""
+        """Curves of the sequence, each with its turn."""
         bounds = (-np.inf, *(float(np.real(time)) for time in self.times), np.inf)
         starts = (0.0, *self.times)
         return tuple(Part(f"curves.{k}", curve, starts[k], bounds[k], bounds[k + 1]) for k, curve in enumerate(self.curves))
 
 
 def _depth(curve: Curve) -> int:
-    """How many sequences stand in each other."""
+    """Number of sequences that stand in each other."""
     return isinstance(curve, Sequence) + max((_depth(part.curve) for part in curve.parts()), default=0)
 
 
 def _within(part: Part) -> list[Any]:
-    """Corners of a curve in its own time, in its turn."""
+    """Corners of a curve within its turn, in its own time."""
     return [corner for corner in part.curve.corners() if part.begin < np.real(part.shift + corner) < part.end]

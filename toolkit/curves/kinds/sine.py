@@ -15,6 +15,6 @@ class Sine(Oscillation):
     kind = "sine"
 
     def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
-        """Sine and cosine."""
+        """f, f', f'' at the times, from sine and cosine."""
         omega, cosine, sine = self.phasor(time)
         return sine, omega * cosine, -(omega**2) * sine

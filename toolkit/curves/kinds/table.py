@@ -69,6 +69,6 @@ class Table(Curve):
         return self.times
 
     def kink(self) -> str:
-        """Of straight lines."""
+        """Sentence on the kinks of a table of straight lines, empty for cubics."""
         straight = self.interpolation == "linear"
         return "a table of straight lines has none at its rows: use interpolation = 'cubic' or 'monotone'" if straight else ""

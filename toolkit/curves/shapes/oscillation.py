@@ -35,5 +35,5 @@ class Oscillation(Curve):
         return omega, self.amplitude * np.cos(angle), self.amplitude * np.sin(angle)
 
     def periods(self) -> tuple[float, ...]:
-        """One."""
+        """Period of the one oscillation, 1 / frequency."""
         return (1 / float(np.real(self.frequency)),)

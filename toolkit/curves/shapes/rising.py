@@ -33,13 +33,13 @@ class Rise(Curve):
     @staticmethod
     @abstractmethod
     def shape(u: np.ndarray) -> tuple[Any, Any, Any]:
-        """s, s', s'' of one of the formulas of `rise`."""
+        """Shape s of the rise with s', s'' at u, one of the formulas of `rise`."""
 
     def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
-        """The height times those of s."""
+        """f, f', f'' at the times: the height times s and its derivatives by time."""
         s, slope, curvature = risen(time, self.start, self.duration, self.shape)
         return self.height * s, self.height * slope, self.height * curvature
 
     def corners(self) -> tuple[Any, ...]:
-        """Times where a derivative jumps."""
+        """Times of the start and the end of the rise, where a derivative jumps."""
         return self.start, self.start + self.duration

@@ -26,7 +26,7 @@ def call(function: Callable, *arguments: Any) -> Any:
 
 
 def entry_point(function: Callable, *arguments: Any) -> Callable[..., Any]:
-    """What `call` calls for arguments of these types, which are `in_memory`: for whoever does so again and again."""
+    """Function that `call` calls for arguments of these types, which are `in_memory`: for whoever calls it again and again."""
     if not isinstance(function, CPUDispatcher):
         return function
     found: Callable[..., Any] = compiled_for(function, list(arguments)).entry_point
@@ -34,7 +34,7 @@ def entry_point(function: Callable, *arguments: Any) -> Callable[..., Any]:
 
 
 def formula_for(function: CPUDispatcher, *arguments: Any) -> Any:
-    """A kernel as an argument for others, as it is compiled for the types of arguments."""
+    """Formula to pass to other kernels: a kernel as it is compiled for the types of arguments."""
     if not isinstance(function, CPUDispatcher):
         return function
     return Formula(compiled_for(function, [in_memory(each) for each in arguments]))

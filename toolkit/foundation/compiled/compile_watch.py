@@ -1,4 +1,4 @@
-"""Whether formulas are being compiled: how many and for how long, as it happens."""
+"""Watch over the compilation of formulas: how many and for how long, as it happens."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from numba.core import event
 
 KIND = "numba:compile"
-"""What numba announces the compilation of a function as; one that is loaded from the disk is none."""
+"""Event by which numba announces the compilation of a function; one that is loaded from the disk is none."""
 
 
 class CompileWatch(event.Listener):
@@ -23,7 +23,7 @@ class CompileWatch(event.Listener):
         self._begun = 0.0
 
     def on_start(self, event: event.Event) -> None:
-        """A function begins to be compiled."""
+        """Note that a function begins to be compiled."""
         if self._on_first and not self.functions and not self._depth:
             self._on_first()
         if not self._depth:
@@ -31,7 +31,7 @@ class CompileWatch(event.Listener):
         self._depth += 1
 
     def on_end(self, event: event.Event) -> None:
-        """It is done, or has failed."""
+        """Note that the compilation of a function is done, or has failed."""
         self._depth -= 1
         self.functions += 1
         if self._on_function:

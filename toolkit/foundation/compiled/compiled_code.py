@@ -44,7 +44,7 @@ class KeptCode(JITCodeLibrary):
 
     @classmethod
     def kept(cls, codegen: Any, found: tuple[str, list[str], bytes, bytes]) -> KeptCode:
-        """The library that `parts_of` took apart."""
+        """Library of a kernel, from what `parts_of` took apart."""
         name, defined, code, bitcode = found
         library = cls(codegen, name)
         library.enable_object_caching()
@@ -61,7 +61,7 @@ class KeptCode(JITCodeLibrary):
 
 
 def parts_of(compiled: Any) -> tuple:
-    """All that `restored` needs, ready to be written."""
+    """Parts of a compiled formula that `restored` needs, ready to be written."""
     library, *rest = compiled._reduce()
     if not isinstance(compiled.library, InnerCode):
         name, _, (code, bitcode) = library
@@ -72,7 +72,7 @@ def parts_of(compiled: Any) -> tuple:
 
 
 def restored(target: Any, parts: tuple, inner: bool) -> CompileResult:
-    """A compiled formula in a process whose target is this; `inner` if only other kernels call it."""
+    """Compiled formula in a process whose target is this; `inner` if only other kernels call it."""
     found, description, environment, signature, objectmode, lifted, annotation, reload_init, referenced = parts
     for function in reload_init:
         function()
@@ -103,7 +103,7 @@ REMEDY = f"Set {VARIABLE} to a folder that lasts and can be written."
 SETTINGS = ("BOUNDSCHECK", "OPT")
 """Settings of numba, from environment variables, that change the code."""
 LAYOUT = 2
-"""Of what is kept; another number for another one."""
+"""Version of the layout of what is kept; another number for another layout."""
 _DIGEST = 32  # bytes of SHA-256, before the code
 _TOLD: set[str] = set()  # kinds of remarks that this process has made
 
@@ -113,7 +113,7 @@ class CompiledCodeWarning(UserWarning):
 
 
 class CompiledCode(NullCache):
-    """What is kept of one kernel; numba asks it for code before it compiles, and hands it the code afterwards.
+    """Store of one kernel's code; numba asks it for code before it compiles, and hands it the code afterwards.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ class CompiledCode(NullCache):
         self.kernel, self.function = kernel, kernel.py_func
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
-        """The code for types of arguments; None if there is none, or only what is damaged."""
+        """Code that is kept for types of arguments; None if there is none, or only what is damaged."""
         file, damaged = self._file(signature, target.codegen()), None
         for folder in self._folders:
             try:
@@ -168,7 +168,7 @@ class CompiledCode(NullCache):
 
     @property
     def _is_inner(self) -> bool:
-        """Whether only other kernels call it, so that no code for the processor is kept."""
+        """Whether only other kernels call the kernel, so that no code for the processor is kept."""
         return issubclass(self.kernel._compiler.pipeline_class, InnerCompiler)  # type: ignore[attr-defined]
 
     @cached_property
@@ -179,7 +179,7 @@ class CompiledCode(NullCache):
 
     @cached_property
     def _stamp(self) -> str:
-        """What the code follows from; empty if nobody knows it, so that nothing can be kept."""
+        """Hash of all that the code follows from; empty if nobody knows it, so that nothing can be kept."""
         try:
             return formula_stamp(self.kernel)
         except UnknownNameError as error:
@@ -192,7 +192,7 @@ class CompiledCode(NullCache):
 
     @cached_property
     def _folders(self) -> list[Path]:
-        """Where code may be, the best place first."""
+        """Folders where code may be, the best place first."""
         if not self._stamp:
             return []
         source = Path(self.function.__code__.co_filename).absolute()
@@ -217,7 +217,7 @@ class CompiledCode(NullCache):
 
 @cache
 def _shared() -> list[Path]:
-    """Folders that are not the program's own: below the home of the user; and one that is emptied now and then, the last."""
+    """Folders that are not the program's own: one below the user's home, and last one that is emptied now and then."""
     user = os.geteuid() if os.name == "posix" else "user"
     try:
         lasting = [Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ffrf-toolkit"]
@@ -231,7 +231,7 @@ def _shared() -> list[Path]:
 
 
 def _refuse_others(folder: Path) -> None:
-    """Raise OSError where somebody else could have put something: code that is loaded is executed."""
+    """Refuse, by an OSError, a folder where somebody else could have put something: code that is loaded is executed."""
     if os.name == "posix" and folder.parent in _shared():
         found = folder.parent.lstat()
         if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.geteuid() or found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
@@ -239,12 +239,12 @@ def _refuse_others(folder: Path) -> None:
 
 
 def is_kept() -> bool:
-    """Whether all that was compiled so far stays where it will be found the next time."""
+    """Whether everything that was compiled so far stays where it will be found the next time."""
     return "kept" not in _TOLD
 
 
 def _tell(kind: str, text: str) -> None:
-    """Make a remark, the first of its kind only: there are a hundred kernels."""
+    """Make a remark, but only the first of its kind: there are a hundred kernels."""
     if kind not in _TOLD:
         _TOLD.add(kind)
         warnings.warn(text, CompiledCodeWarning, stacklevel=2)

@@ -28,7 +28,7 @@ class KnownFlags(Flags):
     """
 
     def copy(self) -> KnownFlags:
-        """Itself."""
+        """The same settings, since they never change."""
         return self
 
     def __hash__(self) -> int:
@@ -42,7 +42,7 @@ _KNOWN: dict[str, KnownFlags] = {}
 
 
 class KnownResults(Context):  # type: ignore[misc]
-    """What numba knows of types, with a memory for its own functions and operators.
+    """numba's knowledge of types, with a memory for its own functions and operators.
 
     For every sum of two numbers numba tries all that it can add, and words why each failed; measured, that takes a sixth of the time to
     compile. What the same function makes of the same types never changes.
@@ -58,7 +58,7 @@ class KnownResults(Context):  # type: ignore[misc]
         self.__dict__ = known.__dict__
 
     def resolve_function_type(self, func: Any, args: tuple, kws: dict[str, Any]) -> Any:
-        """The signature of a function for types of arguments."""
+        """Signature of a function for types of arguments."""
         if type(func) is not Function:
             return super().resolve_function_type(func, args, kws)
         call = (func, args, tuple(kws.items()))
@@ -70,38 +70,38 @@ class KnownResults(Context):  # type: ignore[misc]
         return self.results[call]
 
     def resolve_setitem(self, target: Any, index: Any, value: Any) -> Any:
-        """The signature of a written entry."""
+        """Signature of a written entry."""
         return self.resolve_function_type(super().resolve_value_type(operator.setitem), (target, index, value), {})
 
 
 class KnownOperator(Function):
-    """An operator that asks the memory of the one who asks what it makes of types."""
+    """An operator that looks up what it makes of types in the memory of the one who asks."""
 
     known: Function
 
     @classmethod
     def of(cls, known: Function) -> KnownOperator:
-        """What numba knows of the operator; no type of its own among those of numba."""
+        """Operator with all that numba knows of it; no type of its own among those of numba."""
         found: KnownOperator = object.__new__(cls)
         found.__dict__ = {**vars(known), "known": known}
         return found
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """The signature for types of arguments."""
+        """Signature of the operator for types of arguments."""
         return context.resolve_function_type(self.known, args, kws)
 
 
 class KnownOperators(KnownResults):
-    """The same for the step that writes code: for every operation it asks the operator anew."""
+    """Types of operators for the step that writes code, which asks the operator anew for every operation."""
 
     def resolve_value_type(self, val: Any) -> Any:
-        """The type of an operator."""
+        """Type of an operator, one that remembers its results."""
         found = super().resolve_value_type(val)
         return KnownOperator.of(found) if type(found) is Function else found
 
 
 class FormulaCompiler(Compiler):
-    """numba's compiler, for formulas.
+    """numba's compiler, adapted to formulas.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class FormulaCompiler(Compiler):
         own.refresh = _nothing  # it has just looked for what is new, and would do so again for every array
 
     def define_pipelines(self) -> list[PassManager]:
-        """Those of numba, without what is needless."""
+        """Pipelines of numba's compiler without the passes that formulas do not need."""
         pipelines: list[PassManager] = super().define_pipelines()
         inside = any(isinstance(each, CodeType) for each in self.state.func_id.code.co_consts)
         left_out = NEEDLESS if inside else NEEDLESS + CLOSURES
@@ -127,4 +127,4 @@ class FormulaCompiler(Compiler):
 
 
 def _nothing() -> None:
-    """Done already."""
+    """Do nothing, since the work is done already."""

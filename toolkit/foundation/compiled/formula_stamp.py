@@ -1,4 +1,4 @@
-"""What the code of a kernel follows from, in one hash: who edits a formula compiles it and those that call it anew, and no others."""
+"""Hash of all that a kernel's code follows from: an edited formula is compiled anew with those that call it, and no others."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ LOADING = tuple(dis.opmap[name] for name in ("LOAD_CONST", "RETURN_CONST") if na
 
 
 class UnknownNameError(Exception):
-    """A kernel uses a name of which nobody knows what its code takes from it, so that its code cannot be kept."""
+    """Error of a kernel that uses a name of which it is unknown what its code takes from it.
+
+    So its code cannot be kept.
+    """
 
 
 @cache
@@ -57,7 +60,10 @@ def formula_stamp(kernel: CPUDispatcher) -> str:
 
 @cache
 def layout(given: Any) -> str:
-    """A type of numba with the names and places of all records: numba writes the types alone, but code finds its records by both."""
+    """Type of numba with the names and places of all records.
+
+    numba writes the types alone, but code finds its records by both.
+    """
     if isinstance(given, tuple):
         return f"({', '.join(map(layout, given))})"
     if isinstance(given, types.BaseTuple):
@@ -70,7 +76,7 @@ def layout(given: Any) -> str:
 
 @cache
 def _own(kernel: CPUDispatcher) -> str:
-    """How one kernel is compiled, its instructions, and what it takes from the names around it."""
+    """Text on one kernel: how it is compiled, its instructions, and what it takes from the names around it."""
     names = [f"{name} is {_meaning(name, used)}" for name, used in [*_names(kernel), *_defaults(kernel)]]
     return "\n".join([repr(sorted(kernel.targetoptions.items())), _instructions(kernel.py_func), *names])
 
@@ -88,7 +94,7 @@ def _names(kernel: CPUDispatcher) -> list[tuple[Any, Any]]:
 
 
 def _defaults(kernel: CPUDispatcher) -> list[tuple[Any, Any]]:
-    """Arguments that a caller may leave out: whoever calls holds them."""
+    """Default values of arguments, which whoever calls the kernel holds."""
     function = kernel.py_func
     return [*enumerate(function.__defaults__ or ()), *sorted((function.__kwdefaults__ or {}).items())]
 
@@ -117,7 +123,7 @@ def _written(*files: str) -> str:
 
 
 def _is_plain(used: Any) -> bool:
-    """Whether it is a tuple of numbers."""
+    """Whether a value is a tuple of numbers."""
     return type(used) is tuple and all(isinstance(each, bool | int | float | complex) or _is_plain(each) for each in used)
 
 
@@ -131,7 +137,7 @@ def _instructions(function: Callable) -> str:
 
 
 def _bytes(code: CodeType, docstring: str | None) -> str:
-    """One function without its docstring and its place."""
+    """Text of one function's instructions, without its docstring and its place in the file."""
     told = code.co_consts[:1] == (docstring,) and not _loads_first(code)
     constants = [_constant(each) for each in code.co_consts[told:]]
     variables = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars

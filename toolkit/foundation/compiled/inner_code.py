@@ -19,14 +19,17 @@ class InnerCode(JITCodeLibrary):
 
     @classmethod
     def kept(cls, codegen: Any, found: tuple[str, bytes]) -> InnerCode:
-        """The library that `serialize_using_object_code` wrote."""
+        """Library of a formula, from what `serialize_using_object_code` wrote."""
         name, bitcode = found
         library = cls(codegen, name)
         library._shared_module, library._finalized = parse_bitcode(bitcode), True
         return library
 
     def _optimize_functions(self, module: Any) -> None:
-        """Those that are in the module: from 0.62 on numba makes a list of passes for each that is only named there too."""
+        """Optimise the functions that are in the module.
+
+        From numba 0.62 on a list of passes is made for each function that is only named there too.
+        """
         if not hasattr(self._codegen, "_pass_builder"):
             super()._optimize_functions(module)
             return
@@ -37,7 +40,7 @@ class InnerCode(JITCodeLibrary):
                 manager.run(function, builder)
 
     def finalize(self) -> None:
-        """Link what the formula calls, and leave it there."""
+        """Link what the formula calls, and leave it at that."""
         self._raise_if_finalized()
         for library in dict.fromkeys(self._linking_libraries):
             if hasattr(self, "_reload_init"):  # since numba 0.62
@@ -46,7 +49,10 @@ class InnerCode(JITCodeLibrary):
         self._finalized = True
 
     def _get_module_for_linking(self) -> Any:
-        """The code itself, not a copy of it: callers may have it several times, and leave out what nobody calls."""
+        """Code of the formula itself, not a copy of it.
+
+        Callers may have it several times, and leave out what nobody calls.
+        """
         if self._shared_module is None:
             self._ensure_finalized()
             for function in self._final_module.functions:
@@ -57,19 +63,19 @@ class InnerCode(JITCodeLibrary):
 
     @property
     def codegen(self) -> Any:
-        """What numba tells where constants of the formula are; they are in the code of those that call it."""
+        """Code generator that numba tells where constants of the formula are; they are in the code of those that call it."""
         return self
 
     def set_env(self, name: str, environment: Any) -> None:
-        """Nothing: there is no place yet."""
+        """Do nothing, since there is no place for an environment yet."""
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Nowhere."""
+        """Zero as the address, since there is no code for the processor."""
         self._ensure_finalized()
         return 0
 
     def serialize_using_object_code(self) -> tuple[str, bytes]:
-        """What is kept: there is no object code."""
+        """Name and bitcode of the formula, which are kept: there is no object code."""
         return self.name, self._get_module_for_linking().as_bitcode()
 
 

@@ -13,7 +13,7 @@ from toolkit.foundation.compiled.compiled_code import CompiledCode
 from toolkit.foundation.compiled.inner_code import InnerCompiler
 
 COMPILED = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "nopython": True, "boundscheck": None}
-"""How: without an entrance from Python."""
+"""Options of numba for a formula without an entrance from Python."""
 
 
 class InnerFormula(CPUDispatcher):
@@ -33,7 +33,7 @@ class InnerFormula(CPUDispatcher):
         update_wrapper(self, function)
 
     def __getattr__(self, name: str) -> Any:
-        """What is there once it is ready to be compiled; one thread makes it so, others wait."""
+        """Attribute that is there once the formula is ready to be compiled; one thread makes it so, others wait."""
         if not name.startswith("__"):
             with global_compiler_lock:
                 if "_cache" not in vars(self):
@@ -43,9 +43,9 @@ class InnerFormula(CPUDispatcher):
         return object.__getattribute__(self, name)
 
     def __call__(self, *_arguments: Any, **_named: Any) -> None:
-        """Refuse: there is no code that Python could call."""
+        """Refuse a call: there is no code that Python could call."""
         name = self.py_func.__name__
         raise TypeError(f"{name} is a formula that only other kernels call. Call plain({name}), or decorate it by kernel.")
 
     def _insert(self, *_found: Any) -> None:
-        """Nothing: no entrance for Python's calls."""
+        """Do nothing, since there is no entrance for Python's calls."""

@@ -33,12 +33,12 @@ def _fast_address(array: np.ndarray) -> int:
 
 _PROBE = np.zeros(3)[1:]
 address_of = _fast_address if _fast_address(_PROBE) == _slow_address(_PROBE) else _slow_address
-"""Where the numbers of an array begin: what stands first behind the head of its object, in all of numpy so far. To have numpy tell it takes
-fifty times as long, which was a twentieth of a short run."""
+"""Address where the numbers of an array begin: what stands first behind the head of its object, in all of numpy so far. To have
+numpy tell it takes fifty times as long, which was a twentieth of a short run."""
 
 
 class PackedType(types.Type):
-    """What numba calls a `Packed`: it follows from the types of all that is in it.
+    """numba's type of a `Packed`, which follows from the types of all that is in it.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class PackedType(types.Type):
 
 
 class FormulaType(types.FunctionType):
-    """A compiled formula of one signature, whoever it is."""
+    """numba's type of a compiled formula of one signature, whichever formula it is."""
 
 
 class Formula:
@@ -108,7 +108,7 @@ _KNOWN: dict[Any, PackedType] = {}
 
 
 def _kinds(key: Any, record: tuple) -> PackedType:
-    """The type of a record with such contents; numba's own way to find it takes long."""
+    """Type of a record with such contents; numba's own way to find it takes long."""
     if key not in _KNOWN:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
@@ -117,7 +117,7 @@ def _kinds(key: Any, record: tuple) -> PackedType:
 
 
 def key_of(given: Any) -> Any:
-    """What the type of an argument follows from."""
+    """Key that the type of an argument follows from."""
     if isinstance(given, np.ndarray):
         return given.dtype, given.ndim, given.flags.num & LAID_OUT
     if isinstance(given, Packed):
@@ -130,7 +130,7 @@ def key_of(given: Any) -> Any:
 
 
 def _collect(given: Any, words: list[Any]) -> Any:
-    """Append the words of a value; what its type follows from, as `key_of`."""
+    """Append the words of a value, and return what its type follows from, as `key_of`."""
     if isinstance(given, np.ndarray):
         words.append(address_of(given))
         words += given.shape
@@ -149,14 +149,14 @@ def _collect(given: Any, words: list[Any]) -> Any:
 
 
 def _sizes(kind: Any) -> list[bool]:
-    """Of the words of a value of a type, which are no addresses."""
+    """Which words of a value of a type are no addresses, one bool for each word."""
     if isinstance(kind, types.Tuple | types.UniTuple | types.NamedTuple | types.NamedUniTuple):
         return [each for part in kind.types for each in _sizes(part)]
     return [not (isinstance(kind, types.Array | FormulaType) and k == 0) for k in range(words_of(kind))]
 
 
 def words_of(kind: Any) -> int:
-    """How many words a value of a type takes.
+    """Number of words that a value of a type takes.
 
     Raises
     ------

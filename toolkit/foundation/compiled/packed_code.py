@@ -1,4 +1,4 @@
-"""How compiled code reads a packed record: told to numba."""
+"""Code for numba by which compiled code reads a packed record."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _unbox_formula(kind: Any, given: Any, c: Any) -> NativeValue:
 
 
 def _attribute(given: Any, name: str, c: Any) -> Any:
-    """The address that an attribute of a Python object is."""
+    """Address that an attribute of a Python object is."""
     number = c.pyapi.object_getattr_string(given, name)
     address = c.pyapi.long_as_voidptr(number)
     c.pyapi.decref(number)
@@ -47,7 +47,7 @@ def _formula(context: Any, builder: Any, kind: Any, address: Any) -> Any:
 
 @infer_getattr
 class _Attributes(AttributeTemplate):
-    """Parts of a packed record by name."""
+    """Types of the parts of a packed record by name."""
 
     key = PackedType
 
@@ -58,7 +58,7 @@ class _Attributes(AttributeTemplate):
 
 @infer
 class _Places(AbstractTemplate):
-    """Parts of a packed tuple by a number that is known when it is compiled."""
+    """Types of the parts of a packed tuple by a number that is known when it is compiled."""
 
     key = "static_getitem"
 
@@ -71,7 +71,7 @@ class _Places(AbstractTemplate):
 
 @infer_global(operator.getitem)
 class _Entries(AbstractTemplate):
-    """One of a packed tuple of formulas."""
+    """Type of one entry of a packed tuple of formulas."""
 
     def generic(self, args: Any, kws: Any) -> Any:
         kind, place = args
@@ -114,7 +114,7 @@ def _at(builder: Any, words: Any, place: int) -> Any:
 
 
 def _load(context: Any, builder: Any, kind: Any, words: Any) -> Any:
-    """The value of a type that begins at an address."""
+    """Value of a type that begins at an address."""
     if isinstance(inside(kind), PackedType):
         return builder.bitcast(words, cgutils.voidptr_t)
     if isinstance(kind, types.Array):
@@ -134,7 +134,7 @@ def _load(context: Any, builder: Any, kind: Any, words: Any) -> Any:
 
 
 def _word(builder: Any, words: Any, kind: Any = WORD) -> Any:
-    """One word, of which LLVM may know that nobody writes it while compiled code runs."""
+    """Word at an address, of which LLVM may know that nobody writes it while compiled code runs."""
     found = builder.load(builder.bitcast(words, kind.as_pointer()))
     found.set_metadata("invariant.load", builder.module.add_metadata([]))
     return found

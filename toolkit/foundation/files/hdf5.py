@@ -32,12 +32,14 @@ SMALL, SMALL_SCALAR = 1024, 60_000
 """Bytes of an array, and of a single text, up to which it is kept within those structures and needs no checksum of its own."""
 
 _UNREADABLE = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError, MemoryError)
-"""What the system, numpy and the parsers raise on damaged content."""
+"""Errors that the system, numpy and the parsers raise on damaged content."""
 
 
 @contextmanager
 def writing(path: Path) -> Iterator[h5py.File]:
-    """A new file, built in memory and put in its place as a whole if nothing was raised: HDF5 ends the process where the disk is full.
+    """New HDF5 file, built in memory and put in its place as a whole if nothing was raised.
+
+    HDF5 ends the process where the disk is full.
 
     Raises
     ------
@@ -53,7 +55,7 @@ def writing(path: Path) -> Iterator[h5py.File]:
 
 
 def write_array(group: h5py.Group, name: str, values: Any) -> None:
-    """Write numbers or texts, all of them (but a single text of more than 60 kB) so that a flipped bit is noticed."""
+    """Write numbers or texts so that a flipped bit is noticed, except in a single text of more than 60 kB."""
     import h5py
 
     single = np.ndim(values) == 0
@@ -67,7 +69,7 @@ def write_array(group: h5py.Group, name: str, values: Any) -> None:
 
 
 class Content:
-    """What an open file holds, as far as it can be believed.
+    """Content of an open file, as far as it can be believed.
 
     All arrays together can be no larger than the bytes of the file, unpacked; only hard links are followed, since others lead to
     other files or in circles. Every method raises ValueError for what is missing or cannot be.
@@ -82,7 +84,7 @@ class Content:
         """Group -> bytes of its arrays that were read, as they are stored in the file."""
 
     def group(self, name: str) -> list[str]:
-        """Names in a group."""
+        """Names of all that is in a group."""
         return list(self._group(name).links)
 
     def has(self, name: str) -> bool:
@@ -114,7 +116,7 @@ class Content:
         return values if kind == "S" else values.astype(float if kind == "f" else np.int64, copy=False)
 
     def attributes(self, name: str = "/") -> dict[str, str | int | float]:
-        """All attributes, each of which is one number or one text."""
+        """Attributes of a group, each of which is one number or one text."""
         owner = self._group(name)
         return {key: owner.attribute(key) for key in owner.attributes}
 
@@ -123,7 +125,7 @@ class Content:
         return self._group(name).in_order
 
     def _read(self, name: str) -> np.ndarray:
-        """An array, if what is claimed for all can be in the file."""
+        """Array of that name, if what is claimed for all arrays can be in the file."""
         data = self._found(name)
         if not isinstance(data, Array):
             raise ValueError("the file has something else of that name")
@@ -157,7 +159,7 @@ class _Lacking(ValueError, LookupError):
 
 @contextmanager
 def reading(path: Path, damaged: Callable[[str], ToolkitError], foreign: bool = False) -> Iterator[Content]:
-    """The content of a file; whatever it makes the libraries raise becomes the error that `damaged` makes of its reason.
+    """Content of a file; whatever it makes the libraries raise becomes the error that `damaged` makes of its reason.
 
     With `foreign` the file may be plain HDF5 of another program.
     """
@@ -171,12 +173,12 @@ def reading(path: Path, damaged: Callable[[str], ToolkitError], foreign: bool = 
 
 
 def schema_of(path: Path) -> str | None:
-    """Which of the program's HDF5 files it is, by its attribute `schema`; None if it cannot be read as one."""
+    """Schema of one of the program's HDF5 files, by its attribute `schema`; None if it cannot be read as one."""
     return text_of(path, "schema")
 
 
 def text_of(path: Path, attribute: str) -> str | None:
-    """One attribute of a file, also of plain HDF5 of another program; None if it has none, or cannot be read."""
+    """Text of one attribute of a file, also of plain HDF5 of another program; None if it has none, or cannot be read."""
     try:
         with _opened_of_any_program(path, head=True) as content:
             return str(content.attributes()[attribute])
@@ -186,7 +188,7 @@ def text_of(path: Path, attribute: str) -> str | None:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Content]:
-    """The content of a regular file: a pipe would be waited for."""
+    """Content of a regular file: a pipe would be waited for."""
     with opened(path) as file:
         size = os.fstat(file.fileno()).st_size
         yield Content(File(Source(file, size)), size)
@@ -194,7 +196,10 @@ def _opened(path: Path) -> Iterator[Content]:
 
 @contextmanager
 def _opened_of_any_program(path: Path, head: bool = False) -> Iterator[Content]:
-    """The same, also of plain HDF5 of another program, which its root gives away; with `head` of the root's attributes alone."""
+    """Content of a file, also of plain HDF5 of another program, which its root gives away.
+
+    With `head` it is that of the root's attributes alone.
+    """
     with ExitStack() as stack:
         try:
             content = stack.enter_context(_opened(path))

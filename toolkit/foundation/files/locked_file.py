@@ -11,12 +11,12 @@ from toolkit.foundation.errors import InputError
 
 
 class FileInUseError(InputError):
-    """Another run works with a file."""
+    """Error of a file that another run works with."""
 
 
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """Nobody else works with `path` meanwhile: an empty file beside it, NAME.lock, is locked.
+    """Lock for `path`, with which nobody else works meanwhile: an empty file beside it, NAME.lock, is locked.
 
     That file stays, and says nothing: the lock counts, and the system takes it away from a process that is killed. To delete the file
     at the end would give those who wait for it and those who come later locks of two different files.

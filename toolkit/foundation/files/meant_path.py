@@ -12,7 +12,7 @@ MOST = 1000
 
 
 def file_name(name: str) -> str:
-    """The name as it is.
+    """Name of a file, unchanged if a file can have it.
 
     Raises
     ------
@@ -25,7 +25,7 @@ def file_name(name: str) -> str:
 
 
 def meant_path(path: Path, error: OSError) -> str:
-    """What the first missing part of a path was meant to be, as a part of a sentence; empty if nothing is like it or missing."""
+    """Part of a sentence with the probable name of the first missing part of a path; empty if nothing is like it or missing."""
     if not isinstance(error, FileNotFoundError):
         return ""
     missing = path

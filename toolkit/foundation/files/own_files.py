@@ -1,4 +1,4 @@
-"""What the program has written into a folder: a list beside it, by which it knows what it may replace, and what to take away.
+"""Files that the program has written into a folder: a list beside them tells what it may replace, and what to take away.
 
 Whoever writes a set of files into a folder refuses before anything long what is there of these names and not in the list
 (`refuse_foreign`), and lists the names when it begins to write (`list_own`): files of an earlier set that are not written again go.
@@ -61,7 +61,10 @@ def list_own(folder: Path, names: Collection[str], instead_of: Collection[str] =
 
 @contextmanager
 def own_set(folder: Path, names: Collection[str], instead_of: Collection[str] = ()) -> Iterator[None]:
-    """Make a folder, list the names, and write there; raises as `list_own`. What fails before its first file leaves nothing behind."""
+    """Make a folder, list the names, and write there; raises as `list_own`.
+
+    What fails before its first file leaves nothing behind.
+    """
     made = missing(folder)
     folder.mkdir(parents=True, exist_ok=True)
     try:
@@ -72,12 +75,12 @@ def own_set(folder: Path, names: Collection[str], instead_of: Collection[str] = 
 
 
 def missing(folder: Path) -> list[Path]:
-    """The folder and those that it lies in, as far as they are not there, innermost first."""
+    """Folder and the folders that it lies in, as far as they are not there, innermost first."""
     return [each for each in (folder, *folder.parents) if not each.exists()]
 
 
 def leave_nothing(folder: Path, made: Sequence[Path]) -> None:
-    """Take the list away if nothing is there that it names, and what was made for it and is empty."""
+    """Delete the list if nothing is there that it names, and the empty folders that were made for it."""
     with suppress(OSError):
         if not any((folder / name).exists() for name in listed(folder)):
             (folder / OWN).unlink(missing_ok=True)

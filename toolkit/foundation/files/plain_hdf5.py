@@ -41,7 +41,7 @@ WELL, REFUSED, TOO_LARGE, ENDLESS = 0, 3, 4, 5
 
 
 def in_own_form(path: Path, head: bool) -> bytes:
-    """The file as this program would have written it; with `head` the attributes of its root alone.
+    """Content of a file as this program would have written it; with `head` the attributes of its root alone.
 
     Raises
     ------
@@ -64,12 +64,12 @@ def in_own_form(path: Path, head: bool) -> bytes:
 
 @lru_cache(maxsize=4)
 def _kept(path: Path, head: bool, size: int, state: tuple[int, ...]) -> tuple[int, bytes]:
-    """The answer of the process, kept for as long as the file is as it was."""
+    """Answer of the process, kept for as long as the file is as it was."""
     return _apart(path, head, size)
 
 
 def _apart(path: Path, head: bool, size: int) -> tuple[int, bytes]:
-    """What `answer` says in a process of its own that may take memory and time in proportion to the size of the file."""
+    """Answer of `answer` from a process of its own that may take memory and time in proportion to the size of the file."""
     refuse_namesakes()
     memory, seconds = MEMORY + MEMORY_PER_BYTE * size, int(SECONDS + SECONDS_PER_BYTE * size)
     arguments = (str(path), "head" if head else "whole", str(min(memory, memory_of_machine() or memory)), str(seconds))
@@ -89,7 +89,7 @@ def _apart(path: Path, head: bool, size: int) -> tuple[int, bytes]:
 
 
 def main(path: str, part: str, memory: str, seconds: str) -> None:
-    """The process: send the answer within its limits."""
+    """Send the answer from the process of its own, within its limits."""
     limit_process(int(memory), int(seconds))
     code, content = answer(Path(path), part == "head")
     sys.stdout.buffer.write(content)
@@ -98,7 +98,7 @@ def main(path: str, part: str, memory: str, seconds: str) -> None:
 
 
 def answer(path: Path, head: bool) -> tuple[int, bytes]:
-    """The file in the form of this program, or why not; the library may raise anything else."""
+    """Code and content: the file in the form of this program, or why not; the library may raise anything else."""
     try:
         return WELL, _rewritten(path, head)
     except _Foreign as error:
@@ -108,12 +108,12 @@ def answer(path: Path, head: bool) -> tuple[int, bytes]:
 
 
 class _Foreign(Exception):
-    """What no file of this program has, in words that quote nothing of the file."""
+    """Error of a content that no file of this program has, in words that quote nothing of the file."""
 
 
 @dataclass
 class _Room:
-    """What may still be read."""
+    """Bytes and objects that may still be read."""
 
     bytes: int
     objects: int = MOST_OBJECTS
@@ -140,7 +140,10 @@ def _rewritten(path: Path, head: bool) -> bytes:
 
 
 def _copy_content(found: h5py.Group, own: h5py.Group, room: _Room, depth: int) -> None:
-    """All groups and arrays below a group; what lies in other files or is found by another name is left out, as it always is."""
+    """Copy all groups and arrays below a group.
+
+    What lies in other files or is found by another name is left out, as it always is.
+    """
     if depth > DEEPEST:
         raise _Foreign(f"its groups lie deeper in each other than {DEEPEST} times, or lead in circles")
     import h5py
@@ -195,7 +198,7 @@ def _copy_attributes(found: h5py.Group, own: h5py.Group) -> None:
 
 
 def _attribute(value: Any) -> Any:
-    """An attribute as this program would have written it: one number, or a text of fixed length."""
+    """Attribute as this program would have written it: one number, or a text of fixed length."""
     import h5py
 
     if isinstance(value, h5py.Empty):

@@ -15,7 +15,7 @@ KINDS = {
     stat.S_IFSOCK: "a socket",
     stat.S_IFDIR: "a folder",
 }
-"""What a path may lead to besides a regular file, in words."""
+"""Words for what a path may lead to besides a regular file."""
 AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 """Flags under which opening never waits, should the file have become a pipe after it was looked at."""
 
@@ -42,19 +42,19 @@ def opened(path: Path) -> BinaryIO:
 
 
 def size_of(path: Path) -> int:
-    """Bytes of a regular file; raises as `opened`."""
+    """Size of a regular file in bytes; raises as `opened`."""
     with opened(path) as file:
         return os.fstat(file.fileno()).st_size
 
 
 def read_start(path: Path, most: int) -> bytes:
-    """The whole file, or its first `most` bytes; raises as `opened`."""
+    """Bytes of the whole file, or its first `most` bytes; raises as `opened`."""
     with opened(path) as file:
         return file.read(most)
 
 
 def read_whole(path: Path, most: int) -> bytes:
-    """The whole file.
+    """Bytes of the whole file.
 
     Raises
     ------

@@ -41,7 +41,7 @@ def write_whole(path: Path, content: bytes) -> None:
 
 @contextmanager
 def in_one_stroke(path: Path) -> Iterator[Path]:
-    """What `replaced` does, with the errors of the system."""
+    """Temporary file as `replaced` gives it, with the errors of the system."""
     place = Path(os.path.realpath(path))
     mode = _mode_of(place)
     temporary = place.with_name(f"{place.stem}{secrets.token_hex(4)}.tmp{place.suffix}")

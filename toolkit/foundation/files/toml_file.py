@@ -18,13 +18,13 @@ LARGEST_FILE = 10_000_000
 DEEPEST = 30
 """Levels of tables and lists within each other."""
 HDF5 = b"\x89HDF\r\n"
-"""How files of numbers begin."""
+"""First bytes of a file of numbers (HDF5)."""
 LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}""")
 """The time that a key takes grows with more than the square of its parts, half a minute for a file of 64 kB."""
 
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
-    """The tables of a file; `what` it should be is named if it is missing.
+    """Tables of a TOML file; `what` it should be is named if it is missing.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """The tables of a text; raises ValueError if it is no TOML, or has numbers or levels beyond what TOML has to offer."""
+    """Tables of a TOML text; raises ValueError if it is no TOML, or has numbers or levels beyond what TOML has to offer."""
     if LONG_KEY.search(text):
         raise ValueError("a key has more than 100 parts between dots")
     try:

@@ -36,7 +36,7 @@ def refuse_other(table: Mapping[str, Any], path: Path, wanted: Kind) -> None:
 
 
 def _kind(table: Mapping[str, Any]) -> Kind | None:
-    """What a file is; None if its keys do not say."""
+    """Kind of a file, "scene", "study" or "body"; None if its keys do not say."""
     if table.keys() & OF_SCENES:
         return "scene"
     if "scene" in table and table.keys() & OF_STUDIES:
@@ -72,4 +72,4 @@ _ADVICE = {
     ),
     ("body", "study"): lambda path: f"What is built here are the files that describe flexible bodies; {_of_study(path)}.",
 }
-"""What was wanted and what is there -> what to do."""
+"""Advice by (kind that was wanted, kind that is there): what to do."""

@@ -1,4 +1,4 @@
-"""Where a key of a TOML file stands: the line that an error message names."""
+"""Line of a key in a TOML file, which an error message names."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KEY = re.compile(r"""\s*((?:[\w-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[\w-]+|"[^"]*"|
 
 @contextmanager
 def naming_lines(path: Path, tables: Container[str] = (), changed: Container[str] = ()) -> Iterator[None]:
-    """Errors about keys of a file say in which line they stand.
+    """Context in which errors about keys of a file say in which line the keys stand.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def _with_lines(message: str, path: Path, tables: Container[str], changed: Conta
 
 
 def line_of(text: str, place: str) -> int | None:
-    """The line of a key, or of the table that it should be in.
+    """Number of the line of a key, or of the table that it should be in.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def _keys(text: str) -> list[tuple[int, list[str]]]:
 
 
 def _path(line: str) -> list[str]:
-    """The keys of a header or of an assignment; none of a line that looks like one within a longer text."""
+    """Keys of a header or of an assignment; none of a line that looks like one within a longer text."""
     try:
         at: Any = tomllib.loads(line)
     except tomllib.TOMLDecodeError:

@@ -6,7 +6,7 @@ import os
 from contextlib import suppress
 
 ONE_THREAD = {name: "1" for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")}
-"""For the environment of such a process: threads take address space, which is limited, and readers need none."""
+"""Environment of such a process: threads take address space, which is limited, and readers need none."""
 
 
 def limit_process(memory: int, seconds: int) -> None:

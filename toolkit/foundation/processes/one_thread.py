@@ -17,19 +17,22 @@ SINGLE = {"OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 
 
 class _Limit(threading.local):
-    """The limit of one thread of the program, which the outer one of its blocks sets and takes back: OpenBLAS keeps it for each of them."""
+    """A limit of one thread, which the outermost block of a thread of the program sets and takes back.
+
+    OpenBLAS keeps the limit for each thread of the program.
+    """
 
     inside = 0
     set_by_us: Any = None
 
     def enter(self) -> None:
-        """One block more."""
+        """Enter one more block; the first one limits linear algebra to one thread."""
         if not self.inside and not _is_single():
             self.set_by_us = _controller().limit(limits=1, user_api="blas")
         self.inside += 1
 
     def leave(self) -> None:
-        """One block less."""
+        """Leave one block; the last one takes the limit back."""
         self.inside -= 1
         if not self.inside and self.set_by_us is not None:
             self.set_by_us.restore_original_limits()
@@ -41,7 +44,7 @@ _LIMIT = _Limit()
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Inside of this block, and of a function decorated with it, the process's linear algebra (BLAS, LAPACK) has one thread.
+    """Context or decorator in which the process's linear algebra (BLAS, LAPACK) has one thread.
 
     A factorisation of the wing's 140 equations takes 0.2 ms in one thread; in two that share their processors with other programs it was
     seen to take 150 ms. The outer one of nested blocks gives back as many threads as there were.
@@ -59,7 +62,7 @@ def _is_single() -> bool:
 
 @cache
 def _controller() -> ThreadpoolController:
-    """Of all libraries that scipy and numpy have loaded; looking for them takes some 20 ms."""
+    """Controller of the threads of all libraries that scipy and numpy have loaded; looking for them takes some 20 ms."""
     import scipy.linalg  # noqa: F401, it brings one of them
     from threadpoolctl import ThreadpoolController
 

@@ -18,7 +18,7 @@ SAFE = "PYTHONSAFEPATH"
 
 
 def safe_path() -> list[str]:
-    """Where this process looks for modules, without the current folder, which `python -c` and `python -m` put before everything else."""
+    """Folders where this process looks for modules, without the current one, which `python -c` and `python -m` put first."""
     foreign = {os.path.realpath(os.curdir)} - {str(HOME)}
     found = [entry for entry in sys.path if os.path.isabs(entry) and os.path.realpath(entry) not in foreign]
     return found if str(HOME) in found else [*found, str(HOME)]
@@ -48,7 +48,10 @@ def environment() -> dict[str, str]:
 
 @contextmanager
 def safe_spawning() -> Iterator[None]:
-    """Context in which `multiprocessing` starts Python in this environment, for as long as it lasts; it hands on the path by itself."""
+    """Context in which `multiprocessing` starts Python in this environment, for as long as it lasts.
+
+    It hands on the path by itself.
+    """
     before = {name: os.environ.pop(name, None) for name in (SAFE, "PYTHONPATH")}
     os.environ[SAFE] = "1"
     try:

@@ -42,7 +42,7 @@ def _subtract_multiples(context: Any, builder: Any, found: Any, args: Any) -> An
 
 
 def _while_enough(builder: Any, at: Any, length: Any, rows: Any, factors: Any, sources: Any) -> None:
-    """Whole vectors."""
+    """Write code for all whole vectors of LANES numbers in the rows."""
     begin, work, end = (builder.append_basic_block(name) for name in ("multiples.begin", "multiples.work", "multiples.end"))
     builder.branch(begin)
     builder.position_at_end(begin)
@@ -55,7 +55,7 @@ def _while_enough(builder: Any, at: Any, length: Any, rows: Any, factors: Any, s
 
 
 def _subtract(builder: Any, lanes: int, at: Any, rows: Any, factors: Any, sources: Any) -> None:
-    """From so many numbers of every row, and so many further on."""
+    """Write code that subtracts from `lanes` numbers of every row, and moves on by as many."""
     kind, now = ir.VectorType(ir.DoubleType(), lanes), builder.load(at)
 
     def place(row: Any) -> Any:

@@ -14,7 +14,7 @@ LANES = 8
 
 
 def filled_up(count: int) -> int:
-    """Length of a row for so many numbers."""
+    """Length of a row for so many numbers, filled up."""
     return -(-count // LANES) * LANES
 
 
@@ -47,7 +47,7 @@ def add_rows(
 def add_to_each(
     targets: tuple[np.ndarray, ...], entries: np.ndarray, count: int, source: np.ndarray, start: int, stride: int
 ) -> None:
-    """To each of up to three rows is added its own sum of multiples of the same rows, which are read once for all.
+    """Add to each of up to three rows its own sum of multiples of the same rows, which are read once for all.
 
     targets[k] += the sum of entries[k, p] r_p over p = 0 ... count - 1, with r_p = source[start + p stride : ... + w].
 
@@ -69,7 +69,7 @@ def add_to_each(
 def subtract_multiples(
     values: np.ndarray, rows: tuple[int, ...], factors: tuple[float, ...], sources: tuple[int, ...], length: int
 ) -> None:
-    """From each of one or more rows of an array its own sum of multiples of other rows is subtracted.
+    """Subtract from each of one or more rows of an array its own sum of multiples of other rows.
 
     values[row : row + length] -= the sum over the sources of factor values[source : source + length].
 

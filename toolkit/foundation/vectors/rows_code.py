@@ -51,13 +51,13 @@ def _add_rows(context: Any, builder: Any, found: Any, args: Any) -> Any:
 
 
 def arrays(context: Any, builder: Any, found: Any, args: Any) -> list[Any]:
-    """Those among the arguments."""
+    """Arrays among the arguments of a compiled call."""
     kinds = enumerate(found.args)
     return [make_array(kind)(context, builder, args[k]) for k, kind in kinds if isinstance(kind, types.Array)]
 
 
 def by_vectors(builder: Any, width: Any, most: int, columns: Callable[[Any, int], None]) -> None:
-    """Code for all columns of a row: `columns(at, vectors)` writes it for so many vectors from column `at` on, at most for so many."""
+    """Write code for all columns of a row, `columns(at, vectors)` for at most so many vectors from column `at` on."""
     column = cgutils.alloca_once(builder, I64)
     builder.store(ir.Constant(I64, 0), column)
     begin, work, end = (builder.append_basic_block(name) for name in ("rows.begin", "rows.work", "rows.end"))
@@ -80,7 +80,7 @@ def by_vectors(builder: Any, width: Any, most: int, columns: Callable[[Any, int]
 
 
 def _sums(builder: Any, vectors: int, entries: Any, numbers: Any, first: Any, last: Any, source: Any, width: Any) -> list[Any]:
-    """Of so many vectors."""
+    """Write code for the sums of multiples of rows, in so many vectors."""
 
     def grown(p: Any, sums: list[Any]) -> list[Any]:
         number = builder.load(builder.gep(numbers, [p]))
@@ -95,7 +95,10 @@ def _sums(builder: Any, vectors: int, entries: Any, numbers: Any, first: Any, la
 
 
 def summed(builder: Any, count: int, first: Any, last: Any, grown: Callable[[Any, list[Any]], list[Any]]) -> list[Any]:
-    """A loop over p = first ... last - 1 with so many vectors of sums: `grown(p, sums)` writes what they are after one more turn."""
+    """Write a loop over p = first ... last - 1 with so many vectors of sums.
+
+    `grown(p, sums)` writes what they are after one more turn.
+    """
     zero = ir.Constant(VECTOR, [0.0] * LANES)
     before, loop, done = builder.block, builder.append_basic_block("sums.loop"), builder.append_basic_block("sums.done")
     builder.cbranch(builder.icmp_signed("<", first, last), loop, done)
@@ -115,12 +118,12 @@ def summed(builder: Any, count: int, first: Any, last: Any, grown: Callable[[Any
 
 
 def spread(builder: Any, value: Any, kind: Any = VECTOR) -> Any:
-    """A number in all lanes of a kind of vector."""
+    """Vector of a kind with one number in all its lanes."""
     nothing, lanes = ir.Constant(kind, ir.Undefined), ir.Constant(ir.VectorType(ir.IntType(32), kind.count), [0] * kind.count)
     return builder.shuffle_vector(builder.insert_element(nothing, value, ir.Constant(ir.IntType(32), 0)), nothing, lanes)
 
 
 def places(builder: Any, row: Any, vectors: int) -> list[Any]:
-    """Where the vectors of a row are."""
+    """Addresses of the vectors of a row."""
     found = (builder.gep(row, [ir.Constant(I64, LANES * k)]) for k in range(vectors))
     return [builder.bitcast(place, VECTOR.as_pointer()) for place in found]

@@ -39,7 +39,7 @@ class OnCam(AtPoints, Joint):
     _smooth = field_validator("curve")(smooth)
 
     def profile(self, scene: Skeleton | None) -> Form:
-        """The numbers of f - f(0)."""
+        """Form that carries the numbers of the profile f - f(0)."""
         if scene is not None:
             check_turn(self.curve, f"the {self.kind} between points {self.points[0]!r} and {self.points[1]!r}")
         return profile_form(self.curve)
@@ -51,7 +51,7 @@ class Lift(OnCam):
     curve: Annotated[Curve, OverAngle("length")]
 
     def lifted(self, scene: Skeleton | None, along: Form, start: Any) -> tuple[Row, ...]:
-        """One direction: the offset, and the angle of b against a."""
+        """Row of a lifted follower, from its offset along a direction and the angle of b against a."""
         a, b = self.poses
         forms = (along - start, b.e(1) @ a.e(1), b.e(1) @ a.e(2), self.profile(scene))
         return (Row("lift", "length", forms, profile_law),)
@@ -73,7 +73,7 @@ class Cam(Lift, Directed):
     kind = "cam"
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """One direction."""
+        """Row that keeps the follower's offset along the axis at the cam's profile."""
         (a, b), axis = self.poses, np.array(self.axis)
         start = 0.0 if scene is None else self.apart(scene) @ axis / np.sqrt(axis @ axis)
         return self.lifted(scene, (a.r - b.r) @ a.e(1), start)
@@ -107,7 +107,7 @@ class SpatialCam(AboutAxis, Lift, SpatialJoint):
         return along
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """One direction."""
+        """Row that keeps the follower's offset along the direction at the cam's profile."""
         (a, b), n = self.poses, np.array(self.along)
         n = n / np.sqrt(n @ n)
         start = 0.0 if scene is None else self.apart(scene) @ n
@@ -116,12 +116,15 @@ class SpatialCam(AboutAxis, Lift, SpatialJoint):
 
 
 class Swing(OnCam):
-    """Base of followers that swing."""
+    """Base of followers on a cam that swing."""
 
     curve: Annotated[Curve, OverAngle("angle")]
 
     def swung(self, scene: Skeleton | None, line: np.ndarray) -> tuple[Row, ...]:
-        """One rotation: that of each body is that of its first axis, seen from the line between the centres."""
+        """Row of a swinging follower.
+
+        The rotation of each body is that of its first axis, seen from the line between the centres.
+        """
         (a, b), (x, y) = self.poses, line
         d = b.r - a.r
         seen = [form for e in (a, b) for form in (e.e(1) @ d * x + e.e(2) @ d * y, e.e(1) @ d * y - e.e(2) @ d * x)]
@@ -151,7 +154,7 @@ class SwingCam(Swing, PlanarJoint):
     kind = "swing-cam"
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """One rotation."""
+        """Row that keeps the follower's rotation at the cam's profile."""
         return self.swung(scene, self.aside(scene, np.eye(2)))
 
 
@@ -171,5 +174,5 @@ class SpatialSwingCam(AboutAxis, Swing, SpatialJoint):
     symbol = ""
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """One rotation."""
+        """Row that keeps the follower's rotation at the cam's profile."""
         return self.swung(scene, self.aside(scene, self.axes))

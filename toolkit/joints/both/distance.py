@@ -21,11 +21,11 @@ class KeptDistance(BetweenPoints, Joint):
     """
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """One direction."""
+        """Row that keeps the distance of the two points."""
         return (self.poses.apart(1.0 if scene is None else self.own_length(scene)),)
 
     def opening(self, scene: Skeleton, _row: int, violation: Any) -> Any:
-        """By how much the two points are further apart than L."""
+        """Length by which the two points are further apart than L."""
         length = np.real(self.own_length(scene))
         return length * (np.sqrt(max(1 + 2 * violation / length, 0.0)) - 1)
 

@@ -21,7 +21,7 @@ class DrivenAngle(Driven, Joint):
     curve: Annotated[Curve, Quantity("angle")]
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """The rotation."""
+        """Row of the relative rotation, which follows the curve."""
         return (self.poses.turned,)
 
 
@@ -31,7 +31,7 @@ class DrivenPosition(Driven, Joint):
     curve: Annotated[Curve, Quantity("length")]
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """The axis."""
+        """Row of the offset along the axis, which follows the curve."""
         return (self.poses.on_axis(self.poses.along, "axis"),)
 
 

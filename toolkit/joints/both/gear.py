@@ -26,7 +26,7 @@ Teeth = Annotated[int, Field(strict=True, ge=-100_000, le=100_000)]
 
 
 class Wheels(AtPoints, Joint):
-    """Base of gears.
+    """Base of gears, with two wheels.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Wheels(AtPoints, Joint):
 
 
 def rolling(distance: float, ratio: float) -> list[tuple[int, float]]:
-    """Pitch circles of two wheels; of two that are equally large none that would touch."""
+    """Pitch circles of two wheels, (number of the point, radius); none of two equal ones that would not touch."""
     if abs(1 + ratio) < FITS:
         return []
     first = distance / abs(1 + ratio)
@@ -88,7 +88,7 @@ class Gear(Wheels, PlanarJoint):
         return self
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """One rotation."""
+        """Row that keeps the rotations of both wheels in their ratio."""
         (a, b), line, n = self.poses, np.array([1.0, 0.0]), self._ratio
         if scene is not None:
             line = self._line(scene)
@@ -97,7 +97,7 @@ class Gear(Wheels, PlanarJoint):
         return (Row("rotation", "angle", (a.angle + n * b.angle, *turned, 1 + n), turn_law),)
 
     def circles(self, scene: Skeleton) -> list[tuple[int, float]]:
-        """Both wheels."""
+        """Pitch circles of both wheels, for pictures."""
         return rolling(float(np.linalg.norm(np.real(self.apart(scene)))), float(np.real(self._ratio)))
 
     @property
@@ -108,7 +108,7 @@ class Gear(Wheels, PlanarJoint):
         return second / first
 
     def _line(self, scene: Skeleton) -> np.ndarray:
-        """From centre a to centre b in the undeformed configuration, over its length squared."""
+        """Vector from centre a to centre b in the undeformed configuration, divided by its length squared."""
         d = -self.apart(scene)
         square = d @ d
         if not np.real(square) > 0:
@@ -145,7 +145,10 @@ class SpatialGear(AboutAxis, Wheels, SpatialJoint):
     teeth: tuple[Teeth, Teeth]
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """One rotation: that of each wheel is that of its first axis, seen from the line."""
+        """Row that keeps the rotations of both wheels in their ratio.
+
+        The rotation of each wheel is that of its first axis, seen from the line between the centres.
+        """
         (a, b), (x, y) = self.poses, (1.0, 0.0) if scene is None else self._line(scene)
         d = b.r - a.r
         seen = [form for e in (a, b) for form in (e.e(1) @ d * x + e.e(2) @ d * y, e.e(1) @ d * y - e.e(2) @ d * x)]
@@ -154,7 +157,7 @@ class SpatialGear(AboutAxis, Wheels, SpatialJoint):
         return (Row("rotation", "angle", (*seen, *numbers), teeth_law),)
 
     def circles(self, scene: Skeleton) -> list[tuple[int, float]]:
-        """Both wheels."""
+        """Pitch circles of both wheels, for pictures."""
         across = np.real(self.apart(scene) @ self.axes[:, :2])
         return rolling(float(np.linalg.norm(across)), self.teeth[1] / self.teeth[0])
 

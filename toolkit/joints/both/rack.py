@@ -65,12 +65,12 @@ class Rack(OnRack, Directed):
     kind = "rack"
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """One direction."""
+        """Row that couples the offset along the rack with the rotation of the pinion."""
         (a, b), (start, radius) = self.poses, self._rolled(scene)
         return (Row("rolling", "length", self.poses.on_axis(1, "rolling", start).forms[0] + (a.angle - b.angle) * radius),)
 
     def circles(self, scene: Skeleton) -> list[tuple[int, float]]:
-        """The pinion."""
+        """Circle of the pinion, for pictures."""
         return [(0, float(abs(np.real(self._rolled(scene)[1]))))]
 
     def _rolled(self, scene: Skeleton | None) -> tuple[Any, Any]:
@@ -87,7 +87,7 @@ class RollingDisc(Rack):
     kind = "rolling-disc"
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """The contact, and the direction along the line."""
+        """Rows of the contact in the normal direction, and of the rolling along the line."""
         return (self.poses.on_axis(2, "contact", self._rolled(scene)[1]), *super().constraint(scene))
 
 
@@ -119,17 +119,17 @@ class SpatialRack(AboutAxis, OnRack, SpatialJoint):
 
     @property
     def axes(self) -> np.ndarray:
-        """The first one along the rack, the third one along the axis of the pinion."""
+        """Axes of the markers, (3, 3) as columns: the first along the rack, the third along the axis of the pinion."""
         along, axis = np.array(self.along), np.array(self.axis)
         along, axis = along / np.sqrt(along @ along), axis / np.sqrt(axis @ axis)
         return np.column_stack([along, np.cross(axis, along), axis])
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """One direction."""
+        """Row that couples the offset along the rack with the rotation of the pinion."""
         (a, b), (start, radius) = self.poses, self.rolled(scene, self.axes)
         offset = self.poses.on_axis(1, "rolling", start).forms[0]
         return (Row("rolling", "length", (offset, a.e(1) @ b.e(1), a.e(1) @ b.e(2), -radius), turn_law),)
 
     def circles(self, scene: Skeleton) -> list[tuple[int, float]]:
-        """The pinion."""
+        """Circle of the pinion, for pictures."""
         return [(0, float(abs(np.real(self.rolled(scene, self.axes)[1]))))]

@@ -14,7 +14,7 @@ class Welded(AtPoint, Joint):
     """r_a = r_b and no relative rotation: both bodies move as one at the point."""
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """All directions and all rotations."""
+        """Rows of all directions and all rotations."""
         return (*self.poses.together, *self.poses.locked)
 
 

@@ -1,4 +1,4 @@
-"""What ties the parts of a cut body to each other, and its clamp to the ground: joints that the scene does not show."""
+"""Ties between the parts of a cut body, and between its clamp and the ground: joints that the scene does not show."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from toolkit.joints.both.rigid_joint import RigidJoint, SpatialRigidJoint, Welde
 
 
 class Tie(Welded):
-    """Between two parts of a body, or between its clamp and the ground."""
+    """Base of rigid joints between two parts of a cut body, or between its clamp and the ground."""
 
     kind = ""
 
 
 class PlanarTie(Tie, RigidJoint):
-    """In the plane."""
+    """A rigid joint in the plane between two parts of a cut body, or between its clamp and the ground."""
 
     kind = ""
 
 
 class SpatialTie(Tie, SpatialRigidJoint):
-    """In space."""
+    """A rigid joint in space between two parts of a cut body, or between its clamp and the ground."""
 
     kind = ""

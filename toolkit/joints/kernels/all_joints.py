@@ -17,7 +17,7 @@ from toolkit.kinematics.spatial import lengths_jacobian, lengths_residual
 
 @inlined
 def evaluate_any_joint(plane, frames, functions, joints, j, markers, state, acc, work):
-    """Rows of one joint, their derivatives, and its force g_z^T lam."""
+    """Compute the rows of one joint, their derivatives, and its force g_z^T lam."""
     if plane is not None:
         evaluate_planar_joint(functions, joints, j, state, acc, work)
     if frames is not None:
@@ -26,7 +26,7 @@ def evaluate_any_joint(plane, frames, functions, joints, j, markers, state, acc,
 
 @inlined
 def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, acc, linearize, work, parts, terms):
-    """Rows and forces of all joints, and if `linearize` their derivatives by the state."""
+    """Add the rows and forces of all joints, and if `linearize` their derivatives by the state."""
     if plane is not None:
         for j in range(len(joints.of)):
             if joints.of[j, PINNED]:
@@ -57,7 +57,7 @@ def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, a
 def add_planar_joint(
     functions, joints, j, markers, state, inputs, acc, linearize, work, inertial, applied, I_acc, I_q, A_q, A_v
 ):  # fmt: skip
-    """Any joint in the plane; a function of its own, as most are pins."""
+    """Add any joint in the plane; a function of its own, as most are pins."""
     evaluate_planar_joint(functions, joints, j, state, acc, work)
     joint_residual(joints, j, markers, state, inputs.curves, inputs.levels, work, inertial, applied)
     if linearize:
@@ -66,7 +66,7 @@ def add_planar_joint(
 
 @inlined
 def add_joint_designs(plane, frames, functions, joints, markers, state, inputs, acc, curve_variable, curve_index, work, terms):
-    """Partial derivatives of all rows and forces by the design."""
+    """Add the partial derivatives of all rows and forces by the design."""
     designed = 0
     for j in range(len(joints.of)):
         designed += joints.of[j, DESIGNED]
@@ -82,7 +82,10 @@ def add_joint_designs(plane, frames, functions, joints, markers, state, inputs, 
 
 @inner
 def add_planar_designs(functions, joints, markers, state, inputs, acc, curve_variable, curve_index, work, I_x, A_x):
-    """Those in the plane; a function of its own, so that the code of every evaluation stays short."""
+    """Add the partial design derivatives of all joints in the plane.
+
+    This is a function of its own, so that the code of every evaluation stays short.
+    """
     for j in range(len(joints.of)):
         if joints.of[j, DESIGNED] and joints.of[j, PINNED] and joints.of[j, DESIGN] == joints.of[j, DESIGN + 1]:
             pin_design(joints, j, markers, state, acc, inputs.levels, work, I_x, A_x)
@@ -95,7 +98,7 @@ def add_planar_designs(functions, joints, markers, state, inputs, acc, curve_var
 
 @inner
 def add_spatial_designs(functions, joints, markers, state, inputs, acc, curve_variable, curve_index, work, I_x, A_x):
-    """Those in space."""
+    """Add the partial design derivatives of all joints in space."""
     for j in range(len(joints.of)):
         if joints.of[j, DESIGNED]:
             evaluate_spatial_joint(functions, joints, j, state, acc, work)

@@ -44,7 +44,7 @@ def form_rates(pose, form, rates):
 
 @inner
 def keep_form(f, n, i, work):
-    """What derivatives by the state and by the design need of one form of row number i."""
+    """Keep what derivatives by the state and by the design need of one form of row number i."""
     work.composed[i, f, 0], work.composed[i, f, 1] = work.law[3, f], work.law[4, f]
     for k in range(n):
         work.composed[i, f, 5 + k] = work.law[5 + f, k]
@@ -54,7 +54,7 @@ def keep_form(f, n, i, work):
 
 @inner
 def add_form(form, composed, f, n, row):
-    """What one form adds to a row."""
+    """Add the share of one form to its row."""
     slope, total = composed[f, 0], composed[f, 1]
     velocity, growth = 0 * slope, 0 * slope
     for k in range(n):
@@ -104,7 +104,7 @@ def change_row(joints, j, d, lam, levels, work):
 
 @inlined
 def gap(joints, j, i, value, target):
-    """value - target of row i; of an angle that of the turn next to the target."""
+    """Difference value - target of row i; of an angle that of the turn next to the target."""
     difference = value - target
     if joints.of[j, LAW + 2 * i] == ANGLE:
         difference -= 2 * np.pi * np.rint(difference.real / (2 * np.pi))

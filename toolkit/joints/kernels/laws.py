@@ -12,8 +12,8 @@ from toolkit.foundation.kernel import inner, kernel
 FORMS = 6
 """Most forms of a law."""
 PROFILE, PLAIN, ANGLE = -3, -2, -1
-"""What stands in the place of a law's number: a curve of an angle (see `profile`), a row that is a form, and an angle; they are no
-functions of their own in the loop."""
+"""Numbers in the place of a law's: a curve of an angle (see `profile`), a row that is a form, and an angle. They are no functions
+of their own in the loop."""
 
 _f8 = numba.float64
 SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[::1])
@@ -22,7 +22,7 @@ SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[
 
 @inner
 def angle_of(sine, cosine):
-    """atan2 that also takes complex numbers with small imaginary parts."""
+    """Angle atan2(s, c), also of complex numbers with small imaginary parts."""
     turn = np.arctan2(sine.real, cosine.real)
     across = (sine * np.cos(turn) - cosine * np.sin(turn)) / (cosine * np.cos(turn) + sine * np.sin(turn))
     return turn + across

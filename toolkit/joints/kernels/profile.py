@@ -15,7 +15,7 @@ from toolkit.joints.kernels.records import FORM, GRADIENT, LAW
 from toolkit.joints.kernels.turn_laws import add_angle
 
 DEGREE = 9
-"""Of the polynomials."""
+"""Degree of the polynomials."""
 PIECE = DEGREE + 3
 """Numbers of a piece."""
 SEAM = 1e-6
@@ -26,7 +26,7 @@ VALUES = FORMS + 5
 
 @kernel
 def profile_law(h, w, n, values, g, g_h, g_hh, g_hww):
-    """g and its derivatives for n forms, the last of which is none; F and its derivatives are in `values`."""
+    """Compute g and its derivatives for n forms, the last of which is none; F and its derivatives are in `values`."""
     at, slope, bend, change = n - 3, values[1], values[2], values[3]
     _, t_c, t_s, along_c, along_s = add_angle(h, w, at, -slope, g_h, g_hh, g_hww)
     rate = t_c * w[at] + t_s * w[at + 1]
@@ -58,14 +58,14 @@ def piece_of(joints, form, angle):
 
 @inlined
 def whole_angle(h, n):
-    """t of one turn, from just below zero on."""
+    """Angle t of one turn, from just below zero on."""
     angle = angle_of(h[n - 2], h[n - 3])
     return angle + 2 * np.pi if angle.real < -SEAM else angle
 
 
 @inner
 def read_profile(joints, form, n, h, values):
-    """F, F', F'', F''' at the angle of a row of n forms, the last of which is given."""
+    """Compute F, F', F'', F''' at the angle of a row of n forms, the last of which is given."""
     angle = whole_angle(h, n)
     at = piece_of(joints, form, angle)
     x = angle - joints.value[at + 1]

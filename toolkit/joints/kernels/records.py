@@ -11,7 +11,7 @@ CONSTANT, LINEAR, PAIR = 0, 1, 2
 ROWS, SPATIAL_ROWS = 3, 6
 """Most rows of a joint in the plane, and in space."""
 NUMBERS, SPATIAL_NUMBERS = 6, 24
-"""Of the poses of two markers."""
+"""Count of the numbers in the poses of two markers, in the plane and in space."""
 
 
 MARKER, FIRST_ROW, N_ROWS, CURVE, DESIGNED, CURVED, FORM, TURNED, POSITION, DESIGN, PINNED, LAW = (
@@ -35,7 +35,9 @@ pin, see `planar.pin_kernel`; and for each row which function, or PLAIN or ANGLE
 
 
 class Joints(NamedTuple):
-    """What never changes. Few arrays, because every call in the loop passes them on: measured, seven more cost a small mechanism a fifth.
+    """Arrays of the joints, which never change.
+
+    They are few, because every call in the loop passes them on: measured, seven more cost a small mechanism a fifth.
 
     Rows of a joint follow each other, and so do the forms of a row: one if the row is a form itself. A form has its numbers in `value`:
     its constant, its linear terms, and its pairs, which take two places each.
@@ -64,7 +66,7 @@ class Joints(NamedTuple):
 
     @property
     def n_rows(self) -> np.ndarray:
-        """Of every joint."""
+        """Number of constraint rows of every joint, (n_j,)."""
         return self.of[:, N_ROWS]
 
     @property
@@ -74,7 +76,7 @@ class Joints(NamedTuple):
 
     @property
     def designed(self) -> np.ndarray:
-        """1 where any design variable matters to a joint."""
+        """1 for joints that any design variable matters to, 0 for others."""
         return self.of[:, DESIGNED]
 
     def changing(self, j: int) -> np.ndarray:
@@ -82,7 +84,7 @@ class Joints(NamedTuple):
         return self.design[self.of[j, DESIGN] : self.of[j, DESIGN + 1], 0]
 
     def work(self, dtype: type) -> "JointWork":
-        """Memory for any joint."""
+        """Scratch memory for any joint."""
         n, rows, wide = self.numbers, (self.of.shape[1] - LAW) // 2, FORMS + 1
         shapes = [(5, n), (5, rows), (rows, 4, n), (n, n), (2, n)]
         shapes += [(wide, 5 + n, n), (5 + wide, wide), (rows, FORMS, 5 + FORMS + n)]

@@ -16,7 +16,7 @@ from toolkit.joints.kernels.laws import angle_of
 
 @inner
 def add_angle(h, w, at, factor, g_h, g_hh, g_hww):
-    """Adds factor t of the vector (h[at], h[at + 1]): its derivatives; returns t and (t_zz w) for both of its numbers."""
+    """Add the derivatives of factor t of the vector (h[at], h[at + 1]); returns t, both numbers of t_z, and both of t_zz w."""
     c, s, u, v = h[at], h[at + 1], w[at], w[at + 1]
     square = c * c + s * s
     t_c, t_s, t_cc, t_cs = -s / square, c / square, 2 * s * c / square**2, (s * s - c * c) / square**2
@@ -35,7 +35,7 @@ def add_angle(h, w, at, factor, g_h, g_hh, g_hww):
 
 @inner
 def scale_angle(w, at, by, sign, found, g_h, g_hh, g_hww):
-    """What a factor h[by], times a sign, does to derivatives of the angle that was found at a place, and they to its own; not g_h[by]."""
+    """Add the derivatives that a factor h[by], times a sign, brings to an angle whose derivatives are `found`; not g_h[by]."""
     _, t_c, t_s, along_c, along_s = found
     g_hh[at, by] = g_hh[by, at] = sign * t_c
     g_hh[at + 1, by] = g_hh[by, at + 1] = sign * t_s

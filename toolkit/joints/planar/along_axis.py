@@ -21,7 +21,7 @@ class Directed(along_axis.AlongAxis, PlanarJoint):
 
     @property
     def poses(self) -> PlanePoses:
-        """The first axis along that of the joint, the second one its normal."""
+        """Poses of the two markers, with the first axis along that of the joint and the second one its normal."""
         x, y = unit_vector(np.array(self.axis))
         return plane_poses(np.array([[x, -y], [y, x]]))
 

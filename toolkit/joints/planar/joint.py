@@ -22,7 +22,7 @@ class PlanarJoint(Joint):
 
     @property
     def poses(self) -> PlanePoses:
-        """What its rows are made of."""
+        """Poses of the two markers in the plane, of which the joint's rows are made."""
         return PLANE
 
     @property

@@ -13,5 +13,5 @@ class Revolute(PointJoint):
     kind = "revolute"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """Two directions."""
+        """Rows of two directions, in which the points coincide."""
         return self.poses.together

@@ -23,6 +23,6 @@ class Slider(AlongAxis):
     lock_rotation: bool = False
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """The normal direction, and the rotation if it is locked."""
+        """Rows of the normal direction, and of the rotation if it is locked."""
         poses = self.poses
         return (*poses.on_line, *poses.locked) if self.lock_rotation else poses.on_line

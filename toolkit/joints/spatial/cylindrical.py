@@ -14,5 +14,5 @@ class Cylindrical(AxisJoint):
     symbol = "sleeve"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """Two normals and two rotations."""
+        """Rows of two normal directions and two rotations."""
         return (*self.poses.on_line, *self.poses.aligned)

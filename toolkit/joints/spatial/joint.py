@@ -22,21 +22,22 @@ class SpatialJoint(Joint):
 
     dimension: ClassVar[int] = 3
     symbol: ClassVar[str] = "ball"
-    """What it is drawn as, by a name of `render.space.symbols`; nothing if empty, as of what stands beside another joint."""
+    """Symbol that the joint is drawn as, by a name of `render.space.symbols`; nothing if empty, as of what stands beside another
+    joint."""
 
     @property
     def poses(self) -> SpacePoses:
-        """What its rows are made of."""
+        """Poses of the two markers in space, of which the joint's rows are made."""
         return SPACE
 
     @property
     def curved(self) -> bool:
-        """Always: the pose itself is curved in the coordinates."""
+        """Whether the rows have second derivatives: always, as the pose itself is curved in the coordinates."""
         return True
 
     @property
     def feels_axes(self) -> bool:
-        """Whether a row has an axis in it."""
+        """Whether a row of the joint has an axis in it."""
         forms = forms_of(self.constraint(None))
         places = [place // 3 for form in forms for place, _ in form.linear]
         return any(vector % 4 for vector in [*places, *(v for form in forms for pair in form.pairs for v in pair[:2])])

@@ -14,5 +14,5 @@ class PointOnPlane(AxisJoint):
     symbol = "plane"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """The normal."""
+        """Row of the normal direction of the plane."""
         return (self.poses.on_axis(3, "normal"),)

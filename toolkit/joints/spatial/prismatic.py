@@ -14,5 +14,5 @@ class Prismatic(AxisJoint):
     symbol = "slider"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """Two normals and three rotations."""
+        """Rows of two normal directions and three rotations."""
         return (*self.poses.on_line, *self.poses.locked)

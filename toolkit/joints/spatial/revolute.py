@@ -14,5 +14,5 @@ class SpatialRevolute(AxisJoint):
     symbol = "hinge"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """Three directions and two rotations."""
+        """Rows of three directions and two rotations."""
         return (*self.poses.together, *self.poses.aligned)

@@ -39,7 +39,7 @@ class Screw(AxisJoint):
         return pitch
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """Two normals, two rotations, and the thread."""
+        """Rows of two normal directions, two rotations, and the thread."""
         (a, b), poses, start = self.poses, self.poses, 0.0
         if scene is not None:
             start = (scene.position(self.grips[0][1]) - scene.position(self.grips[1][1])) @ self.axes[:, 2]

@@ -13,5 +13,5 @@ class Spherical(SpatialPointJoint):
     kind = "spherical"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """Three directions."""
+        """Rows of three directions, in which the points coincide."""
         return self.poses.together

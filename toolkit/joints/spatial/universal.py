@@ -42,11 +42,14 @@ class Universal(SpatialPointJoint):
 
     @property
     def axes(self) -> np.ndarray:
-        """The first two along those of the cross; what a step in one of them makes oblique is left oblique."""
+        """Axes of the markers, (3, 3) as columns, the first two along those of the cross.
+
+        What a step in one of them makes oblique is left oblique.
+        """
         first, second = (np.array(axis) for axis in self.axes_of_cross)
         first, second = first / np.sqrt(first @ first), second / np.sqrt(second @ second)
         return np.column_stack([first, second, np.cross(first, second)])
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        """Three directions and one rotation."""
+        """Rows of three directions and one rotation."""
         return (*self.poses.together, self.poses.perpendicular(1, 2, "about the normal of both axes"))

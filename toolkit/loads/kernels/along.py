@@ -12,7 +12,7 @@ from toolkit.foundation.kernel import inner
 
 @inner
 def rate_along(n, w, force):
-    """g' = g_z w."""
+    """Rate g' = g_z w of what is measured."""
     total = 0 * w[0]
     for i in range(n):
         total += force[i] * w[i]
@@ -21,7 +21,10 @@ def rate_along(n, w, force):
 
 @inner
 def act_along(n, u, u_g, u_r, w, force, force_z, force_w):
-    """f_z and f_w; f itself is left to `scale_force`, because derivatives by parameters still need g_z."""
+    """Compute f_z and f_w.
+
+    f itself is left to `scale_force`, because derivatives by parameters still need g_z.
+    """
     for j in range(n):
         turned = 0 * u
         for i in range(n):
@@ -34,14 +37,14 @@ def act_along(n, u, u_g, u_r, w, force, force_z, force_w):
 
 @inner
 def add_parameter(n, p, u_p, force, force_z):
-    """f_p."""
+    """Put the derivative f_p by a parameter into its column."""
     for i in range(n):
         force_z[i, p] = u_p * force[i]
 
 
 @inner
 def add_state(n, u_x, force, force_w):
-    """The derivative of f by a state x = w[n] of the load."""
+    """Add the derivative of f by a state x = w[n] of the load."""
     for i in range(n):
         force_w[i, n] = u_x * force[i]
 
@@ -68,7 +71,7 @@ def counted_turns(n, g, w, force, force_z, force_w):
 
 @inner
 def scale_force(n, u, force):
-    """f = u g_z."""
+    """Compute f = u g_z."""
     for i in range(n):
         force[i] = u * force[i]
 
@@ -120,6 +123,6 @@ def friction_along(n, z, w, force, force_z, force_w):
 
 @inner
 def slope_of_tanh(x):
-    """1 / cosh^2, without cancellation and for any x."""
+    """Slope 1 / cosh^2 of tanh, without cancellation and for any x."""
     small = np.exp(-2 * x) if x.real > 0 else np.exp(2 * x)
     return 4 * small / ((1 + small) * (1 + small))

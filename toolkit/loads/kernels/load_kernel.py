@@ -19,7 +19,8 @@ from toolkit.markers.poses import add_pose_force, add_pose_force_design, add_pos
 ARGUMENTS, CURVE = 13, 12
 """Most arguments z in the plane: two poses, six parameters, and the value of the time curve, which is the last one."""
 SPATIAL_ARGUMENTS, SPATIAL_CURVE = 37, 36
-"""The same in space: two poses of twelve numbers, twelve parameters, and the value of the time curve."""
+"""Most arguments z in space: two poses of twelve numbers, twelve parameters, and the value of the time curve, which is the last
+one."""
 
 _f8 = numba.float64
 SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[:, ::1])
@@ -27,7 +28,7 @@ SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[:, ::1])
 
 
 class Loads(NamedTuple):
-    """What never changes."""
+    """Arrays of the loads, which never change."""
 
     family: np.ndarray  # (n_l,)
     marker: np.ndarray  # (n_l, 2)
@@ -60,7 +61,7 @@ class LoadWork(NamedTuple):
 
 
 def load_work(loads: Loads, start: np.ndarray, pose: int, dtype: type) -> LoadWork:
-    """Memory for any load; `start` is that of the markers' columns, and a pose has so many entries."""
+    """Scratch memory for any load; `start` is that of the markers' columns, and a pose has so many entries."""
     z, w = (ARGUMENTS, 7) if pose == 3 else (SPATIAL_ARGUMENTS, 25)
     columns = int(max(np.diff(start)[loads.marker].sum(axis=1), default=0))
     return LoadWork(
@@ -79,7 +80,7 @@ def load_work(loads: Loads, start: np.ndarray, pose: int, dtype: type) -> LoadWo
 
 @inlined
 def evaluate_load(functions, loads, k, markers, state, q, curves, scale, work):
-    """The force law at the poses and rates of the two markers, and at its own state."""
+    """Evaluate the force law at the poses and rates of the two markers, and at its own state."""
     size, curve = len(markers.pose), len(work.z) - 1
     for side in range(2):
         m = loads.marker[k, side]
@@ -100,13 +101,13 @@ def evaluate_load(functions, loads, k, markers, state, q, curves, scale, work):
 
 @inlined
 def curve_scale(loads, k, scale):
-    """What the value of its time curve is multiplied by."""
+    """Factor of the value of a load's time curve: the load scale, or 1."""
     return scale if loads.scaled[k] else 1.0
 
 
 @inlined
 def load_residual(loads, k, markers, state, v, work, applied):
-    """- B^T f, and of its own state x' - f_last."""
+    """Add - B^T f to the residual, and x' - f_last in the row of the load's own state x."""
     add_both(loads, k, markers, state, work.force, applied)
     if loads.state[k] >= 0:
         applied[loads.state[k]] += v[loads.state[k]]
@@ -123,7 +124,7 @@ def direction_force(markers, work, first, y, rate):
 
 @inlined
 def direction_of_state(markers, work, first, y, rate):
-    """The same of the last place, that of the load's own state, and the product of f_w with y there."""
+    """Derivative of the last place of f, that of the load's own state, in a direction; and the product of f_w with y there."""
     last = 2 * len(markers.pose)
     work.dforce[last], work.rateforce[last] = 0, 0
     for c in range(len(markers.pose)):
@@ -157,7 +158,10 @@ def load_jacobian(loads, k, markers, state, work, parts, A_q, A_v):
 
 @inlined
 def find_changes(count, work):
-    """Which entries of f depend on the poses; whether any does. Those of a constant force do not, nor does what acts on no axis."""
+    """Find which entries of f depend on the poses; returns whether any does.
+
+    Those of a constant force do not, nor does what acts on no axis.
+    """
     found = False
     for i in range(count):
         work.changes[i] = 0
@@ -185,7 +189,7 @@ def force_columns(loads, k, markers, state, side, first, work, by_s, by_v):
 
 @inner
 def subtract_block(loads, k, markers, state, side, other, n_a, n, position, work, A_q, A_v):
-    """B^T times derivatives of f, rows of one marker and columns of another, subtracted from A_q and A_v."""
+    """Subtract B^T times derivatives of f, rows of one marker and columns of another, from A_q and A_v."""
     m, o, size = loads.marker[k, side], loads.marker[k, other], len(markers.pose)
     count, first = markers.start[o + 1] - markers.start[o], other * n_a
     together = count > 0 and follow_each_other(markers.coordinate[markers.start[o] : markers.start[o + 1]])
@@ -217,7 +221,7 @@ def follow_each_other(numbers):
 
 @inner
 def state_jacobian(loads, k, markers, state, n_a, n, position, work, by_s, by_v, A_q, A_v):
-    """Row and column of the state of a load."""
+    """Add row and column of the state of a load to the Jacobian."""
     size, last = len(markers.pose), n - 1
     for side in range(2):
         m = loads.marker[k, side]
@@ -259,7 +263,7 @@ def load_design(loads, k, markers, state, curve_variable, curve_index, curve_x, 
 
 @inlined
 def add_both(loads, k, markers, state, force, residual):
-    """residual -= B^T force, on both markers, and on its own state."""
+    """Subtract B^T force from the residual, on both markers, and the entry of the load's own state."""
     size = len(markers.pose)
     add_pose_force(markers.plane, markers.frames, markers, state, loads.marker[k, 0], force[:size], -1.0, residual)
     add_pose_force(markers.plane, markers.frames, markers, state, loads.marker[k, 1], force[size : 2 * size], -1.0, residual)

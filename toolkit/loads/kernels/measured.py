@@ -1,4 +1,4 @@
-"""What loads measure between two markers, and act along: g(z) of the two poses, in the plane and in space.
+"""Quantities g(z) of two poses that loads measure between their markers, and act along, in the plane and in space.
 
 Each function returns g, and fills its derivatives g_z into `slope` (n,) and g_zz into the first n columns of `bend`; z is that of
 `load_kernel`.
@@ -90,7 +90,7 @@ def space_angle(z, slope, bend):
 
 @inner
 def turn_next_to(near, angle):
-    """The angle with as many whole turns more as bring it next to another one."""
+    """Angle with as many whole turns more as bring it next to another one."""
     return angle + 2 * np.pi * np.rint((near - angle).real / (2 * np.pi))
 
 
@@ -102,11 +102,11 @@ def felt(k):
 
 @inner
 def by_cosine(k, z):
-    """Derivative of e_1a . e_1b by that number."""
+    """Derivative of the cosine e_1a . e_1b by a number of these axes."""
     return z[15 + k] if k < 3 else z[k] if k < 6 else 0 * z[0]
 
 
 @inner
 def by_sine(k, z):
-    """Derivative of e_1a . e_2b by that number."""
+    """Derivative of the sine e_1a . e_2b by a number of these axes."""
     return z[18 + k] if k < 3 else 0 * z[0] if k < 6 else z[k - 3]

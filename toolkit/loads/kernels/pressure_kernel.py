@@ -15,7 +15,10 @@ from toolkit.kinematics.spatial import second_products
 
 
 class Pressures(NamedTuple):
-    """What never changes. Blocks 0 ... n - 1 are the pressures; every further block is a derivative by a design variable."""
+    """Arrays of the pressures, which never change.
+
+    Blocks 0 ... n - 1 are the pressures; every further block is a derivative by a design variable.
+    """
 
     block_load: np.ndarray  # (n_blocks,)
     block_variable: np.ndarray  # (n_blocks,) -1 for the pressures themselves
@@ -34,7 +37,7 @@ class Pressures(NamedTuple):
 
 @inner
 def moment_of(part, block, q, out):
-    """L(z^) of one block, (3, 3)."""
+    """Matrix L(z^) of one block, (3, 3)."""
     k = part.block_load[block]
     elastic, row = part.first[k] + part.moves[k] + part.turns[k], part.start[block]
     for i in range(9):
@@ -45,7 +48,7 @@ def moment_of(part, block, q, out):
 
 @inner
 def moment_product(A_k, A, L):
-    """<A_k, A L>."""
+    """Sum <A_k, A L> of products of all nine entries."""
     total = 0 * L[0, 0]
     for i in range(3):
         for b in range(3):
@@ -55,7 +58,7 @@ def moment_product(A_k, A, L):
 
 @inner
 def add_block(part, frames, block, factor, L, q, residual):
-    """residual -= factor times the generalised force of one block."""
+    """Subtract factor times the generalised force of one block from the residual."""
     k = part.block_load[block]
     f, first, turn = part.frame[k], part.first[k], part.first[k] + part.moves[k]
     for i in range(part.moves[k]):
@@ -72,7 +75,10 @@ def add_block(part, frames, block, factor, L, q, residual):
 
 @inlined
 def add_pressures(part, turning, state, q, curves, scale, linearize, L, by_s, applied, A_q):
-    """Residual of all pressures, and if `linearize` its derivative by q, times `by_s`; nothing in the plane. L is (3, 3)."""
+    """Add the residual of all pressures, and if `linearize` its derivative by q, times `by_s`; nothing in the plane.
+
+    L is (3, 3).
+    """
     if part is not None:
         for k in range(len(part.curve)):
             factor = scale * curves[part.curve[k], 0] if part.curve[k] >= 0 else scale
@@ -84,7 +90,7 @@ def add_pressures(part, turning, state, q, curves, scale, linearize, L, by_s, ap
 
 @inner
 def add_turning_rows(part, turning, state, k, factor, L, A_q):
-    """Derivatives by the orientation of the rows of r and of the orientation; L holds L(z^)."""
+    """Add derivatives by the orientation of the rows of r and of the orientation; L holds L(z^)."""
     frames, f, n_r, n_b = state.frames, part.frame[k], part.moves[k], part.turns[k]
     width = n_r + n_b + part.n_f[k]
     at, A, product = part.position[part.position_start[k] :], frames.A[f], frames.scratch
@@ -105,7 +111,7 @@ def add_turning_rows(part, turning, state, k, factor, L, A_q):
 
 @inner
 def add_elastic_rows(part, frames, k, factor, A_q):
-    """Derivatives of the rows of the orientation by the elastic coordinates."""
+    """Add derivatives of the rows of the orientation by the elastic coordinates."""
     f, n_r, n_b, moment = part.frame[k], part.moves[k], part.turns[k], frames.scratch
     width = n_r + n_b + part.n_f[k]
     at = part.position[part.position_start[k] :]
@@ -119,7 +125,7 @@ def add_elastic_rows(part, frames, k, factor, A_q):
 
 @inlined
 def add_pressure_designs(part, state, q, curves, curves_x, curve_variable, curve_index, scale, L, A_x):
-    """Partial derivatives by the design: pressures and what the surfaces depend on, time curves."""
+    """Add partial derivatives by the design: pressures and what the surfaces depend on, time curves."""
     if part is not None:
         for block in range(len(part.curve), len(part.block_load)):
             k = part.block_load[block]

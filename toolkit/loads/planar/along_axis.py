@@ -15,6 +15,6 @@ class AlongAxisLoad(AlongAxis, PlanarLoad):
     """Base of loads along an axis fixed in body b; the angle of the axis is the last parameter."""
 
     def with_axis(self, found: list[Any]) -> list[Any]:
-        """Parameters of the law, and the angle of the axis."""
+        """Parameters of the law, followed by the angle of the axis."""
         x, y = self.axis
         return [*found, *[0.0] * (TILT - 6 - len(found)), plain(angle_of)(y, x)]

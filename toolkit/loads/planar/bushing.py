@@ -71,5 +71,5 @@ class Bushing(BetweenBodies, Acting, PlanarLoad):
     rotational_damping: Annotated[NotNegative, Quantity("torque time/angle")] = 0.0
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """Three stiffnesses and three dampings."""
+        """Parameters of the law: three stiffnesses and three dampings."""
         return [*self.stiffness, self.rotational_stiffness, *self.damping, self.rotational_damping]

@@ -53,7 +53,7 @@ class PositionController(PositionControlled, AlongAxisLoad):
     formula = position_controller
 
     def parameters(self, scene: Skeleton) -> list[Any]:
-        """The gains, and the angle of the axis."""
+        """Gains of the controller, and the angle of the axis."""
         return self.with_axis(PositionControlled.parameters(self, scene))
 
 

@@ -48,5 +48,5 @@ class PlanarSlidingFriction(SlidingFriction, AlongAxisLoad):
     measure = plane_offset
 
     def parameters(self, scene: Skeleton) -> list[Any]:
-        """Level and width, and the angle of the axis."""
+        """Level and width of the friction law, and the angle of the axis."""
         return self.with_axis(SlidingFriction.parameters(self, scene))

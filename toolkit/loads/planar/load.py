@@ -8,7 +8,7 @@ from toolkit.loads.load import AnyLoad, Load
 
 
 class AnyPlanarLoad(AnyLoad):
-    """What acts on bodies in the plane."""
+    """Base of all loads on bodies in the plane."""
 
     dimension: ClassVar[int] = 2
 

@@ -47,5 +47,5 @@ class PointForce(AppliedForce, PlanarLoad):
     frame: Literal["space", "body"] = "space"
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """The force, and whether it follows."""
+        """Components of the force, and whether it follows the body."""
         return [*self.force, 1.0 if self.frame == "body" else 0.0]

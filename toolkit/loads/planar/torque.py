@@ -39,5 +39,5 @@ class Torque(AppliedTorque, PlanarLoad):
     torque: Annotated[Number, Quantity("torque")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """The torque."""
+        """Parameter of the law: the torque."""
         return [self.torque]

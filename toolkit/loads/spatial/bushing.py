@@ -57,7 +57,7 @@ def spatial_bushing(z, w, force, force_z, force_w):
 
 @inner
 def add_alignment(z, i, force, force_z):
-    """What keeps e_ia at e_ib: f = K (R_ii)_z, K = (k_j + k_k - k_i) / 2."""
+    """Add what keeps e_ia at e_ib: f = K (R_ii)_z, K = (k_j + k_k - k_i) / 2."""
     pull = (z[27] + z[28] + z[29]) / 2 - z[27 + i]
     for c in range(3):
         a, b = 3 + 3 * i + c, 15 + 3 * i + c
@@ -106,5 +106,5 @@ class SpatialBushing(BetweenBodies, Acting, SpatialLoad):
     rotational_damping: Annotated[Three, Quantity("torque time/angle")] = (0.0, 0.0, 0.0)
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """Six stiffnesses and six dampings."""
+        """Parameters of the law: six stiffnesses and six dampings."""
         return [*self.stiffness, *self.rotational_stiffness, *self.damping, *self.rotational_damping]

@@ -45,7 +45,7 @@ class SpatialAngleController(AboutAxis, AngleControlled, SpatialLoad):
 
     @property
     def turn(self) -> Literal["curve"]:
-        """The set value."""
+        """Reference of the turn of the angle: the curve of the set value."""
         return "curve"
 
 
@@ -70,5 +70,5 @@ class SpatialDistanceController(DistanceControlled, SpatialLoad):
 
     @property
     def feels_axes(self) -> bool:
-        """Positions alone."""
+        """Whether the load feels axes of markers: no, only their positions."""
         return False

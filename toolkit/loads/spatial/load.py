@@ -8,7 +8,7 @@ from toolkit.loads.load import AnyLoad, Load
 
 
 class AnySpatialLoad(AnyLoad):
-    """What acts on bodies in space."""
+    """Base of all loads on bodies in space."""
 
     dimension: ClassVar[int] = 3
 

@@ -48,9 +48,9 @@ class SpatialPointForce(AppliedForce, SpatialLoad):
 
     @property
     def feels_axes(self) -> bool:
-        """Of a force that follows the body."""
+        """Whether the load feels axes of markers, as a force does that follows the body."""
         return self.frame == "body"
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """The force, and whether it follows."""
+        """Components of the force, and whether it follows the body."""
         return [*self.force, 1.0 if self.frame == "body" else 0.0]

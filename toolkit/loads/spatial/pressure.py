@@ -49,7 +49,7 @@ class Pressure(AnySpatialLoad):
     curve: Annotated[Curve, Quantity("none")] = Constant()
 
     def numbers_on(self, scene: Placed, body: SpatialFlexible) -> PressureNumbers:
-        """What the equations need of it on its body, or on a part of that.
+        """Numbers that the equations need of the pressure on its body, or on a part of that.
 
         Raises
         ------

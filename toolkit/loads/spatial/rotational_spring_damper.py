@@ -42,12 +42,12 @@ class SpatialRotationalSpringDamper(AboutAxis, TurnSpring, SpatialLoad):
 
     @property
     def turn(self) -> Literal["zero", "state"] | None:
-        """A damper alone feels no angle."""
+        """Reference of the turn of the angle: the counted turns, or zero; None for a damper alone, which feels no angle."""
         if "stiffness" not in self.model_fields_set:
             return None
         return "state" if self.counts_turns else "zero"
 
     @property
     def state(self) -> RowQuantity | None:
-        """The angle that tells which turn it is."""
+        """Quantity of the spring's own state: the angle that tells which turn it is; None where turns are not counted."""
         return "angle" if self.counts_turns else None

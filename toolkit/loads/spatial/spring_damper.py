@@ -53,5 +53,5 @@ class SpatialSpringDamper(PointSpring, SpatialLoad):
 
     @property
     def feels_axes(self) -> bool:
-        """Positions alone."""
+        """Whether the load feels axes of markers: no, only their positions."""
         return False

@@ -15,7 +15,9 @@ from toolkit.markers.component import Skeleton
 
 @inner
 def add_torque(z, side, sign, follow, scale, force, force_z):
-    """What a torque M = s sum_k p_k m_k turns the axes of one marker by, f_i = sign M x e_i / 2, and its derivatives.
+    """Add the forces on the axes of one marker by a torque M, and their derivatives.
+
+    f_i = sign M x e_i / 2 with M = s sum_k p_k m_k.
 
     m_k are the axes of space, or with `follow` = 1 those of marker a.
     """
@@ -65,5 +67,5 @@ class SpatialTorque(AppliedTorque, SpatialLoad):
     frame: Literal["space", "body"] = "space"
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
-        """The torque, and whether it follows."""
+        """Components of the torque, and whether it follows the body."""
         return [*self.torque, 1.0 if self.frame == "body" else 0.0]

@@ -6,7 +6,7 @@ from toolkit.markers.planar.marker_kernel import known_turn, rotate_sum, rotated
 
 @inner
 def update_marker_designs(markers, state, q, v, acc, scratch):
-    """Partial design derivatives of y, B v, B a and b; the same formulas with z0, t0, Z, T replaced by their derivatives."""
+    """Compute the partial design derivatives of y, B v, B a and b: the formulas with the derivatives of z0, t0, Z, T."""
     for m in range(len(markers.frame)):
         first, last, frame = markers.start[m], markers.start[m + 1], markers.frame[m]
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
@@ -24,7 +24,7 @@ def update_marker_designs(markers, state, q, v, acc, scratch):
 
 @inlined
 def store_design(markers, state, m, d, v, acc, u, du, ddu):
-    """One marker, one design variable."""
+    """Store the derivatives of one marker by one design variable."""
     frame = markers.frame[m]
     if frame < 0:
         for i in range(3):

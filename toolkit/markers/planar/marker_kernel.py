@@ -19,7 +19,10 @@ from toolkit.foundation.kernel import inlined, inner
 
 
 class Markers(NamedTuple):
-    """What never changes. Columns of marker m are `start[m]:start[m + 1]`: first r_x, r_y, theta if it has a frame."""
+    """Arrays of the markers, which never change.
+
+    Columns of marker m are `start[m]:start[m + 1]`: first r_x, r_y, theta if it has a frame.
+    """
 
     plane: tuple  # not None: these are markers in the plane
     frames: None  # which are those of space alone
@@ -43,7 +46,7 @@ class Markers(NamedTuple):
 
 
 class MarkerState(NamedTuple):
-    """What the current state makes of them; y = (x, y, angle)."""
+    """State of the markers, with pose y = (x, y, angle) of each."""
 
     y: np.ndarray  # (n_m, 3)
     rate: np.ndarray  # B v
@@ -76,7 +79,7 @@ def turned(column, c, s, factor, x, y):
 
 @inlined
 def shape_sum(markers, first, last, vector, out):
-    """Z w_c and T w_c of the columns first:last."""
+    """Sums Z w_c and T w_c over the columns first:last."""
     out[:] = 0
     for k in range(first, last):
         w = vector[markers.coordinate[k]]
@@ -108,7 +111,7 @@ def update_markers(markers, state, q, v, acc, scratch):
 
 @inner
 def update_places(markers, state, q):
-    """The poses alone."""
+    """Compute the poses of all markers, without their derivatives."""
     for m in range(len(markers.frame)):
         first, last, frame, y = markers.start[m], markers.start[m + 1], markers.frame[m], state.y[m]
         shape_sum(markers, first + 3 if frame >= 0 else first, last, q, y)
@@ -132,7 +135,7 @@ def turn_of(markers, state, m, q):
 
 @inlined
 def known_turn(markers, state, m):
-    """The same once all markers have been evaluated; 1 and 0 without a frame."""
+    """Cosine and sine of the angle of a marker's frame once all markers have been evaluated; 1 and 0 without a frame."""
     if markers.frame[m] < 0:
         return 1.0, 0.0
     return state.turn[markers.twin[m], 0], state.turn[markers.twin[m], 1]
@@ -140,7 +143,7 @@ def known_turn(markers, state, m):
 
 @inlined
 def update_rigid(markers, state, m, q, v, acc):
-    """A marker whose body has a frame and feels no elastic coordinates: `update_moving` with Z = 0."""
+    """Evaluate a marker whose body has a frame and no elastic coordinates that it feels: `update_moving` with Z = 0."""
     frame, point, turn = markers.frame[m], markers.point[m], markers.start[m] + 2
     c, s = turn_of(markers, state, m, q)
     x, y, omega, alpha = c * point[0] - s * point[1], s * point[0] + c * point[1], v[frame + 2], acc[frame + 2]
@@ -163,7 +166,7 @@ def update_rigid(markers, state, m, q, v, acc):
 
 @inlined
 def update_moving(markers, state, m, q, v, acc, u, du, ddu):
-    """A marker whose body has a frame."""
+    """Evaluate a marker whose body has a frame."""
     first, last, frame = markers.start[m], markers.start[m + 1], markers.frame[m]
     c, s = turn_of(markers, state, m, q)
     omega, alpha = v[frame + 2], acc[frame + 2]
@@ -203,7 +206,7 @@ def rotate_sum(column, c, s, factor, u, factor_turned, w):
 
 @inlined
 def velocity(out, turn, c, s, w, frame, w_theta, w_u):
-    """B w = w_r + A J u w_theta + A Z w_c, and the angle's rate."""
+    """Velocity B w = w_r + A J u w_theta + A Z w_c of a marker, and the angle's rate."""
     out[0] = w[frame] + turn[0] * w_theta + c * w_u[0] - s * w_u[1]
     out[1] = w[frame + 1] + turn[1] * w_theta + s * w_u[0] + c * w_u[1]
     out[2] = w_theta + w_u[2]

@@ -14,7 +14,7 @@ from toolkit.markers.spatial.marker_kernel import apply
 
 @inner
 def update_spatial_marker_designs(markers, state, q, v, acc):
-    """Partial design derivatives of y, B v, B a and b, and of X_m and X_m,j."""
+    """Compute the partial design derivatives of y, B v, B a and b, and of X_m and X_m,j."""
     for m in range(len(markers.frame)):
         if markers.design_start[m] == markers.design_start[m + 1]:
             continue
@@ -27,7 +27,7 @@ def update_spatial_marker_designs(markers, state, q, v, acc):
 
 @inner
 def sum_up(shape, first_row, markers, m, q, v, acc, sums):
-    """Z c and T c, and their derivatives by time, for the rows of one marker."""
+    """Compute Z c and T c, and their derivatives by time, for the rows of one marker."""
     sums[:] = 0
     offset = markers.moves[m] + markers.turns[m]
     for k in range(offset, markers.start[m + 1] - markers.start[m]):
@@ -41,7 +41,7 @@ def sum_up(shape, first_row, markers, m, q, v, acc, sums):
 
 @inner
 def local_design(markers, state, m, d):
-    """dX_m, dX_m', both parts of dX_m'' (rows of `motion_x`), and dX_m,j."""
+    """Compute dX_m, dX_m', both parts of dX_m'' (rows of `motion_x`), and dX_m,j."""
     motion, change = state.motion_x, state.sums_x
     for i in range(3):
         motion[0, i], motion[1, i], motion[2, i], motion[3, i] = (
@@ -63,7 +63,7 @@ def local_design(markers, state, m, d):
 
 @inner
 def add_axis_design(markers, state, m, d, block, first, offset, count):
-    """The part of one axis."""
+    """Add the part of one axis to the local design derivatives."""
     motion, sums, change, turned = state.motion_x, state.sums, state.sums_x, state.turned
     if markers.bends[m] == 0 and not has_rotation(markers, d, count):
         for c in range(3):
@@ -106,7 +106,7 @@ def add_axis_design(markers, state, m, d, block, first, offset, count):
 
 @inner
 def has_rotation(markers, d, count):
-    """Whether the variable changes any T."""
+    """Whether the variable changes any T of the marker."""
     for row in range(markers.design_shape_start[d], markers.design_shape_start[d] + count):
         for i in range(3, 6):
             if markers.design_shape[row, i] != 0:
@@ -116,7 +116,7 @@ def has_rotation(markers, d, count):
 
 @inner
 def pose_design(markers, state, m, d):
-    """dy, d(B v), d(B a) and db."""
+    """Compute dy, d(B v), d(B a) and db of one marker."""
     f, size, frames, motion = markers.frame[m], markers.size[m], state.frames, state.motion_x
     y, rate, acceleration, centripetal = state.y_x[d], state.rate_x[d], state.acceleration_x[d], state.centripetal_x[d]
     for array in (y, rate, acceleration, centripetal):

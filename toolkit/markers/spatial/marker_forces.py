@@ -22,7 +22,7 @@ def add_spatial_force(markers, state, m, force, factor, residual):
 
 @inner
 def outer(size, force, vectors, out):
-    """out = sum_m F_m X_m^T, so that sum_m F_m . M X_m = <M, out> for any matrix M."""
+    """Sum out = sum_m F_m X_m^T, so that sum_m F_m . M X_m = <M, out> for any matrix M."""
     for i in range(3):
         for j in range(3):
             out[i, j] = force[i] * vectors[j]
@@ -32,7 +32,7 @@ def outer(size, force, vectors, out):
 
 @inner
 def turn_back(size, matrix, force, out):
-    """out_m = M^T F_m, so that sum_m F_m . M X_m = sum_m out_m . X_m for any vectors X_m."""
+    """Vectors out_m = M^T F_m, so that sum_m F_m . M X_m = sum_m out_m . X_m for any vectors X_m."""
     for m in range(0, size, 3):
         for i in range(3):
             out[m + i] = matrix[0, i] * force[m] + matrix[1, i] * force[m + 1] + matrix[2, i] * force[m + 2]
@@ -40,7 +40,7 @@ def turn_back(size, matrix, force, out):
 
 @inner
 def contract(size, matrix, force, vectors):
-    """sum_m F_m . M X_m."""
+    """Sum sum_m F_m . M X_m over the vectors of a pose."""
     total = 0 * force[0]
     for m in range(0, size, 3):
         for i in range(3):
@@ -79,7 +79,7 @@ def add_spatial_stiffness(markers, state, m, force, factor, positions, stride, o
 
 @inner
 def add_bent_stiffness(markers, state, m, force, factor, positions, stride, offset, values):
-    """Entries between elastic coordinates, T_i . S T_j with S_il = F_m . A D_il."""
+    """Add the entries between elastic coordinates, T_i . S T_j with S_il = F_m . A D_il."""
     stiffness, back, acts = state.frames.scratch, state.motion[3], False
     turn_back(markers.size[m], state.frames.A[markers.frame[m]], force, back)
     for i in range(3):

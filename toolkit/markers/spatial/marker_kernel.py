@@ -25,7 +25,10 @@ POSE = 12
 
 
 class SpatialMarkers(NamedTuple):
-    """What never changes. Columns of marker m are `start[m]:start[m + 1]`: r, then beta, as far as its body has them, then c."""
+    """Arrays of the markers, which never change.
+
+    Columns of marker m are `start[m]:start[m + 1]`: r, then beta, as far as its body has them, then c.
+    """
 
     plane: None  # these are markers in space
     frames: Frames
@@ -60,7 +63,7 @@ class SpatialMarkers(NamedTuple):
 
 
 class SpatialMarkerState(NamedTuple):
-    """What the current state makes of them; every pose is y_0, y_1, y_2, y_3."""
+    """State of the markers; every pose is y_0, y_1, y_2, y_3."""
 
     y: np.ndarray  # (n_m, 12)
     rate: np.ndarray  # B v
@@ -106,7 +109,7 @@ def apply(size, matrix, source, target, factor):
 
 @inlined
 def shape_sums(markers, m, q, v, acc, sums):
-    """u and phi, and their derivatives by time, from z0, Z and T."""
+    """Compute u and phi, and their derivatives by time, from z0, Z and T."""
     sums[:] = 0
     for i in range(3):
         sums[0, i] = sums[0, i] + markers.point[m, i]
@@ -121,7 +124,7 @@ def shape_sums(markers, m, q, v, acc, sums):
 
 @inlined
 def update_local(markers, state, m):
-    """X_m and its derivatives in the body's frame."""
+    """Compute X_m and its derivatives in the body's frame."""
     sums, motion = state.sums, state.motion
     for i in range(3):
         state.local[m, i], motion[0, i], motion[1, i] = sums[0, i], sums[1, i], sums[2, i]
@@ -159,7 +162,7 @@ def update_spatial_markers(markers, state, q, v, acc, linearize):
 
 @inlined
 def update_pose(markers, state, m, q, v, acc):
-    """y, B v, B a and b."""
+    """Compute y, B v, B a and b of one marker."""
     f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
     for array in (state.y[m], state.rate[m], state.acceleration[m], state.centripetal[m]):
         array[:size] = 0
@@ -181,7 +184,10 @@ def update_pose(markers, state, m, q, v, acc):
 
 @inlined
 def update_frame_columns(markers, state, m, linearize):
-    """Columns of r and beta; a marker that feels no elastic coordinates has no X_m', and the W_k of a quaternion are zero."""
+    """Compute the columns of r and beta.
+
+    A marker that feels no elastic coordinates has no X_m', and the W_k of a quaternion are zero.
+    """
     f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
     first = markers.start[m] + markers.moves[m]
     for i in range(markers.moves[m]):
@@ -216,7 +222,7 @@ def combine(rows, weights, target):
 
 @inlined
 def update_elastic_columns(markers, state, m, linearize):
-    """Columns of the elastic coordinates."""
+    """Compute the columns of the elastic coordinates."""
     f, size, frames = markers.frame[m], markers.size[m], state.frames
     for k in range(markers.start[m] + markers.moves[m] + markers.turns[m], markers.start[m + 1]):
         slope = state.slope[k]
@@ -239,7 +245,7 @@ def update_elastic_columns(markers, state, m, linearize):
 
 @inner
 def add_bent_column(markers, state, m, k):
-    """What the curvature of R(phi) adds to a column: derivatives of X_m' and X_m'' by its coordinate."""
+    """Add what the curvature of R(phi) brings to a column: derivatives of X_m' and X_m'' by its coordinate."""
     f, size, frames, T, part = markers.frame[m], markers.size[m], state.frames, markers.shape[k, 3:6], state.motion[3]
     combine(state.by[3:6], T, part)
     apply(size, frames.A[f], part, state.B_v[k], 1.0)

@@ -11,7 +11,7 @@ from toolkit.reduced_model.model import ReducedModel
 
 
 def check_attributes(model: ReducedModel, path: Path) -> None:
-    """Texts that are texts, numbers that are numbers, and parameters with units."""
+    """Refuse attributes that are not texts or numbers as they should be, and parameters without units."""
     if model.dimension not in (2, 3):
         refuse(path, "dimension", f"is {model.dimension} instead of 2 or 3")
     if model.units not in UNIT_SYSTEMS:

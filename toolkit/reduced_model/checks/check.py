@@ -60,7 +60,7 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
 
 
 def _check_richer(model: ReducedModel, path: Path) -> None:
-    """Refuse a body in more shapes that is none, or lacks a part."""
+    """Refuse a richer basis of the same body that is no valid model, or that lacks a part."""
     needed = ("richer_derivatives", "richer_affine", "richer_interfaces")
     if lacking := [name for name in needed if getattr(model, name) is None]:
         refuse(path, lacking[0], "is missing beside richer_invariants")

@@ -23,7 +23,7 @@ PARTS_WITH_ITEMS = ("interfaces", "shape", "surface", "surface_loads", "elements
 
 
 def check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
-    """Derivatives by parameters that exist, of entries that exist."""
+    """Refuse derivatives by parameters, or of entries, that do not exist."""
     for item, derivatives in model.all_derivatives.items():
         place = f"{dependence_group(item)}derivatives/{item}"
         fit_all(path, place, derivatives, sizes)
@@ -32,7 +32,7 @@ def check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
 
 
 def check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
-    """Polynomials of the parameters, which give the invariants at the nominal design."""
+    """Refuse polynomials of the parameters that do not give the invariants at the nominal design."""
     p, sizes_of = np.array(list(model.nominal.values())), entry_sizes(model.invariants)
     for item, polynomial in model.all_polynomials.items():
         place = f"{dependence_group(item)}affine/{item}"

@@ -15,7 +15,7 @@ PARALLEL = 1e-6
 
 
 def check_indices(model: ReducedModel, path: Path) -> None:
-    """Numbers of nodes, elements, ends and fibres that pictures index with."""
+    """Refuse numbers of nodes, elements, points, ends and fibres that do not exist."""
     mesh, stress, outline, surface = model.mesh, model.stress, model.outline, model.surface
     elements = model.elements
     if elements is not None and not np.isin(elements.connectivity, np.arange(len(elements.nodes))).all():
@@ -44,7 +44,7 @@ def check_indices(model: ReducedModel, path: Path) -> None:
 
 
 def _check_pieces(model: ReducedModel, path: Path) -> None:
-    """Stress of all components of every point one after the other, and points of the surface by elements that exist."""
+    """Refuse pieces and loads on them whose numbers of rows, points or elements do not fit the body."""
     elements, points, components = model.elements, *model.invariants.stress_operator.shape[:2]
     if isinstance(elements, SpatialElements):
         if len(elements.stress_operator) != points * components:
@@ -65,7 +65,7 @@ def _check_pieces(model: ReducedModel, path: Path) -> None:
 
 
 def _check_beams(model: ReducedModel, path: Path) -> None:
-    """As many sections as beams, none of which has its axis along its element."""
+    """Refuse sections that are not as many as the beams, or whose axis lies along their element."""
     sections, beams = model.sections, model.mesh or model.elements
     if sections is None or beams is None:
         return

@@ -27,7 +27,7 @@ OF_STIFFNESS = ("stiffness", "damping", "stress_operator")
 
 
 def check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
-    """Symmetry, but for round-off, and a positive mass."""
+    """Refuse invariants that are not symmetric but for round-off, or whose mass is not positive definite."""
     own: dict[str, tuple[np.ndarray, int]]
     scales = entry_sizes(inv)
     if isinstance(inv, SpatialInvariants):
@@ -51,7 +51,7 @@ def check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
 
 
 def check_spin(stiffening: np.ndarray, count: int, path: Path) -> None:
-    """One symmetric matrix in the plane, six in space."""
+    """Refuse spin stiffening that is not one symmetric matrix in the plane, or six in space."""
     if len(stiffening) != count:
         refuse(path, SPIN_STIFFENING.replace(".", "/"), f"has {len(stiffening)} matrices instead of {count}")
     if np.abs(stiffening - stiffening.swapaxes(1, 2)).max(initial=0) > ROUND_OFF * np.abs(stiffening).max(initial=0):
@@ -59,7 +59,7 @@ def check_spin(stiffening: np.ndarray, count: int, path: Path) -> None:
 
 
 def check_left_out(model: ReducedModel, path: Path) -> None:
-    """A symmetric compliance, and as many loads as there can be on the body."""
+    """Refuse a compliance that is not symmetric, or has another number of loads than the body can have."""
     found, points = model.left_out_shapes, model.interfaces
     if found is None:
         return
@@ -74,7 +74,7 @@ def check_left_out(model: ReducedModel, path: Path) -> None:
 
 
 def check_sections(model: ReducedModel, path: Path) -> None:
-    """Sections of positive stiffness and mass, in as many planes as the beams bend in."""
+    """Refuse sections whose stiffness or mass is not positive, or that bend in another number of planes than the beams."""
     found = model.sections
     assert found is not None
     for name in ("stress_per_strain", "axial_stiffness", "bending_stiffness", "mass_per_length"):
@@ -90,7 +90,7 @@ def check_sections(model: ReducedModel, path: Path) -> None:
 
 
 def entry_sizes(inv: Invariants | SpatialInvariants) -> dict[str, EntryScale]:
-    """What a difference in every entry of the invariants is compared with.
+    """Sizes that differences in the entries of the invariants are compared with.
 
     Whatever is a matter of mass can vanish as a whole, but for round-off, and is compared with what it could be. Stiff bodies
     leave more round-off in their soft motions than these are stiff: stiffness, damping and stress, which do not vanish, are
@@ -100,7 +100,7 @@ def entry_sizes(inv: Invariants | SpatialInvariants) -> dict[str, EntryScale]:
 
 
 def largest(array: np.ndarray) -> EntryScale:
-    """The largest entry for all."""
+    """Entry scale that is the array's largest entry everywhere."""
     rows = sparing(array)
     return EntryScale(
         np.full(len(array.reshape(-1, array.shape[-1])), abs(rows).max() if array.size else 0.0), np.ones(array.shape[-1])

@@ -15,6 +15,6 @@ def refuse(path: Path, place: str, problem: str) -> None:
 
 
 def numbers_below(path: Path, place: str, numbers: np.ndarray, end: int, what: str) -> None:
-    """Refuse what cannot be the number of one of `end` things."""
+    """Refuse numbers that cannot count from 0 up to, but without, `end`."""
     if numbers.dtype.kind not in "iu" or numbers.min(initial=0) < 0 or numbers.max(initial=-1) >= end:
         refuse(path, place, f"holds numbers of {what} that do not exist")

@@ -65,12 +65,15 @@ Sizes = dict[str, int]
 
 
 def letters_of(part: Any) -> dict[str, str]:
-    """Letters of the axes of every array of one object of a model."""
+    """Letters of the axes of every array of a model's object."""
     return SPATIAL_POINT if isinstance(part, InterfacePoint) and part.rotation.ndim == 3 else SHAPES[type(part)]
 
 
 def fit_all(path: Path, place: str, part: Any, sizes: Sizes) -> None:
-    """Fit all arrays of one object; its free letters are its own, f, z and s are known to all after the invariants."""
+    """Refuse arrays of one object whose shapes disagree with their letters.
+
+    An object's free letters are its own; f, z and s are known to all after the invariants.
+    """
     own = dict(sizes)
     for name, letters in letters_of(part).items():
         _fit(path, f"{place}/{name}", getattr(part, name), letters, own)

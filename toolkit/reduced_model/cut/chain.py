@@ -14,19 +14,19 @@ ON_NODE = 1e-9
 
 
 class Place(NamedTuple):
-    """A point of a chain: the element, and the part of its length from its first node; at a node the ratio is 0 or 1."""
+    """Point of a chain by its element and its distance from the first node in element lengths; at a node 0 or 1."""
 
     element: int
     ratio: Any
 
     @property
     def station(self) -> float:
-        """Elements before the point."""
+        """Position along the chain, counted in elements from its beginning."""
         return self.element + float(np.real(self.ratio))
 
     @property
     def at_node(self) -> bool:
-        """Whether it is an end of its element."""
+        """Whether the point is an end of its element."""
         return self.ratio in (0.0, 1.0)
 
 
@@ -38,12 +38,12 @@ def chain_nodes(connectivity: np.ndarray) -> np.ndarray | None:
 
 
 def nodes_of_part(connectivity: np.ndarray, first: int, last: int) -> np.ndarray:
-    """Numbers of the nodes of elements of a chain from one up to, but without, another, (n_nodes,)."""
+    """Numbers of the nodes of a chain's elements from `first` up to, but without, `last`, (n_nodes,)."""
     return np.append(connectivity[first:last, 0], connectivity[last - 1, 1])
 
 
 def breaks(connectivity: np.ndarray) -> list[int]:
-    """Numbers of elements before which a chain ends: they begin elsewhere, or where others meet them."""
+    """Numbers of elements before which a chain ends, as they begin elsewhere or where other elements meet."""
     nodes, count = np.unique(connectivity, return_counts=True)
     two = np.isin(connectivity[1:, 0], nodes[count == 2]) & (connectivity[1:, 0] == connectivity[:-1, 1])
     return [int(k) + 1 for k in np.flatnonzero(~two)]
@@ -57,7 +57,7 @@ def node_labels(connectivity: np.ndarray) -> dict[int, int]:
 
 
 def place_at(connectivity: np.ndarray, node: int) -> Place:
-    """A node as the beginning of an element, if it is one."""
+    """Place of a node as the first or, if it is none, the second end of an element."""
     for end in (0, 1):
         elements = np.flatnonzero(connectivity[:, end] == node)
         if len(elements):
@@ -66,7 +66,7 @@ def place_at(connectivity: np.ndarray, node: int) -> Place:
 
 
 def place_of(elements: Elements | SpatialElements, position: np.ndarray, what: str) -> Place:
-    """Where a point (d,) lies on the chain; complex steps of the nodes and of the point move its ratio.
+    """Place of a point (d,) on the chain; complex steps of the nodes and of the point change its ratio.
 
     Raises
     ------

@@ -30,7 +30,7 @@ NONE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class PartShapes:
-    """Which of the elastic coordinates of a part are kept, and its fixed-interface modes on the others."""
+    """Craig-Bampton shapes of a part: the elastic coordinates that are kept, and fixed-interface modes on the others."""
 
     kept: np.ndarray  # (n_b,) numbers of elastic coordinates, in their order
     modes: np.ndarray  # Phi (n_i, n_p), real
@@ -38,17 +38,17 @@ class PartShapes:
 
     @property
     def count(self) -> int:
-        """Coordinates that are left."""
+        """Number of coordinates of the reduced part."""
         return len(self.kept) + self.modes.shape[1]
 
     @property
     def names(self) -> list[str]:
-        """Names of the coordinates of Phi."""
+        """Names of the mode coordinates, the columns of Phi."""
         modes = [f"fixed-interface mode {k + 1}" for k in range(self.modes.shape[1] - self.weights)]
         return [*modes, *(f"shape {k + 1} under uniform acceleration" for k in range(self.weights))]
 
     def columns(self, stiffness: np.ndarray) -> np.ndarray:
-        """Elastic coordinates per kept and mode coordinate, (n_f, n_b + n_p), with the stiffness (n_f, n_f) of a design."""
+        """Elastic coordinates per kept and mode coordinate, (n_f, n_b + n_p), at the stiffness (n_f, n_f) of a design."""
         inner = np.delete(np.arange(len(stiffness)), self.kept)
         found = np.zeros((len(stiffness), self.count), stiffness.dtype)
         found[self.kept, np.arange(len(self.kept))] = 1
@@ -59,7 +59,7 @@ class PartShapes:
 
 
 def part_shapes(stiffness: np.ndarray, inertia: np.ndarray, weights: np.ndarray, kept: np.ndarray, count: int) -> PartShapes:
-    """With the lowest modes with the kept coordinates held; all coordinates if there are no more than these shapes.
+    """Craig-Bampton shapes with the lowest fixed-interface modes; all coordinates if these are no more than the shapes.
 
     Modes of equal frequency are taken together, so that there may be some more than `count`.
 
@@ -80,8 +80,10 @@ def part_shapes(stiffness: np.ndarray, inertia: np.ndarray, weights: np.ndarray,
 
 
 def _inner_shapes(stiffness: np.ndarray, mass: np.ndarray, weights: np.ndarray, count: int) -> tuple[np.ndarray, int]:
-    """Phi (n_i, n_p) at unit inertia, and how many of its last columns are shapes under uniform acceleration: without those that the
-    modes know but for round-off."""
+    """Shapes Phi (n_i, n_p) at unit inertia, and how many of its last columns are shapes under uniform acceleration.
+
+    Such shapes are left out where the modes contain them but for round-off.
+    """
     shapes, sizes = _modes(stiffness, mass, count), np.sqrt(np.diag(mass))
     n_modes = shapes.shape[1]
     for bent in _solved(stiffness, weights).T:
@@ -95,7 +97,7 @@ def _inner_shapes(stiffness: np.ndarray, mass: np.ndarray, weights: np.ndarray, 
 
 
 def _modes(stiffness: np.ndarray, mass: np.ndarray, count: int) -> np.ndarray:
-    """The lowest ones, (n_i, m), as eigenvectors of the flexibility, so that they have the most digits."""
+    """Lowest normal modes (n_i, m), as eigenvectors of the flexibility, so that they have the most digits."""
     if not count:
         return np.zeros((len(mass), 0))
     factor = np.linalg.cholesky(mass)
@@ -108,5 +110,5 @@ def _modes(stiffness: np.ndarray, mass: np.ndarray, count: int) -> np.ndarray:
 
 
 def _solved(matrix: np.ndarray, sides: np.ndarray) -> Any:
-    """matrix^-1 sides, both real or complex, of a matrix with a narrow band."""
+    """Solution of a linear system with a narrow band, matrix^-1 sides, both real or complex."""
     return scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix)).solve(sides.astype(matrix.dtype))

@@ -33,7 +33,7 @@ WORTH = 10_000
 
 @dataclass(frozen=True)
 class Part(ABC):
-    """Elements from `first` up to, but without, `last` of a chain."""
+    """Part of a chain: its elements from `first` up to, but without, `last`."""
 
     first: int
     last: int
@@ -49,7 +49,7 @@ class Part(ABC):
 
     @classmethod
     def kept(cls, count: int, nodes: Sequence[int]) -> np.ndarray:
-        """Numbers of the elastic coordinates of both ends and of some nodes between, of a part of `count` nodes, in their order."""
+        """Numbers of the elastic coordinates at both ends and at some nodes between, in order, of a part of `count` nodes."""
         first, last = cls.ends
         size = first + cls.per_node * (count - 2) + last
         inner = first + cls.per_node * (np.array(nodes, int)[:, None] - 1) + np.arange(cls.per_node)
@@ -57,11 +57,11 @@ class Part(ABC):
 
     @property
     def n_f(self) -> int:
-        """Elastic coordinates."""
+        """Number of elastic coordinates."""
         return self.recovery.shape[1] - 1
 
     def at(self, place: Place) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (d, 1 + n_f) and T_P (1 + n_f,), in space (3, 1 + n_f), of a point of one of its elements."""
+        """Shape functions Z_P (d, 1 + n_f) and T_P (1 + n_f,), in space (3, 1 + n_f), at a point of an element."""
         start, n, d = place.element - self.first, self.per_node, self.nodes.shape[1]
         local = self.recovery[n * start : n * (start + 2)]
         if place.ratio in (0.0, 1.0):
@@ -81,12 +81,12 @@ class Part(ABC):
 
     @abstractmethod
     def picture(self, whole: Any) -> dict[str, Any]:
-        """What pictures of it need, as fields of a reduced model, from the reduced model of the whole."""
+        """Fields of a reduced model that pictures of the part need, from the reduced model of the whole body."""
 
 
 @dataclass(frozen=True)
 class Sums:
-    """Sums over some elements of a chain on the elastic coordinates that a matrix C (n, n_f) gives the nodal ones from."""
+    """Sums over some elements of a chain, on elastic coordinates that a matrix C (n, n_f) maps to the nodal ones."""
 
     own: slice  # elements
     nodes: np.ndarray  # (n_nodes, d)
@@ -95,7 +95,7 @@ class Sums:
 
     @property
     def z(self) -> np.ndarray:
-        """[[1, 0], [0, C]]."""
+        """Matrix [[1, 0], [0, C]] with the undeformed shape as a coordinate of its own."""
         found = np.zeros((1 + len(self.psi), 1 + self.psi.shape[1]), self.psi.dtype)
         found[0, 0], found[1:, 1:] = 1, self.psi
         return found
@@ -107,35 +107,35 @@ class Sums:
 
     @property
     def whole(self) -> np.ndarray:
-        """The same with that of the undeformed shape first."""
+        """Numbers of the undeformed shape, 0, and of the nodal coordinates of every element, (n_elements, 1 + 2 per_node)."""
         return np.column_stack([np.zeros(len(self.nodes) - 1, int), 1 + self.where])
 
     def reduced(self, shapes: PartShapes | None, stiffness: np.ndarray) -> Sums:
-        """On fewer coordinates, by the blocks of the stiffness at this design; on the same ones without shapes."""
+        """Sums on fewer coordinates, by the blocks of the stiffness at this design; on the same ones without shapes."""
         return self if shapes is None else replace(self, psi=self.psi @ shapes.columns(self.square(stiffness)))
 
     def moment(self, blocks: np.ndarray) -> np.ndarray:
-        """Of blocks (n_e, 1 + 2 per_node, ..)."""
+        """Sum of blocks (n_e, 1 + 2 per_node, ..) on the undeformed shape and the elastic coordinates."""
         return _between(sparing(self.z, WORTH), blocks[self.own], self.whole)
 
     def square(self, blocks: np.ndarray) -> np.ndarray:
-        """Of blocks (n_e, 2 per_node, ..), symmetric."""
+        """Sum of symmetric blocks (n_e, 2 per_node, ..) on the elastic coordinates, symmetric."""
         return symmetric(_between(sparing(self.psi, WORTH), blocks[self.own], self.where))
 
     def first_moment(self, blocks: np.ndarray) -> np.ndarray:
-        """Of blocks (n_e, d, 1 + 2 per_node)."""
+        """Sum of blocks (n_e, d, 1 + 2 per_node) on the undeformed shape and the elastic coordinates."""
         columns: np.ndarray = np.zeros((blocks.shape[1], 1 + len(self.psi)), blocks.dtype)
         for block, places in zip(blocks[self.own], self.whole, strict=True):
             columns[:, places] += block
         return columns @ self.z
 
     def stress(self, rows: np.ndarray, element: np.ndarray) -> np.ndarray:
-        """Rows (n_s, 2 per_node) on the coordinates of elements of the part, as rows on the elastic coordinates."""
+        """Rows of the stress operator on the elastic coordinates, from rows (n_s, 2 per_node) on those of elements."""
         return np.einsum("sl,slf->sf", rows, self.psi[self.where[element]])
 
     @property
     def recovery(self) -> np.ndarray:
-        """Z on the nodal coordinates."""
+        """Matrix Z on the nodal coordinates: undeformed places, then C."""
         turns = np.zeros((len(self.nodes), self.per_node - self.nodes.shape[1]))
         return np.column_stack([np.column_stack([self.nodes, turns]).ravel(), self.psi])
 
@@ -160,13 +160,13 @@ def chord_of_part(nodes: np.ndarray, first: int, last: int) -> np.ndarray:
 
 
 def part_nodes(elements: Any, first: int, last: int) -> np.ndarray:
-    """Undeformed places (n, d) of the nodes of a part."""
+    """Undeformed positions (n, d) of the nodes of a part."""
     found: np.ndarray = elements.nodes[nodes_of_part(elements.connectivity, first, last)]
     return found
 
 
 def _between(shapes: Any, blocks: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """C^T A C with shapes C (n, ..), sparse ones too, and the sum A (n, n) of blocks (n_e, k, k) at places (n_e, k)."""
+    """Product C^T A C of shapes C (n, ..), sparse or dense; A (n, n) sums blocks (n_e, k, k) at places (n_e, k)."""
     where, size = (places[:, :, None], places[:, None, :]), (shapes.shape[0], shapes.shape[0])
     if is_sparse(shapes):
         row, column = (each.ravel() for each in np.broadcast_arrays(*where))
@@ -178,5 +178,5 @@ def _between(shapes: Any, blocks: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:
-    """The symmetric part of what round-off alone keeps from being symmetric."""
+    """Symmetric part of a matrix that is symmetric but for round-off."""
     return (matrix + matrix.T) / 2

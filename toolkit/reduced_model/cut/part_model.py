@@ -14,7 +14,7 @@ FIRST, LAST = "first node", "last node"
 
 
 def part_model(part: Part, whole: ReducedModel) -> ReducedModel:
-    """The reduced model of a part at the design that the part was made at; nothing in it tells another design."""
+    """Reduced model of a part at the design that the part was made at; it contains no dependence on the design."""
     ends = {FIRST: Place(part.first, 0.0), LAST: Place(part.last - 1, 1.0)}
     stress = None
     if whole.stress is not None:

@@ -18,24 +18,24 @@ from toolkit.reduced_model.model import Invariants, Mesh
 
 
 class PlanarPart(Part):
-    """Nodes have two displacements and a rotation."""
+    """Part of a planar chain, whose nodes have two displacements and a rotation."""
 
     per_node: ClassVar[int] = 3
     ends: ClassVar[tuple[int, int]] = (1, 2)
 
     def axes(self) -> np.ndarray:
-        """Along and across the chord."""
+        """Unit vectors along and across the chord, as columns."""
         x, y = chord_of_part(self.nodes, self.first, self.last)
         return np.array([[x, -y], [y, x]])
 
     @staticmethod
     def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement (2, 6) and rotation (6,)."""
+        """Shape functions of a point of a beam: displacement (2, 6) and rotation (6,)."""
         own = BeamElements.in_plane(ends[None])
         return at_place(own.shape[0], ratio), at_place(own.rotation[0], ratio)
 
     def picture(self, whole: Any) -> dict[str, Any]:
-        """The mesh."""
+        """Mesh of the part, for pictures."""
         outline = np.zeros((0, 2)) if whole.mesh is None else whole.mesh.target_outline
         connectivity = np.arange(len(self.nodes) - 1)[:, None] + np.arange(2)
         return {"mesh": Mesh(np.real(self.nodes), connectivity, np.real(self.recovery), np.real(self.nodes), outline)}
@@ -44,7 +44,7 @@ class PlanarPart(Part):
 def planar_part(
     elements: Elements, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None
 ) -> PlanarPart:
-    """The part of a chain from one of its elements up to, but without, another.
+    """Part of a planar chain from one of its elements up to, but without, another.
 
     Parameters
     ----------

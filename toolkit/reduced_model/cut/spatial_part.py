@@ -21,24 +21,24 @@ from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surfac
 
 
 class SpatialPart(Part):
-    """Nodes have displacements along and rotations about x, y and z."""
+    """Part of a spatial chain, whose nodes have displacements along and rotations about x, y and z."""
 
     per_node: ClassVar[int] = 6
     ends: ClassVar[tuple[int, int]] = (2, 4)
 
     def axes(self) -> np.ndarray:
-        """Two across the chord, and along it."""
+        """Unit vectors as columns: two across the chord, then one along it."""
         return axes_along(chord_of_part(self.nodes, self.first, self.last))
 
     @staticmethod
     def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement (3, 12) and rotation (3, 12)."""
+        """Shape functions of a point of a beam: displacement (3, 12) and rotation (3, 12)."""
         across = axes_along(chord_of_part(ends, 0, 1))[:, 0]  # bending is alike about all axes across the element
         own = BeamElements.in_space(ends[None], across[None])
         return at_place(own.shape[0], ratio), at_place(own.rotation[0], ratio)
 
     def picture(self, whole: Any) -> dict[str, Any]:
-        """The points of the surface of pieces, or the fibres whose stress is told, each as far from its node as in the whole."""
+        """Surface points of pieces, or fibres with stress, each at the same offset from its node as in the whole body."""
         if whole.pieces is not None:
             rows = rows_of_pieces(whole.pieces, self.first, self.last)
             start = 6 * (whole.pieces.element[rows] - self.first)
@@ -58,14 +58,14 @@ class SpatialPart(Part):
 
 
 def rows_of_pieces(pieces: Pieces, first: int, last: int) -> np.ndarray:
-    """Numbers of the points of the surface that elements from one up to, but without, another tell."""
+    """Numbers of the surface points that belong to elements from `first` up to, but without, `last`."""
     return np.flatnonzero((pieces.element >= first) & (pieces.element < last))
 
 
 def spatial_part(
     elements: SpatialElements, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None
 ) -> SpatialPart:
-    """The part of a chain from one of its elements up to, but without, another; as `planar_part`.
+    """Part of a spatial chain from one of its elements up to, but without, another; as `planar_part`.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def spatial_part(
 
 
 def pressed(part: SpatialPart, loads: PieceLoads) -> SurfaceLoad:
-    """A unit pressure on a part, on its own coordinates."""
+    """Unit pressure on a part, as a surface load on its own coordinates."""
     force, every = loads.force[part.first : part.last].sum(axis=0), loads.moment[part.first : part.last]
     blocks, n = np.moveaxis(every.reshape(len(every), 9, -1), 1, 0), SpatialPart.per_node
     on_nodes: np.ndarray = np.zeros((9, len(part.recovery)), every.dtype)
@@ -100,7 +100,7 @@ def pressed(part: SpatialPart, loads: PieceLoads) -> SurfaceLoad:
 
 
 def _stress(sums: Sums, operator: np.ndarray, elements: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Of some of all stress points, whose elements are given, (n, n_components, n_f)."""
+    """Rows of the stress operator at some stress points, given the element of each point, (n, n_components, n_f)."""
     components = len(operator) // len(elements) if len(elements) else 1
     every = (components * rows[:, None] + np.arange(components)).ravel()
     found = sums.stress(operator[every], np.repeat(elements[rows], components) - sums.own.start)

@@ -19,7 +19,7 @@ NOT_KEPT = (
 
 
 def body_summary(model: ReducedModel) -> dict[str, Any]:
-    """Everything that tells what body a reduced model is of, at its nominal design, in the units of its system.
+    """Summary of a reduced model's body at its nominal design, in the units of its system.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def body_summary(model: ReducedModel) -> dict[str, Any]:
 
 
 def centre_and_inertia(model: ReducedModel) -> tuple[np.ndarray, np.ndarray]:
-    """The centre of mass (d,), and the inertia about it: (3, 3) in space, () in the plane."""
+    """Centre of mass (d,), and the inertia about it: (3, 3) in space, () in the plane."""
     inv, mass = model.invariants, float(np.real(model.invariants.mass))
     centre = np.real(inv.first_moment[:, 0]) / mass
     if isinstance(inv, SpatialInvariants):

@@ -24,14 +24,14 @@ Attributes = dict[str, str | int | float]
 
 
 class PlaceOfNodes(NamedTuple):
-    """The mean position of some nodes, None if there are none, and their number."""
+    """Mean position of some nodes, None if there are none, and their number."""
 
     position: list[float] | None
     nodes: int
 
 
 class KeptMass(NamedTuple):
-    """A concentrated mass of the body."""
+    """Concentrated mass of a body."""
 
     mass: float
     position: list[float]
@@ -40,7 +40,7 @@ class KeptMass(NamedTuple):
 
 
 class KeptLeftOut(NamedTuple):
-    """What the mesh file holds and the body does not."""
+    """Entry of a mesh file that is not part of the body."""
 
     what: str
     number: int
@@ -63,7 +63,7 @@ class Composition:
     not_listed: dict[str, int] = field(default_factory=dict)  # one of `LISTS` -> how many more entries it had
 
     def attributes(self) -> Attributes:
-        """The attributes that a model keeps, each a number or a JSON text no longer than `LONGEST_TEXT`."""
+        """Attributes that a model stores, each a number or a JSON text no longer than `LONGEST_TEXT`."""
         found: Attributes = {name: each for name in ("nodes", "volume") if (each := getattr(self, name)) is not None}
         more = dict(self.not_listed)
         for name in ("elements", "interface_points", "clamp", *LISTS):
@@ -79,7 +79,7 @@ class Composition:
 
 
 def plain_text(text: str, longest: int = LONGEST_NAME) -> str:
-    """A foreign text without characters that a terminal would obey, and no longer than so many characters."""
+    """Foreign text without characters that a terminal would obey, cut to the given number of characters."""
     shown = "".join(each if each.isprintable() else "?" for each in text)
     return shown if len(shown) <= longest else shown[: longest - 1] + "…"
 
@@ -89,7 +89,7 @@ def _json(entries: Any) -> str:
 
 
 def _shortened(entries: Any) -> Any:
-    """The first entries that are few enough and fit into a text."""
+    """First entries of a list or mapping, as many as are allowed and fit into a text."""
     items = list(entries.items()) if isinstance(entries, Mapping) else list(entries)
     size, count = 2, 0
     for item in items[:MOST_ENTRIES]:
@@ -101,7 +101,7 @@ def _shortened(entries: Any) -> Any:
 
 
 def read_composition(attributes: Mapping[str, Any], dimension: int) -> Composition:
-    """The composition that a model's attributes say.
+    """Composition of a body from a model's attributes.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def read_composition(attributes: Mapping[str, Any], dimension: int) -> Compositi
 
 
 def _parsed(name: str, value: Any) -> Any:
-    """The value of an attribute that is a number, or of a JSON text."""
+    """Value of an attribute that is a number or a JSON text."""
     if name in ("nodes", "volume"):
         return value
     if not isinstance(value, str) or len(value.encode()) > LONGEST_TEXT:
@@ -129,7 +129,7 @@ def _parsed(name: str, value: Any) -> Any:
 
 
 def _count(value: Any, _dimension: int = 0) -> int:
-    """A whole number that counts something; MATLAB writes it as a floating-point number."""
+    """Whole number that counts something; MATLAB writes it as a floating-point number."""
     value = int(value) if type(value) is float and value.is_integer() else value
     if type(value) is not int or not 0 <= value < 2**53:
         raise ValueError("it counts nothing")

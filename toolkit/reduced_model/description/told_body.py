@@ -24,7 +24,7 @@ POINTS_IN_LINE = 4
 
 
 def body_line(name: str, summary: Mapping[str, Any]) -> str:
-    """One line: elements, mass, centre, volume, interface points, and what was left out."""
+    """Body in one line: elements, mass, centre, volume, interface points, and what was left out."""
     units = summary["units"]
     made = [f"{summary['mass']:.6g} {units['mass']} at {told_place(summary['centre'], summary)} {units['centre']}"]
     if summary["volume"] is not None:
@@ -38,7 +38,7 @@ def body_line(name: str, summary: Mapping[str, Any]) -> str:
 
 
 def body_lines(summary: Mapping[str, Any]) -> Iterator[str]:
-    """The same with everything that is known, one thing a line."""
+    """Body in several lines with everything that is known, one item a line."""
     units = summary["units"]
     yield f"mass: {summary['mass']:.6g} {units['mass']}"
     yield f"centre: {told_place(summary['centre'], summary)} {units['centre']}"
@@ -66,12 +66,12 @@ def told_elements(summary: Mapping[str, Any]) -> str:
 
 
 def told_left_out(left_out: Sequence[Mapping[str, Any]]) -> str:
-    """What stands in a mesh file and is not part of the body: how many of what, and why."""
+    """Entries of a mesh file that are not part of the body, in words: how many of what, and why."""
     return ", ".join(f"{each['number']} {each['what']} ({each['why']})" for each in left_out)
 
 
 def _kind(kind: str, number: int) -> str:
-    """For example "4 hexahedra", or "11 hexahedra with 20 nodes each"."""
+    """Number and kind of elements in words, for example "4 hexahedra", or "11 hexahedra with 20 nodes each"."""
     found = re.fullmatch(r"([a-z]+)(\d*)", kind)
     if found is None or found[1] not in NAMES:
         return f"{number} {kind}"
@@ -89,7 +89,7 @@ def _points_in_line(summary: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _told_nodes(each: Mapping[str, Any], summary: Mapping[str, Any]) -> str:
-    """Where some nodes are and how many they are."""
+    """Mean position and number of some nodes, in words."""
     unit = summary["units"]["position"]
     where = "nowhere" if each["position"] is None else f"{told_place(each['position'], summary)} {unit}"
     return where if each["nodes"] is None else f"{where}, {_count(each['nodes'])}"
@@ -107,7 +107,7 @@ def _count(nodes: int) -> str:
 
 
 def told_place(position: Sequence[float], summary: Mapping[str, Any], digits: int = 6) -> str:
-    """Coordinates for people, "(4, 0.5, 0.25)"; what is nothing beside the size of the body is 0."""
+    """Coordinates in words, such as "(4, 0.5, 0.25)"; those far below the size of the body are 0."""
     inertia = summary["inertia"]
     moment = sum(inertia[k][k] for k in range(3)) / 2 if isinstance(inertia, list) else inertia
     least = NOWHERE_ELSE * sqrt(max(moment, 0.0) / summary["mass"])

@@ -11,7 +11,7 @@ from toolkit.reduced_model.design_point import DesignPoint
 
 
 class ElasticMatrices(NamedTuple):
-    """Entries of several matrices, row by row."""
+    """Entries of several matrices of the elastic coordinates, row by row."""
 
     row: np.ndarray
     column: np.ndarray
@@ -19,7 +19,7 @@ class ElasticMatrices(NamedTuple):
 
 
 def elastic_matrices(design: DesignPoint, *items: str) -> ElasticMatrices:
-    """Invariants of some names, with one row for each elastic coordinate, or with one more before them, which is left out.
+    """Invariants of some names on the elastic coordinates; an axis for the undeformed shape before these is left out.
 
     Raises
     ------
@@ -41,14 +41,14 @@ def elastic_matrices(design: DesignPoint, *items: str) -> ElasticMatrices:
 
 
 def _inside(here: np.ndarray | slice, n_f: int, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of places in a flattened matrix those of elastic coordinates, numbered among these; and which ones of all places they are."""
+    """Entries between elastic coordinates: places in the flattened (n_f, n_f) matrix, and which of the given places they are."""
     row, column = (each - (size - n_f) for each in np.divmod(np.arange(size * size)[here], size))
     elastic = np.flatnonzero((row >= 0) & (column >= 0))
     return row[elastic] * n_f + column[elastic], elastic
 
 
 def _common(n_f: int, parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray, list[Any]]:
-    """Rows and columns of the union; of each matrix, where its entries are in that, and which of its own they are."""
+    """Rows and columns of all matrices' entries, and for each matrix where its entries are among them and which they are."""
     every = np.sort(np.concatenate([place for place, _ in parts]), kind="stable")  # of sorted runs, which `unique` would hash
     union = every[np.diff(every, prepend=-1) > 0]
     return union // n_f, union % n_f, [(np.searchsorted(union, place), own) for place, own in parts]

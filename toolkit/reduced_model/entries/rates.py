@@ -13,7 +13,7 @@ NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
 
 
 def rates_at(design: DesignPoint, item: str, numbers: Mapping[str, int]) -> Derivatives:
-    """Derivatives of an item by parameters: their numbers, places in the flattened item, and values there, to be summed.
+    """Derivatives of an item by parameters: numbers of these, places in the flattened item, and values to be summed by place.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def rates_at(design: DesignPoint, item: str, numbers: Mapping[str, int]) -> Deri
 def _told(
     design: DesignPoint, item: str, numbers: tuple[tuple[str, int], ...]
 ) -> tuple[Derivatives, Polynomial | None, Slopes | None]:
-    """What the file tells of them; looked up once for all designs of a kind."""
+    """File's data on an item's derivatives; looked up once for all designs of a kind."""
     known, key = design.model.told, (design.kind, item, numbers)
     if key not in known:
         by_name = dict(numbers)

@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class LeftOutShapes:
-    """Answers at rest of all shapes that the basis leaves out, to unit loads, at the nominal design.
+    """Static responses of all shapes that the basis leaves out, to unit loads, at the nominal design.
 
     With the nodal forces F of the loads, and the modes Phi and eigenvalues Lambda that are left out, which do no work on what is kept,
 
@@ -28,5 +28,5 @@ class LeftOutShapes:
 
 
 def count_of_loads(points: int, dimension: int, n_f: int) -> int:
-    """How many unit loads there are on a body with so many interface points and shapes."""
+    """Number of unit loads on a body with so many interface points and elastic shapes."""
     return points * (3 if dimension == 2 else 6) + dimension + dimension**2 + n_f

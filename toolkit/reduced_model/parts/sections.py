@@ -29,11 +29,11 @@ class BeamSections:
     fibre_distance: np.ndarray  # y_2 (n_stress, 1), in space y_2 and y_3 (n_stress, 2), of every stress point
 
     def of_elements(self, first: int, last: int) -> BeamSections:
-        """Those of elements from one up to, but without, another, for all that their fibres do not matter to."""
+        """Sections of the elements from `first` up to, but without, `last`, without the fibres of stress points."""
         found = {name: array[first:last] for name, array in vars(self).items() if name != "fibre_distance"}
         return BeamSections(**found, fibre_distance=self.fibre_distance[:0])
 
     @property
     def real(self) -> BeamSections:
-        """The same without imaginary steps."""
+        """Sections without imaginary steps."""
         return BeamSections(**{name: np.real(array) for name, array in vars(self).items()})

@@ -23,7 +23,7 @@ class Spin:
 
 
 def stiffness_of_spin(stiffening: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """What a spin (3,), in space in the axes of the reduced model, adds to the stiffness, (n_f, n_f)."""
+    """Stiffness (n_f, n_f) added by a spin (3,), which is given in space in the axes of the reduced model."""
     if len(stiffening) == 1:
         found: np.ndarray = omega @ omega * stiffening[0]
         return found

@@ -15,7 +15,7 @@ LIMIT = 0.05
 
 
 def told_faces(model: ReducedModel) -> str:
-    """The errors in a sentence; empty of a body that is not in pieces."""
+    """Errors of the faces between pieces in a sentence; empty of a body that is not in pieces."""
     if not model.face_errors:
         return ""
     least, largest = (model.face_errors[name] for name in EXTREMES)
@@ -28,7 +28,7 @@ def told_faces(model: ReducedModel) -> str:
 
 
 def face_record(model: ReducedModel) -> dict[str, Any] | None:
-    """The same as numbers with their meanings, for JSON; None of a body that is not in pieces."""
+    """Errors of the faces between pieces as numbers with their meanings, for JSON; None of a body that is not in pieces."""
     if not model.face_errors:
         return None
     return {
@@ -39,7 +39,7 @@ def face_record(model: ReducedModel) -> dict[str, Any] | None:
 
 
 def face_questions(model: ReducedModel, where: str, doubt: bool = False) -> Iterator[Caution]:
-    """A caution of faces that count."""
+    """Caution about faces between pieces whose error is too large."""
     if max((abs(error) for error in model.face_errors.values()), default=0.0) > LIMIT:
         yield Caution(
             "faces-of-pieces",

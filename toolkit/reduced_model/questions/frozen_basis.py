@@ -33,7 +33,7 @@ STEP = 1e-30
 
 
 class RicherModel(str):
-    """The file of a reduced model, where the body in more shapes is meant."""
+    """Path of a reduced model's file, where its richer basis is meant."""
 
     __slots__ = ()
 
@@ -45,12 +45,12 @@ class RicherModel(str):
 
 
 def is_frozen(model: ReducedModel) -> bool:
-    """Whether its shapes are fewer than the nodes allow, and stay what they are when the design changes."""
+    """Whether a model's basis has fewer shapes than the nodes allow, and stays the same when the design changes."""
     return model.basis.startswith("frozen") and not model.keeps_all
 
 
 def richer_model(model: ReducedModel) -> ReducedModel:
-    """The body in more shapes, of a model that was loaded with `RICHER_PARTS`; it has no pictures."""
+    """Reduced model with the richer basis, of a model that was loaded with `RICHER_PARTS`; it has no pictures."""
     key = ("in more shapes",)
     if key not in model.told:
         assert model.richer_invariants is not None
@@ -62,7 +62,10 @@ def richer_model(model: ReducedModel) -> ReducedModel:
 
 
 def turns(model: ReducedModel, parameter: str) -> bool:
-    """Whether a parameter turns the shapes which the body needs; to be asked of a model in more shapes, as few show less of it."""
+    """Whether a parameter turns the shapes that the body needs.
+
+    To be asked of a model with the richer basis, as few shapes show less of it.
+    """
     key = ("turned by", parameter)
     if key not in model.told:
         model.told[key] = _turns(model, parameter)
@@ -78,7 +81,7 @@ def _turns(model: ReducedModel, parameter: str) -> bool:
 
 
 def _apart(matrices: list[np.ndarray]) -> np.ndarray:
-    """Number of the group of each coordinate (n_f,): those of one group have nothing to do with others, as stretching with bending."""
+    """Number of the group of each coordinate (n_f,); groups, such as stretching and bending, are not coupled."""
     from scipy.sparse.csgraph import connected_components  # which a run without frozen bases need not import
 
     coupled = np.any([np.abs(_measured(matrix, matrix)) > COUPLED for matrix in matrices], axis=0)
@@ -93,7 +96,7 @@ def _elastic_mass(point: DesignPoint) -> np.ndarray:
 
 
 def _scaled(matrix: np.ndarray, change: np.ndarray, group: np.ndarray) -> bool:
-    """Whether a change is along the matrix in each group of coordinates, and couples none."""
+    """Whether a change is proportional to the matrix in each group of coordinates, and couples no groups."""
     size, moved = _measured(matrix, matrix), _measured(change, matrix)
     for each in np.unique(group):
         own = np.ix_(group == each, group == each)
@@ -102,6 +105,6 @@ def _scaled(matrix: np.ndarray, change: np.ndarray, group: np.ndarray) -> bool:
 
 
 def _measured(matrix: np.ndarray, by: np.ndarray) -> np.ndarray:
-    """A matrix with each coordinate measured by its own entry on the diagonal of another one."""
+    """Matrix scaled so that each coordinate is measured by its diagonal entry in another matrix."""
     root = np.sqrt(np.diag(by))
     return np.asarray(matrix / np.outer(root, root))

@@ -17,7 +17,7 @@ from toolkit.foundation.verdict import Caution
 
 
 class Band(NamedTuple):
-    """What a quantity of materials can be, in its SI unit."""
+    """Range of plausible values of a material constant, in its SI unit."""
 
     quantity: str  # of `toolkit.foundation.units`
     ordinary: tuple[float, float]
@@ -100,7 +100,7 @@ def _is_metal(kind: str, name: str, values: Mapping[str, float], units: str) -> 
 
 
 def _reading(band: Band, value: float, units: str) -> str:
-    """What the number is likely to mean: the unit in which it would be that of a usual material."""
+    """Likely meaning of a number: the unit in which it would be that of a usual material."""
     own, label = IN_SI[units][band.quantity], unit(units, band.quantity)
     low, high = band.likely
     read = next(((name, size) for name, size in band.readings.items() if low <= value * size <= high and size != own), None)

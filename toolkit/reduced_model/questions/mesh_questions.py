@@ -31,7 +31,7 @@ def worst_case(model: ReducedModel) -> tuple[str, float] | None:
 
 
 def told_mesh(model: ReducedModel) -> str:
-    """The estimate in a sentence; empty where there is none."""
+    """Estimated stress error of the mesh in a sentence; empty where there is none."""
     worst = worst_case(model)
     if worst is None:
         return ""
@@ -42,7 +42,7 @@ def told_mesh(model: ReducedModel) -> str:
 
 
 def mesh_record(model: ReducedModel) -> dict[str, Any] | None:
-    """The estimate as numbers with their meanings, for JSON and tables; None where there is none."""
+    """Estimated stress error of the mesh as numbers with their meanings, for JSON and tables; None where there is none."""
     if not model.stress_errors:
         return None
     return {
@@ -55,7 +55,7 @@ def mesh_record(model: ReducedModel) -> dict[str, Any] | None:
 
 
 def mesh_questions(model: ReducedModel, where: str, doubt: bool = False, limit: float = COARSE) -> Iterator[Caution]:
-    """A caution of a mesh that is too coarse, for its stress or by another limit."""
+    """Caution about a mesh that is too coarse, for its stress or by another limit."""
     worst = worst_case(model)
     if worst is not None and worst[1] > limit:
         yield Caution(
@@ -67,7 +67,7 @@ def mesh_questions(model: ReducedModel, where: str, doubt: bool = False, limit: 
 
 
 def _advice(model: ReducedModel) -> str:
-    """What helps beside a finer mesh: other elements, unless all of its own have nodes between their corners, as their names count."""
+    """Advice beside a finer mesh: other elements, unless all of the mesh have nodes between their corners, by their names."""
     kinds = json.loads(str(model.composition.get("elements", "{}")))
     quadratic = bool(kinds) and all(kind[-1:].isdigit() for kind in kinds)
     return "" if quadratic else ", or take elements with nodes between their corners"

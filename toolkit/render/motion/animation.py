@@ -21,7 +21,7 @@ LOOKED_AT = 9
 
 
 def mp4(frames: Sequence[Any]) -> bytes:
-    """The same as a film (H.264), which has all colours; an odd row or column of pixels is left out, which the format does not have.
+    """Content of a film (H.264) of frames in all colours; an odd row or column of pixels, which it cannot have, is left out.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def mp4(frames: Sequence[Any]) -> bytes:
 
 
 def gif(frames: Sequence[Any]) -> bytes:
-    """A file of frames (images of Pillow) with the colours of some of them; it is looped by whatever shows it."""
+    """Content of a GIF of frames (images of Pillow) with the colours of some of them; whatever shows it loops it."""
     from PIL import Image
 
     pace = [DURATION // len(frames)] * (len(frames) - 1) + [PAUSE]

@@ -63,5 +63,5 @@ def telling_steps(count: int, points: Callable[[int], np.ndarray], stress: np.nd
 
 
 def _apart(places: np.ndarray) -> Callable[[int], np.ndarray]:
-    """Number of an instant -> the longest of the ways of all points from there to every other instant, (n_t,)."""
+    """Function from an instant's number to the longest displacement of any point from there to every instant, (n_t,)."""
     return lambda k: np.asarray(np.linalg.norm(places - places[k], axis=-1).max(axis=1))

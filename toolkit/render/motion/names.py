@@ -9,7 +9,7 @@ from toolkit.render.label_places import Panel, Side
 
 
 class NamesOfMotion:
-    """Looks at some moments of a motion before it tells where names stand.
+    """Positions of names for all pictures of a motion, chosen after some of its moments were drawn.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class NamesOfMotion:
         self._sides: dict[int, list[Side]] = {}
 
     def sides(self, number: int, panel: Panel, choose: Callable[[Sequence[Panel]], list[Side]]) -> list[Side]:
-        """Where the names of the panel of that number stand, by `choose` of what was seen there at the moments that were looked at."""
+        """Positions of the names of a numbered panel, chosen by `choose` from its states at the moments that were looked at."""
         if number in self._sides:
             return self._sides[number]
         seen = self._seen.setdefault(number, [])

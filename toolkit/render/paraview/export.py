@@ -27,7 +27,9 @@ from toolkit.system.solution import Solution
 
 
 def plane_solid(moment: Configuration, body: str) -> Any:
-    """Its section with the point data "von Mises stress in <unit>" and "stress in <unit>", six components in the body's own axes.
+    """Section of a plane solid with point data "von Mises stress in <unit>" and "stress in <unit>", or None.
+
+    The stress has six components in the body's own axes.
 
     None where its model does not tell the stress inside.
     """

@@ -18,17 +18,17 @@ from toolkit.responses.cut_shape import whole_axes
 
 @dataclass(frozen=True)
 class Configuration(Moment):
-    """One step of a planar solution."""
+    """One step of a planar solution, for drawing."""
 
     def elastic(self, body: str) -> np.ndarray:
-        """q_f of a flexible body, shape (n_f,)."""
+        """Elastic coordinates q_f of a flexible body, shape (n_f,)."""
         found = self.scene.body(body)
         if isinstance(found, CutBody):
             return self.coordinates(body)[found.elastic_places]
         return self.coordinates(body)[3 if found.has_frame else 0 :]
 
     def place(self, body: str, points: np.ndarray) -> np.ndarray:
-        """Points (n, 2) given in the frame of a flexible body, r + A(theta) u; of a cut one in the axes of the whole."""
+        """Global places r + A(theta) u of points (n, 2) in a flexible body's frame; of a cut one in the axes of the whole."""
         found = self.scene.body(body)
         if isinstance(found, CutBody):
             place, turned, origin = whole_axes(self.scene, body, self.coordinates(body))
@@ -40,7 +40,7 @@ class Configuration(Moment):
         return np.real(np.array([x, y]) + points @ rotation(angle).T)
 
     def position(self, body: str, point: str) -> np.ndarray:
-        """Where the body carries the named point of the scene: r + A(theta) (z0 + Z q), or z0 + Z q without a frame; (2,)."""
+        """Position (2,) of a named point of the scene: r + A(theta) (z0 + Z q), or z0 + Z q without a frame."""
         found, q = self.scene.body(body), self.coordinates(body)
         marker = found.marker(self.scene, point, body)
         local = np.real(marker.point[:2] + q[marker.columns] @ marker.shape[:, :2])
@@ -48,17 +48,17 @@ class Configuration(Moment):
         return q[frame[:2]] + rotation(q[frame[2]]) @ local if found.has_frame else local
 
     def turned(self, body: str, point: str, direction: np.ndarray) -> np.ndarray:
-        """A direction (2,) of the undeformed configuration that turns with the body at a point: by theta + t0 + T q."""
+        """Direction (2,) of the undeformed configuration, turned with the body at a point: by theta + t0 + T q."""
         q, marker = self.coordinates(body), self.scene.body(body).marker(self.scene, point, body)
         angle = np.real(marker.point[2] + q[marker.columns] @ marker.shape[:, 2])
         return rotation(angle + q[marker.columns[2]] if self.scene.body(body).has_frame else angle) @ direction
 
     def across(self, joint: AtPoints, side: int) -> np.ndarray:
-        """The axes of the coordinates, turned with the body."""
+        """Axes of the coordinates, turned with the body."""
         return np.array([self.turned(*joint.grips[side], direction) for direction in np.eye(2)])
 
     def segments(self, body: str) -> list[np.ndarray]:
-        """Lines that stand for a body, each (n, 2): along a rod, or from the centre of mass of a rigid body to every gripped point.
+        """Lines (n, 2) that a body is drawn as: along a rod, or from a rigid body's centre of mass to its gripped points.
 
         A flexible body with a mesh is drawn as it is, without lines; else it is its outline, or a line through its interface points.
         """

@@ -19,7 +19,7 @@ from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
 MOST_MOMENTS = 60
-"""Of the whole motion that are looked at for what the main window has to contain."""
+"""Number of moments of the whole motion that are looked at for what the main window has to contain."""
 _DETAIL = 0.16
 """Half width of the detail, relative to the extent of the skin."""
 
@@ -53,12 +53,12 @@ class Look:
 
     @property
     def extent(self) -> float:
-        """Size of what is drawn, which digits follow."""
+        """Size of the drawing, which decides the digits that are shown."""
         return float(np.ptp(self.points, axis=0).max()) or 1.0
 
     @property
     def colors(self) -> Normalize:
-        """Stress to colours."""
+        """Colour scale for the stress."""
         limit = self.stress_limit or 1.0
         return Normalize(-limit, limit)
 
@@ -93,7 +93,7 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
 
 
 def shown_stress(moment: Configuration) -> Iterator[tuple[str, np.ndarray]]:
-    """Of every flexible body that can be drawn its name and the stress that pictures show of it."""
+    """Name and displayed stress of every flexible body that can be drawn."""
     for name in moment.flexible():
         if (skin := skin_shape(moment, name)) is not None:
             yield name, skin.stress
@@ -102,14 +102,14 @@ def shown_stress(moment: Configuration) -> Iterator[tuple[str, np.ndarray]]:
 
 
 def drawn_points(moment: Configuration) -> np.ndarray:
-    """Where bodies, joints and links are at one moment, (n, 2)."""
+    """Positions (n, 2) of bodies, joints and links at one moment."""
     shapes = [shape.line.reshape(-1, 2) for name in moment.flexible() if (shape := skin_shape(moment, name))]
     joints = [moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()]]
     return np.vstack([np.zeros((0, 2)), *shapes, *moment.rods(), *moment.wheels(), *joints])
 
 
 def _thickness(scene: Scene, body: str) -> float:
-    """Of the skin, or of all sections of a frame; zero where they differ."""
+    """Thickness of a skin or of all sections of a frame; zero where they differ."""
     path = f"bodies.{body}.thickness"
     found = {
         float(np.real(scene.number(each))) for each in scene.available_paths() if each == path or each.startswith(f"{path}_")
@@ -118,7 +118,7 @@ def _thickness(scene: Scene, body: str) -> float:
 
 
 def _leaves(moment: Configuration, body: str, thickness: float) -> bool:
-    """Whether the middle line of a body leaves the band of that thickness round the undeformed line in its place."""
+    """Whether the middle line of a body leaves the band of the drawn thickness around the undeformed line in its place."""
     mesh, shape = drawn_model(moment, body).mesh, skin_shape(moment, body)
     if mesh is None or shape is None or len(mesh.outline) < 2:
         return False
@@ -131,7 +131,7 @@ def _leaves(moment: Configuration, body: str, thickness: float) -> bool:
 
 
 def _detail(moments: list[Configuration], skins: list[str]) -> np.ndarray | None:
-    """Corners of a square round the place where a body with a target moves most; None if nothing has a target or moves."""
+    """Corners of a square around the place where a body with a target moves most; None if nothing has a target or moves."""
     for name in skins:
         shape = drawn_model(moments[0], name).shape
         if shape is None or moments[0].scene.body(name).has_frame:

@@ -20,7 +20,7 @@ from toolkit.render.plane.symbols import clamps
 from toolkit.render.plane.window import figure_of, shown
 
 _SIZE = 10
-"""Of letters, in points."""
+"""Size of letters, in points."""
 _NAME = 4.0
 """Above everything else."""
 _CLEAR = {"boxstyle": "square,pad=0.05", "facecolor": "white", "edgecolor": "none", "alpha": 0.7}
@@ -62,7 +62,7 @@ def write_names(
 
 
 def drawn_lines(axes: Axes) -> list[np.ndarray]:
-    """Everything that is drawn in axes as polylines (n, 2), in pixels of the figure."""
+    """All drawn contents of axes as polylines (n, 2), in pixels of the figure."""
     found = [line.get_transform().transform(line.get_xydata()) for line in axes.lines]
     for patch in axes.patches:
         found += map(np.asarray, patch.get_transform().transform_path(patch.get_path()).to_polygons())
@@ -75,7 +75,7 @@ def drawn_lines(axes: Axes) -> list[np.ndarray]:
 
 
 def _labels(moment: Configuration, tolerance: float, motion: NamesOfMotion | None) -> list[tuple[np.ndarray, str]]:
-    """Names of points, and which body is clamped where no named point is."""
+    """Names of points with their places, and a label for a clamped body where no named point is."""
     named = names_by_place(moment, tolerance, motion.moments if motion else ())
     for body, points in clamps(moment).items():
         if not any(np.hypot(*(points[0] - place)) < tolerance for place, _ in named):
@@ -84,7 +84,7 @@ def _labels(moment: Configuration, tolerance: float, motion: NamesOfMotion | Non
 
 
 def _middles(moment: Configuration, motion: NamesOfMotion | None) -> list[tuple[str, np.ndarray]]:
-    """Names of bodies, each with a place near its middle; what is drawn of them as a point is named by that."""
+    """Names of bodies, each with a place near its middle; a body that is drawn as a point is named by that point."""
     found, places = [], body_places(moment, motion=motion.moments if motion else ())
     for body in moment.scene.bodies:
         if (skin := skin_shape(moment, body) if body in moment.flexible() else None) is not None:

@@ -32,13 +32,15 @@ _SPRING = 4.0 / 72
 _BAND = 4.0
 """Width of the coloured boundary of a meshed body, in points."""
 _UNTOLD, _EDGE = "#c8cdd4", "#5d6f8a"
-"""Where nothing is known of a field; the edge of a rod."""
+"""Colour where nothing is known of a field; colour of the edge of a rod."""
 _SOLID, _ROD, _SKIN, _OUTLINE, _TARGET, _LINE, _SUPPORT, _PIN = 1.4, 1.5, 2.0, 2.2, 2.4, 2.3, 3.0, 3.2
 """What covers what."""
 
 
 def draw_band(axes: Axes, moment: Configuration, body: str, fibres: np.ndarray, colors: Normalize, thickness: float) -> None:
-    """A skin as two bands, outer and inner fibre, coloured by values (n_e, POINTS, 2); thicker than it is, if it could not be seen.
+    """Draw a skin as two bands, outer and inner fibre, coloured by values (n_e, POINTS, 2).
+
+    The skin is drawn thicker than it is, if it could not be seen.
 
     Every value has a piece of its own, round its point, so that the extremes of the values are seen.
     """
@@ -55,12 +57,12 @@ def draw_band(axes: Axes, moment: Configuration, body: str, fibres: np.ndarray, 
 
 
 def _pieces(points: np.ndarray) -> np.ndarray:
-    """Borders (n_e, POINTS + 1, ...) of the pieces of a line that belong to its points: the middles between them, and both ends."""
+    """Borders (n_e, POINTS + 1, ...) between the pieces of a line that belong to its points."""
     return np.concatenate([points[:, :1], (points[:, 1:] + points[:, :-1]) / 2, points[:, -1:]], axis=1)
 
 
 def draw_solid(axes: Axes, shape: SolidShape, colors: Normalize) -> None:
-    """A meshed body: its section with the stress inside, or along its boundary alone, or without colours, as its model tells."""
+    """Draw a meshed body with the stress inside, or along its boundary alone, or without colours, as its model allows."""
     section, inside = _section(shape.edges), shape.inside
     if inside is not None:
         mesh = Triangulation(inside.points[:, 0], inside.points[:, 1], inside.triangles)
@@ -80,7 +82,7 @@ def draw_solid(axes: Axes, shape: SolidShape, colors: Normalize) -> None:
 
 
 def draw_sections(axes: Axes, moment: Configuration, bodies: Collection[str], edge: str = INK, filled: bool = False) -> None:
-    """Meshed bodies without their stress."""
+    """Draw meshed bodies without their stress."""
     for body in bodies:
         shape = solid_shape(moment, body)
         if shape is not None:
@@ -89,26 +91,26 @@ def draw_sections(axes: Axes, moment: Configuration, bodies: Collection[str], ed
 
 
 def _section(edges: np.ndarray) -> Path:
-    """What edges (n_edges, n_points, 2) that follow one another enclose."""
+    """Closed path around the area that edges (n_edges, n_points, 2), one after the other, enclose."""
     lines = _closed(edges)
     codes = [np.array([Path.MOVETO, *[Path.LINETO] * (len(line) - 2), Path.CLOSEPOLY], Path.code_type) for line in lines]
     return Path(np.concatenate(lines), np.concatenate(codes))
 
 
 def _closed(edges: np.ndarray) -> list[np.ndarray]:
-    """Lines (n, 2) of edges (n_edges, n_points, 2) that follow one another."""
+    """Closed lines (n, 2) from edges (n_edges, n_points, 2) that follow one another."""
     starts = np.flatnonzero(np.append(True, np.any(edges[1:, 0] != edges[:-1, -1], axis=1)))
     return [np.vstack([piece[:, :-1].reshape(-1, 2), piece[-1:, -1]]) for piece in np.split(edges, starts[1:])]
 
 
 def draw_outlines(axes: Axes, moment: Configuration, body: str, look: Look) -> None:
-    """The undeformed and the target contour in the place of the body."""
+    """Draw the undeformed and the target contour of a body in its place."""
     for label, points, color, dashes, order in outlines(moment, body, look):
         axes.plot(*points.T, dashes, color=color, linewidth=1.2, label=label, zorder=order)
 
 
 def outlines(moment: Configuration, body: str, look: Look) -> list[tuple[str, np.ndarray, str, Dashes, float]]:
-    """Of the contours of a body that are drawn: what it is, points (n, 2), colour, dashes and height."""
+    """Contours of a body that are drawn: kind, points (n, 2), colour, dashes and drawing height of each."""
     mesh = drawn_model(moment, body).mesh
     if mesh is None:
         return []
@@ -124,7 +126,7 @@ def outlines(moment: Configuration, body: str, look: Look) -> list[tuple[str, np
 
 
 def draw_line(axes: Axes, moment: Configuration, body: str, **style: Any) -> None:
-    """The middle line of a skin."""
+    """Draw the middle line of a skin."""
     shape = skin_shape(moment, body)
     if shape is not None:
         axes.plot(*shape.line.reshape(-1, 2).T, zorder=_LINE, **style)
@@ -133,7 +135,7 @@ def draw_line(axes: Axes, moment: Configuration, body: str, **style: Any) -> Non
 def draw_mechanism(
     axes: Axes, moment: Configuration, color: str = ROD, edge: str = _EDGE, width: float = 4.0, but: Collection[str] = ()
 ) -> None:
-    """Rigid bodies as thick lines with edges, springs as zigzags, distance joints and wheels as thin lines.
+    """Draw rigid bodies as thick lines with edges, springs as zigzags, distance joints and wheels as thin lines.
 
     Bodies that are drawn already are left out.
     """
@@ -158,7 +160,7 @@ def zigzag(ends: np.ndarray, half: float, teeth: int = 8) -> np.ndarray:
 
 
 def draw_symbols(axes: Axes, moment: Configuration) -> None:
-    """Pins as circles, masses as squares, points as dots, everything else as lines, all of one size on paper."""
+    """Draw pins as circles, masses as squares, points as dots, all else as lines, of one size on paper."""
     filled = {"pin": "white", "mass": ROD, "point": INK}
     for symbol in symbols(moment):
         fill = filled.get(symbol.kind)

@@ -30,7 +30,7 @@ from toolkit.render.stress_told import round_off, told
 
 
 def draw_scene(axes: Axes, moment: Configuration, look: Look) -> None:
-    """Skins with their stress, outlines, mechanism, joints and supports in a window that is open; names come when the figure is settled."""
+    """Draw skins with their stress, outlines, mechanism, joints and supports in an open window, without names."""
     draw_mechanism(axes, moment, but=look.solids)
     for body in look.solids:
         solid = solid_shape(moment, body)
@@ -59,7 +59,7 @@ _FRAME_MARGIN = 0.02
 def instant_figure(
     moment: Configuration, look: Look, width: float = WIDE, like: Figure | None = None, motion: NamesOfMotion | None = None
 ) -> Figure:
-    """One instant: the scene, and beside it the detail where it moves most; laid out `like` another instant of its motion, if given."""
+    """Figure of one instant: the scene and a detail where it moves most, laid out `like` another instant if given."""
     corners = instant_windows(look)
     ratios = [aspect(each) for each in corners]
     height = min((width - 0.9 * len(corners)) / sum(ratios), _TALLEST)
@@ -74,7 +74,7 @@ def instant_figure(
 
 
 def instants_alike(width: float = WIDE) -> Callable[[Configuration, Look, NamesOfMotion | None], Figure]:
-    """`instant_figure` for one instant of a motion after the other, all laid out as the first, so that nothing moves but the scene."""
+    """Function that draws instants of a motion, one after the other, all laid out as the first, so that only the scene moves."""
     first: list[Figure] = []
 
     def figure(moment: Configuration, look: Look, motion: NamesOfMotion | None) -> Figure:
@@ -95,7 +95,7 @@ def instant_windows(look: Look) -> list[np.ndarray]:
 
 
 def overview_figure(moments: Sequence[Configuration], look: Look, width: float = WIDE, columns: int = COLUMNS) -> Figure:
-    """Several instants; numbers of ticks along the lower and left edge."""
+    """Figure of several instants, with numbers at the ticks along the lower and left edge."""
     columns, corners = min(columns, len(moments)), window(look.points)
     rows = -(-len(moments) // columns)
     height = min(panel_height(corners, width / columns), _TALLEST)
@@ -123,7 +123,7 @@ def _fill(
     like: Figure | None = None,
     motion: NamesOfMotion | None = None,
 ) -> None:
-    """Draw a moment into each of the axes, in its window, with what explains it, and names where there is room."""
+    """Draw a moment into each of the axes, in its window, with colour bar, legend and names where there is room."""
     windows = dict(zip(axes.flat, corners, strict=False))
     for panel, moment in zip(windows, moments, strict=True):
         words = caption(moment, look)
@@ -147,7 +147,7 @@ def _fill(
 
 
 def color_bar(figure: Figure, axes: list[Axes], colors: Normalize, label: str, beyond: float = 0.0) -> None:
-    """What the colours of bands mean, below the axes; pointed where there are numbers beyond them."""
+    """Add a colour bar below the axes; its ends are pointed where there are values beyond its colours."""
     bar = figure.colorbar(
         ScalarMappable(colors, SIGNED), ax=axes, location="bottom", label=label, aspect=50, shrink=0.7, pad=0.02,
         extend="both" if beyond else "neither",
@@ -156,7 +156,7 @@ def color_bar(figure: Figure, axes: list[Axes], colors: Normalize, label: str, b
 
 
 def caption(moment: Configuration, look: Look) -> list[str]:
-    """Time, range of the stress and, if one body has a target, the distance to it; digits as fine as the scene needs."""
+    """Caption with time, range of the stress and, if one body has a target, the distance to it; digits suit the scene."""
     solution, step, units = moment.solution, moment.step, moment.scene.units
     words = [moment.told]
     stresses = [(name, each) for name, each in shown_stress(moment) if each.size and np.isfinite(each).all()]
@@ -177,13 +177,13 @@ def caption(moment: Configuration, look: Look) -> list[str]:
 
 
 def contour_keys(look: Look, moment: Configuration) -> list[Line2D]:
-    """Entries of a legend for the contours that are drawn."""
+    """Legend entries for the contours that are drawn."""
     meant = {label: (color, dashes) for body in look.thickness for label, _, color, dashes, _ in outlines(moment, body, look)}
     return [Line2D([], [], color=color, linestyle=dashes, label=label) for label, (color, dashes) in meant.items()]
 
 
 def meanings(windows: Sequence[np.ndarray], look: Look, moment: Configuration) -> list[Line2D]:
-    """What lines and bands are; only what is drawn, and how many times thicker than they are skins are drawn."""
+    """Legend entries for the lines and bands that are drawn, with the factor by which skins are thickened."""
     solids = _solid_keys(look, moment)
     if not look.thickness:
         return solids
@@ -192,7 +192,7 @@ def meanings(windows: Sequence[np.ndarray], look: Look, moment: Configuration) -
 
 
 def _thicker(windows: Sequence[np.ndarray], look: Look) -> list[str]:
-    """By which factor windows show skins thicker than they are, in words."""
+    """Words telling by which factor windows show skins thicker than they are."""
     if not all(look.thickness.values()):
         return ["thickness not to scale"]
     factors = [max(drawn_thickness(true, corners) / true for true in look.thickness.values()) for corners in windows]
@@ -201,7 +201,7 @@ def _thicker(windows: Sequence[np.ndarray], look: Look) -> list[str]:
 
 
 def _solid_keys(look: Look, moment: Configuration) -> list[Line2D]:
-    """How the stress of meshed bodies is shown."""
+    """Legend entries that say how the stress of meshed bodies is shown."""
     shapes = [shape for body in look.solids if look.stress_limit and (shape := solid_shape(moment, body))]
     words = dict.fromkeys(_ALONG if shape.inside is None else _INSIDE for shape in shapes if np.isfinite(shape.shown).all())
     return [Line2D([], [], color=INK, linewidth=4, alpha=0.3, label=each) for each in words]

@@ -24,7 +24,7 @@ POINTS = 13
 
 @dataclass(frozen=True)
 class SkinShape:
-    """A flexible body as drawn: per element `POINTS` points of its middle line, with the normal to the outer side and the stress."""
+    """Flexible body as drawn: per element `POINTS` points of its middle line, with outer normal and stress."""
 
     line: np.ndarray  # (n_e, POINTS, 2), global
     outward: np.ndarray  # (n_e, POINTS, 2), unit normals
@@ -63,7 +63,7 @@ def _skin_shape(configuration: Configuration, body: str) -> SkinShape | None:
 
 
 def _framed(configuration: Configuration, body: str, mesh: Mesh) -> Iterator[tuple[str, slice, np.ndarray]]:
-    """Every body or part that has a frame: its name, its elements, and nodal displacements and rotations (n_nodes, 3) in its frame."""
+    """Name, elements and nodal displacements and rotations (n_nodes, 3) of every body or part with a frame, in that frame."""
     found = configuration.scene.body(body)
     if not isinstance(found, CutBody):
         yield body, slice(None), (mesh.recovery[:, 1:] @ configuration.elastic(body)).reshape(-1, 3)

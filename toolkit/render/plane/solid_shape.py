@@ -20,12 +20,12 @@ POINTS = 5
 
 
 PLACES = (0, 1, 2, 5)
-"""Of the components xx, yy, zz, xy among the six in space."""
+"""Places of the components xx, yy, zz, xy among the six in space."""
 
 
 @dataclass(frozen=True)
 class Inside:
-    """The inside of a meshed body as drawn."""
+    """Interior of a meshed body as drawn."""
 
     points: np.ndarray  # (n, 2), global
     triangles: np.ndarray  # (n_triangles, 3)
@@ -40,7 +40,7 @@ class Inside:
 
 @dataclass(frozen=True)
 class SolidShape:
-    """A meshed body as drawn."""
+    """Meshed body as drawn."""
 
     edges: np.ndarray  # (n_edges, POINTS, 2), global
     stress: np.ndarray  # (n_edges,) along each edge, in its middle; nan where the model tells another component, or none
@@ -48,12 +48,12 @@ class SolidShape:
 
     @property
     def shown(self) -> np.ndarray:
-        """The stress that pictures show: inside, or else along the boundary."""
+        """Stress that pictures show: inside, or else along the boundary."""
         return self.stress if self.inside is None else self.inside.stress
 
     @property
     def deepest(self) -> np.ndarray:
-        """The place that is furthest from the boundary, (2,); without what is inside the middle of the boundary."""
+        """Place (2,) furthest from the boundary; the middle of the boundary if nothing inside is known."""
         border = self.edges.reshape(-1, 2)
         if self.inside is None:
             return border.mean(axis=0)
@@ -85,7 +85,10 @@ def _solid_shape(moment: Configuration, body: str) -> SolidShape | None:
 
 
 def _inside(moment: Configuration, body: str, elastic: np.ndarray) -> Inside | None:
-    """None if the model does not tell it, or where it stands off its nominal design along a tangent, whose stress is not in the file."""
+    """Interior of a meshed body with its stress; None if the model has none, or stands off its nominal design along a tangent.
+
+    The stress there is not in the file.
+    """
     point = design_point(moment.scene, body, "interior")
     interior = point.model.interior
     if interior is None or point.extrapolated():

@@ -28,13 +28,15 @@ class Symbol(NamedTuple):
     direction: np.ndarray = _ALONG_X
 
     def lines(self, size: float) -> list[np.ndarray]:
-        """Its polylines round its point, each (n, 2)."""
+        """Polylines (n, 2) that draw the symbol around its point."""
         c, s = self.direction
         return [size * corners @ np.array([[c, s], [-s, c]]) for corners in _LINES[self.kind]]
 
 
 def symbols(configuration: Configuration) -> list[Symbol]:
-    """Pins, sliders, supports, clamps and masses of a scene; what turns freely has a pin, what is fixed to the ground a hatched side.
+    """Symbols of pins, sliders, supports, clamps and masses of a scene.
+
+    What turns freely has a pin, what is fixed to the ground a hatched side.
 
     A named point that none of these stands at is a dot.
     """
@@ -47,7 +49,10 @@ def symbols(configuration: Configuration) -> list[Symbol]:
 
 
 def clamps(configuration: Configuration) -> dict[str, np.ndarray]:
-    """Grounded flexible bodies -> their nodes that no elastic coordinate moves, or that tie cut ones to the ground, (n, 2) with n > 0."""
+    """Clamped nodes (n, 2) of every grounded flexible body, n > 0.
+
+    They are those that no elastic coordinate moves, or that tie cut bodies to the ground.
+    """
     ties = [each for each in configuration.scene.joints.values() if isinstance(each, Tie) and "ground" in each.bodies]
     found = {}
     for body in configuration.flexible():
@@ -62,7 +67,10 @@ def clamps(configuration: Configuration) -> dict[str, np.ndarray]:
 
 
 def _joint_symbols(configuration: Configuration, joint: Joint) -> list[Symbol]:
-    """A slider is drawn where its point is now, along the axis of the body that carries it; any new kind of joint is a pin."""
+    """Symbols of one joint.
+
+    A slider is drawn where its point is now, along the axis of the body that carries it; any new kind of joint is a pin.
+    """
     point, grounded = configuration.ends(joint)[0], "ground" in joint.bodies
     if isinstance(joint, RigidJoint):
         alone = any(_is_a_point(configuration, body) for body in joint.bodies if body != "ground")
@@ -75,13 +83,13 @@ def _joint_symbols(configuration: Configuration, joint: Joint) -> list[Symbol]:
 
 
 def _is_a_point(configuration: Configuration, body: str) -> bool:
-    """Whether nothing else is drawn of a body, a mass that is fixed to another one at its centre."""
+    """Whether a body is drawn as nothing but a point: a mass that is fixed to another body at its centre."""
     lines, size = configuration.segments(body), configuration.scene.size
     return bool(lines) and all(np.ptp(line, axis=0).max() < POINT * size for line in lines)
 
 
 def _hatched(half: float, y: float, depth: float) -> list[np.ndarray]:
-    """A line from (-half, y) to (half, y) with strokes on the side that is solid: below for a negative depth."""
+    """Line from (-half, y) to (half, y) with strokes on the solid side: below for a negative depth."""
     strokes = [np.array([[x, y], [x - 0.35, y + depth]]) for x in np.linspace(0.4 - half, half, 5)]
     return [np.array([[-half, y], [half, y]]), *strokes]
 

@@ -27,7 +27,7 @@ _THINNEST = 0.016
 
 
 def window(points: np.ndarray) -> np.ndarray:
-    """Corners (2, 2), lower left and upper right, of what shows points (n, 2) with a margin."""
+    """Corners (2, 2), lower left and upper right, of a window that shows points (n, 2) with a margin."""
     low, high = points.min(axis=0), points.max(axis=0)
     half, middle = (high - low) / 2, (high + low) / 2
     extent = float(half.max()) or 1.0
@@ -36,7 +36,7 @@ def window(points: np.ndarray) -> np.ndarray:
 
 
 def aspect(corners: np.ndarray) -> float:
-    """Width over height."""
+    """Width of a window over its height."""
     wide, high = corners[1] - corners[0]
     return float(wide / high)
 
@@ -76,16 +76,16 @@ def _fit(windows: Windows) -> None:
 
 
 def figure_of(axes: Axes) -> Figure:
-    """The figure that axes are on."""
+    """Figure that axes are on."""
     found = axes.figure
     return found if isinstance(found, Figure) else found.figure  # Not get_figure(root=True), which matplotlib 3.9 lacks.
 
 
 def shown(axes: Axes) -> np.ndarray:
-    """Corners (2, 2) of what axes show."""
+    """Corners (2, 2) of the window that axes show."""
     return np.transpose([axes.get_xlim(), axes.get_ylim()])
 
 
 def drawn_thickness(true: float, corners: np.ndarray) -> float:
-    """The thickness of a skin in a window, or more if its two colours could not be told apart."""
+    """Thickness of a skin in a window, or more if its two colours could not be told apart."""
     return max(true, _THINNEST * float(np.ptp(corners, axis=0).max()))

@@ -19,7 +19,7 @@ _CLOSED = 1e-12
 
 
 class Arrow(NamedTuple):
-    """A vector at a point, in the scene's units of force or torque."""
+    """Vector at a point, in the scene's units of force or torque."""
 
     kind: str  # "force" or "torque"
     point: np.ndarray  # (3,)
@@ -27,7 +27,7 @@ class Arrow(NamedTuple):
 
 
 def arrows(moment: SpatialConfiguration) -> list[Arrow]:
-    """Of all loads that are forces or torques; of a torque between two bodies its reaction too, of a pressure its resultant."""
+    """Arrows of all loads that are forces or torques, the reaction of a torque and the resultant of a pressure included."""
     found = []
     for load in moment.scene.loads.values():
         if isinstance(load, SpatialPointForce):
@@ -44,7 +44,7 @@ def arrows(moment: SpatialConfiguration) -> list[Arrow]:
 
 
 def _resultant(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
-    """Of a pressure; on a cut body the sum over its parts, in the middle of theirs."""
+    """Resultant force of a pressure; on a cut body the sum over its parts, at their weighted mean point."""
     found = [
         arrow
         for piece in moment.scene.pieces([load.body])
@@ -58,7 +58,7 @@ def _resultant(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
 
 
 def _on_piece(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
-    """f of a pressure at c_b = f_a L[a, b] [1; q_f] / (f . f), where it acts on a flat surface; none of a closed surface."""
+    """Force f of a pressure on a flat surface, at c_b = f_a L[a, b] [1; q_f] / (f . f); empty if closed."""
     body = moment.spatial_body(load.body)
     assert isinstance(body, SpatialFlexible)
     numbers = load.numbers_on(moment.scene, body)
@@ -73,7 +73,7 @@ def _on_piece(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
 
 
 def _turned(moment: SpatialConfiguration, load: Component, vector: tuple, frame: str) -> np.ndarray:
-    """A load's vector at the time of the moment, in the axes of space."""
+    """Vector of a load at the time of the moment, in global axes."""
     axes = moment.turned(*load.grips[0], np.eye(3)) if frame == "body" else np.eye(3)
     return _factor(load.time_curve, moment.time) * axes @ np.real(np.array(vector))
 

@@ -19,14 +19,14 @@ from toolkit.responses.stress.stress import stress_components
 from toolkit.scene.scene import Scene
 
 UNSEEN = ("youngs_modulus", "density", "poisson_ratio", "damping")
-"""How names of parameters begin that no picture shows."""
+"""Beginnings of the names of parameters that no picture shows."""
 STILL = 1e-12
 """Motion of a point by the elastic coordinates that is round-off, relative to the largest."""
 
 
 @dataclass(frozen=True)
 class BodyShape:
-    """A flexible body as drawn: triangles of a solid, or lines, the fibres of beams, with the sides of their elements."""
+    """Flexible body as drawn: triangles of a solid, or lines for the fibres of beams, with the sides of their elements."""
 
     points: np.ndarray  # (n, 3), global
     triangles: np.ndarray  # (n_triangles, 3)
@@ -37,13 +37,13 @@ class BodyShape:
 
 
 def has_shape(scene: Scene, body: str) -> bool:
-    """Whether a flexible body's reduced model tells its surface."""
+    """Whether a flexible body's reduced model contains its surface."""
     found = scene.body(body)
     return isinstance(found, SpatialFlexible) and scene.model(found.model, "surface").surface is not None
 
 
 def drawn_as_built(scene: Scene, body: str) -> bool:
-    """Whether a scene gives a body other sizes or another form than its reduced model has, whose surface is that of the model."""
+    """Whether a scene gives a body other sizes or form than its reduced model has, while its drawn surface is the model's."""
     found = scene.body(body)
     assert isinstance(found, SpatialFlexible)
     nominal = scene.model(found.model).nominal
@@ -95,7 +95,7 @@ def _points(moment: SpatialConfiguration, body: str, surface: Surface) -> np.nda
 
 
 def _rows(surface: Surface, pieces: Pieces | None, part: FramedPart, scene: Scene) -> np.ndarray:
-    """Points of the surface of a body that a part of it tells."""
+    """Numbers of the surface points that a part of a cut body contains."""
     if pieces is not None:
         return rows_of_pieces(pieces, part.first, part.last)
     found: np.ndarray = surface.lines.ravel()[part.part(scene).stress_rows]
@@ -131,7 +131,7 @@ def _sides(surface: Surface, stress: StressPoints | None) -> tuple[np.ndarray, .
 
 
 def _turn(ends: np.ndarray) -> np.ndarray:
-    """Order of an element's fibres (n, 2, 3) by the angle round its axis."""
+    """Order of an element's fibres (n, 2, 3) by their angle around its axis."""
     axis = (ends[:, 1] - ends[:, 0]).mean(axis=0)
     out = ends[:, 0] - ends[:, 0].mean(axis=0)
     first = out[0] / max(np.linalg.norm(out[0]), np.finfo(float).tiny)

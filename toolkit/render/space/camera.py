@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 ANGLE = np.deg2rad(25.0)
-"""From the lower to the upper edge of a picture in perspective."""
+"""Angle of view from the lower to the upper edge of a picture in perspective."""
 ISOMETRIC = np.array([[1.0, 1.0, 0.0], [-1.0, 1.0, 2.0], [1.0, -1.0, 1.0]]) / np.sqrt([[2.0], [6.0], [3.0]])
 """Directions to the right, up and towards the eye: x comes to the front on the right, y goes to the back on the right, z is up."""
 _LEAST = 0.25
 """Half of what is seen at least, relative to the reach: of a rod along the line of sight."""
 _CLEAR = 2.2
-"""How far things are moved to be before or behind all others, which are at most twice the reach apart, relative to it."""
+"""Distance by which things are moved before or behind all others, relative to the reach; these are at most two apart."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Camera:
 
     @classmethod
     def framing(cls, points: np.ndarray, aspect: float, margin: float, perspective: bool) -> Camera:
-        """The nearest view of an aspect (width over height) that shows all points (n, 3), with a margin relative to their extent."""
+        """Nearest view of an aspect (width over height) that shows all points (n, 3), with a margin relative to their extent."""
         seen = points @ ISOMETRIC.T
         reach = 0.6 * float(np.linalg.norm(np.ptp(seen, axis=0))) or 0.5
         middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
@@ -57,11 +57,11 @@ class Camera:
 
     @property
     def eye(self) -> np.ndarray:
-        """Where it is, (3,)."""
+        """Position of the camera, (3,)."""
         return self.focus + self.distance * ISOMETRIC[2]
 
     def seen(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) on the plane through the focus, from the lower left corner of what it shows, (..., 2)."""
+        """Places (..., 2) of points (..., 3) on the plane through the focus, from the lower left corner of the view."""
         local = (points - self.focus) @ ISOMETRIC.T
         nearness = self.distance / (self.distance - local[..., 2:]) if self.perspective else 1.0
         return local[..., :2] * nearness + self.size / 2
@@ -80,7 +80,7 @@ class Camera:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Distances from the eye that hold everything, also what was moved before and behind all else."""
+        """Distances from the eye that contain everything, also what was moved before and behind all else."""
         if self.perspective:
             return 0.9 * self._nearest**2 / self._farthest, 1.1 * self._farthest**2 / self._nearest
         return self._nearest - _CLEAR * self.reach, self._farthest + _CLEAR * self.reach
@@ -94,12 +94,12 @@ class Camera:
         return self.distance + self.reach
 
     def _along_sight(self, points: np.ndarray, shift: float, factor: float) -> np.ndarray:
-        """Moved by a length in parallel projection, in perspective to a multiple of the distance from the eye."""
+        """Points moved by a length in parallel projection, in perspective to a multiple of their distance from the eye."""
         return self.eye + (points - self.eye) * factor if self.perspective else points + shift * ISOMETRIC[2]
 
 
 def natural_aspect(points: np.ndarray, least: float, largest: float) -> float:
-    """Width over height of what is seen of points (n, 3), within bounds: a panel like this stands empty at no side."""
+    """Width over height of the view of points (n, 3), within bounds, so that a panel is empty at no side."""
     width, height = np.ptp(points @ ISOMETRIC[:2].T, axis=0)
     return float(np.clip(width / height if height else largest, least, largest))
 

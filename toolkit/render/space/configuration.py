@@ -25,29 +25,29 @@ BOX_EDGES = 12
 
 @dataclass(frozen=True)
 class SpatialConfiguration(Moment):
-    """One step of a spatial solution."""
+    """One step of a spatial solution, for drawing."""
 
     @classmethod
     def undeformed(cls, solution: Solution) -> SpatialConfiguration:
-        """Where all bodies are before anything has moved."""
+        """Configuration of all bodies before anything has moved."""
         system = solution.system
         return cls(replace(solution, q=np.real(system.undeformed()[0][None, : system.n_q]), times=solution.times[:1]), 0)
 
     def spatial_body(self, body: str) -> SpatialBody:
-        """The body of that name."""
+        """Body of the given name."""
         found = self.scene.body(body)
         assert isinstance(found, SpatialBody)
         return found
 
     def elastic(self, body: str) -> np.ndarray:
-        """q_f of a flexible body, shape (n_f,); of a cut one those of all its parts."""
+        """Elastic coordinates q_f of a flexible body, shape (n_f,); of a cut one those of all its parts."""
         found = self.spatial_body(body)
         if isinstance(found, CutBody):
             return self.coordinates(body)[found.elastic_places]
         return self.coordinates(body)[found.frame_size :]
 
     def rotation(self, body: str) -> np.ndarray:
-        """A of the body's frame, (3, 3); without orientation coordinates the unit matrix."""
+        """Rotation matrix A (3, 3) of the body's frame; the unit matrix without orientation coordinates."""
         found, q = self.spatial_body(body), self.coordinates(body)
         if found.turns == 4:
             return matrix_of(q[found.moves : found.moves + 4])
@@ -56,7 +56,7 @@ class SpatialConfiguration(Moment):
         return np.eye(3)
 
     def place(self, body: str, points: np.ndarray) -> np.ndarray:
-        """Points (n, 3) given in the axes of a flexible body's reduced model, r + A u."""
+        """Global places of points (n, 3) given in the axes of a flexible body's reduced model, r + A u."""
         found = self.spatial_body(body)
         assert isinstance(found, SpatialFlexible)
         origin = self.coordinates(body)[:3] if found.moves else np.array(found.position)
@@ -64,7 +64,7 @@ class SpatialConfiguration(Moment):
         return np.real(origin + points @ axes.T)
 
     def position(self, body: str, point: str) -> np.ndarray:
-        """Where the body carries the named point of the scene: r + A (z0 + Z c), (3,)."""
+        """Position (3,) of a named point of the scene, as carried by the body: r + A (z0 + Z c)."""
         body = self.scene.piece(body, point)
         marker, c = self._marker(body, point)
         return self._carried(body, np.real(marker.point[:3] + c @ marker.shape[:, :3]), np.real(marker.point[12:15]))
@@ -80,7 +80,7 @@ class SpatialConfiguration(Moment):
         )
 
     def across(self, joint: AtPoints, side: int) -> np.ndarray:
-        """The first two axes of the joint, turned with the body."""
+        """First two axes of the joint, turned with the body."""
         axes = joint.axes if isinstance(joint, SpatialJoint) and joint.axes is not None else np.eye(3)
         return self.turned(*joint.grips[side], np.real(axes))[:, :2].T
 
@@ -94,7 +94,7 @@ class SpatialConfiguration(Moment):
         return self._carried(body, middle - origin, 0 * origin if found.moves else origin)
 
     def has_ball(self, body: str) -> bool:
-        """Whether a ball stands for the centre of mass of a body."""
+        """Whether a ball is drawn for the centre of mass of a body."""
         found = self.spatial_body(body)
         return isinstance(found, SpatialRigidBody) and not isinstance(found, SpatialRod) and bool(self.segments(body))
 
@@ -107,7 +107,7 @@ class SpatialConfiguration(Moment):
         return self.centre(body), self.rotation(body)
 
     def segments(self, body: str) -> list[np.ndarray]:
-        """Lines that stand for a rigid body, each (2, 3): along a rod, else from the centre of mass to every gripped point.
+        """Lines (2, 3) that a rigid body is drawn as: along a rod, else from the centre of mass to every gripped point.
 
         A body that is gripped nowhere else is shown by the edges of the uniform box that has its mass and inertia, a flexible body
         without a surface by lines from the middle of its interface points to each.
@@ -143,11 +143,11 @@ class SpatialConfiguration(Moment):
         return [np.array([corners[a], corners[b]]) for a, b in pairs]
 
     def _marker(self, body: str, point: str, axes: np.ndarray | None = None) -> tuple[SpatialMarkerNumbers, np.ndarray]:
-        """A marker, and its coordinates c."""
+        """Marker of a body at a point, and its coordinates c."""
         marker = self.spatial_body(body).marker(self.scene, point, body, axes)
         return marker, self.coordinates(body)[marker.columns]
 
     def _carried(self, body: str, local: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-        """r + A u, where r of a frame that has no origin of its own is a fixed point."""
+        """Position r + A u, where r of a frame without an origin of its own is a fixed point."""
         origin = self.coordinates(body)[:3] if self.spatial_body(body).moves else fixed
         return origin + self.rotation(body) @ local

@@ -31,15 +31,15 @@ SHINE: dict[str, Any] = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
 _REACHES = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0, 7.0, 10.0)
 """Gaps between a point and its name, in letters: a name of a large body has to leave it."""
 SMALLEST = 1e-3
-"""Of the largest force or torque: a smaller one is not drawn."""
+"""Part of the largest force or torque below which one is not drawn."""
 _MOVED = 0.25
-"""Of a tube's radius: a body that has moved less hides its undeformed shape."""
+"""Part of a tube's radius: a body that has moved less hides its undeformed shape."""
 
 
 def draw_spatial_scene(
     panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook, motion: NamesOfMotion | None = None
 ) -> Any:
-    """Everything at one instant, alone or of a motion, in one panel; returns an actor that the colour bar belongs to, or None."""
+    """Draw everything at one instant into a panel; returns the actor that the colour bar belongs to, or None."""
     _draw_undeformed(panel, moment, look)
     actor = _draw_bodies(panel, moment, look)
     _draw_rods(panel, moment, look)
@@ -53,7 +53,7 @@ def draw_spatial_scene(
 
 
 def has_moved(moment: SpatialConfiguration, look: SpatialLook) -> bool:
-    """Whether any body is so far from where it is undeformed that both places are drawn."""
+    """Whether any body is so far from its undeformed place that both places are drawn."""
     start = SpatialConfiguration.undeformed(moment.solution)
     pairs = [(body_shape(start, body).points, body_shape(moment, body).points) for body in look.bodies]
     pairs += [pair for body in moment.scene.bodies for pair in zip(start.segments(body), moment.segments(body), strict=True)]
@@ -65,7 +65,7 @@ def _apart(before: np.ndarray, now: np.ndarray, look: SpatialLook) -> bool:
 
 
 def _draw_undeformed(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
-    """Bodies that have moved, faint and behind everything else, where they were."""
+    """Draw bodies that have moved in their undeformed places, faint and behind everything else."""
     start, faint = SpatialConfiguration.undeformed(moment.solution), {"color": UNDEFORMED, "lighting": False}
     for body in look.bodies:
         shape = body_shape(start, body)
@@ -84,7 +84,7 @@ def _draw_undeformed(panel: SpatialPanel, moment: SpatialConfiguration, look: Sp
 
 
 def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> Any:
-    """The flexible bodies with their stress, what is clamped in the colour of supports."""
+    """Draw the flexible bodies with their stress, clamped places in the colour of supports."""
     actor, limit = None, look.shown_stress.factor * look.stress_limit or 1.0
     colors: dict[str, Any] = (
         {"cmap": SIGNED, "clim": (-limit, limit)} if look.signed else {"cmap": UNSIGNED, "clim": (0.0, limit)}
@@ -106,7 +106,7 @@ def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
 
 
 def _draw_rods(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
-    """Rigid bodies: rods, stars with a ball at the centre of mass, or the edges of a box."""
+    """Draw rigid bodies: rods, stars with a ball at the centre of mass, or the edges of a box."""
     for body in moment.scene.bodies:
         segments, boxed = moment.segments(body), len(moment.segments(body)) == BOX_EDGES
         radius = 0.5 * look.radius if boxed else rod_radius(moment, body, look.radius)
@@ -117,7 +117,7 @@ def _draw_rods(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialL
 
 
 def _draw_links(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
-    """Springs as coils, other components between two points and what rolls as thin rods."""
+    """Draw springs as coils, other components between two points and wheels as thin rods."""
     for wheel in moment.wheels():
         panel.draw(parts.rod(wheel, 0.4 * look.radius), color=JOINT, smooth_shading=True)
     for link in moment.links():
@@ -127,7 +127,7 @@ def _draw_links(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatial
 
 
 def _draw_symbols(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
-    """Joints and grounds, before everything else."""
+    """Draw joints and grounds, before everything else."""
     for symbol in spatial_symbols(moment):
         color = SUPPORT if symbol.grounded else JOINT
         opacity = 0.5 if symbol.kind == "plane" else 1.0
@@ -135,7 +135,7 @@ def _draw_symbols(panel: SpatialPanel, moment: SpatialConfiguration, look: Spati
 
 
 def _draw_arrows(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
-    """Forces and torques, the longer the larger."""
+    """Draw forces and torques as arrows, the longer the larger."""
     for kind, point, vector in arrows(moment):
         relative = float(np.linalg.norm(vector)) / (look.largest[kind] or 1.0)
         if relative >= SMALLEST:
@@ -145,7 +145,7 @@ def _draw_arrows(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
 
 
 def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
-    """The axes of the bodies' frames."""
+    """Draw the axes of the bodies' frames."""
     for body in moment.scene.pieces():
         origin, axes = moment.frame(body)
         for direction, color in zip(axes.T, AXES.values(), strict=True):
@@ -153,7 +153,10 @@ def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
 
 
 def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook, motion: NamesOfMotion | None) -> None:
-    """Names of points, in the first panel of bodies too, off everything that is drawn; a line leads to a name that is not beside it."""
+    """Write names of points, in the first panel of bodies too, off everything that is drawn.
+
+    A line leads to a name that is not beside its point.
+    """
     named = names_by_place(moment, look.radius / 2, motion.moments if motion else ())
     bodies = _middles(moment, look, panel, motion) if panel.number == 1 else []
     names = [

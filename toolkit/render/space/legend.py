@@ -46,13 +46,13 @@ _ABOVE = 2.8
 
 
 def foot(moment: SpatialConfiguration, look: SpatialLook) -> float:
-    """Height of all that is explained below the panels, in letters; the same at all instants of a motion."""
+    """Height of all legends below the panels, in letters; the same at all instants of a motion."""
     rows = _ROWS if look.stress_limit else -(-len(_kinds(moment)) // _COLUMNS)
     return max(_LEAST, _ABOVE + _HIGH * rows + _below(look))
 
 
 def _below(look: SpatialLook) -> float:
-    """Height of what stands below the symbols, in letters."""
+    """Height of the legends below the symbols, in letters."""
     return _BAR if look.stress_limit else _WORDS[0] + _WORDS[1] * (2 + sum(size > 0 for size in look.largest.values()))
 
 
@@ -69,13 +69,13 @@ def draw_legend(
 
 
 def _scale(moment: SpatialConfiguration, look: SpatialLook) -> str:
-    """What is drawn as large as it is."""
+    """Words on sizes that are drawn to scale."""
     as_built = [body for body in look.bodies if drawn_as_built(moment.scene, body)]
     return f"motion to scale; surface of {', '.join(as_built)} as built" if as_built else "motion and shape to scale"
 
 
 def _faint(moment: SpatialConfiguration, look: SpatialLook) -> str:
-    """What the undeformed bodies in their places are called."""
+    """Words for the undeformed bodies in their places."""
     solution = moment.solution
     if solution.names:
         return solution.names[0]

@@ -22,7 +22,7 @@ from toolkit.responses.stress.von_mises import point_stress
 from toolkit.system.solution import Solution
 
 MOST_MOMENTS = 60
-"""Of the whole motion that are looked at for what has to be in view and for the largest stress."""
+"""Number of moments of the whole motion that are looked at for the view and for the largest stress."""
 SOME = 50
 """Points of a surface that stand for it where moments are compared."""
 TUBE, ARROW = 1 / 180, 1 / 7
@@ -31,7 +31,7 @@ TUBE, ARROW = 1 / 180, 1 / 7
 
 @dataclass(frozen=True)
 class SpatialLook:
-    """Choices for a set of pictures.
+    """Choices that all pictures of one spatial solution share.
 
     Attributes
     ----------
@@ -61,26 +61,26 @@ class SpatialLook:
 
     @property
     def extent(self) -> float:
-        """Size of what is drawn, which sizes of tubes and symbols follow."""
+        """Size of the drawing, which decides the sizes of tubes and symbols."""
         return float(np.linalg.norm(np.ptp(self.points, axis=0))) or 1.0
 
     @property
     def radius(self) -> float:
-        """Of a tube."""
+        """Radius of a tube that is drawn."""
         return TUBE * self.extent
 
     @property
     def stress_name(self) -> str:
-        """What the colours mean."""
+        """Name of the stress that the colours show."""
         return "stress" if self.signed else "von Mises stress"
 
     @property
     def shown_stress(self) -> Readable:
-        """The unit in which stresses are written."""
+        """Unit in which stresses are written."""
         return readable_stress(self.stress_limit, self.units)
 
     def colored(self, shape: BodyShape) -> np.ndarray:
-        """The stress that is shown at the points of a shape, in the unit in which it is written, (n,)."""
+        """Stress that is shown at the points of a shape, in the unit in which it is written, (n,)."""
         stress = self.shown_stress.factor * point_stress(shape.stress)
         return stress if self.signed else np.abs(stress)
 
@@ -111,25 +111,25 @@ def choose_spatial_look(solution: Solution, steps: Sequence[int], view: View) ->
 
 
 def outermost(points: np.ndarray) -> np.ndarray:
-    """The points that are furthest to every side as the camera sees it, and between these sides; instead of all of a fine mesh."""
+    """Points that are furthest to every side as the camera sees it, and between these sides, for all of a fine mesh."""
     corners = np.array(np.meshgrid(*[(-1, 0, 1)] * 3)).reshape(3, -1).T
     return points[np.unique(np.argmax(points @ (corners @ ISOMETRIC).T, axis=0))]
 
 
 def drawn_points(moment: SpatialConfiguration) -> np.ndarray:
-    """Where rigid bodies, joints and links are at one moment, (n, 3)."""
+    """Positions (n, 3) of rigid bodies, joints and links at one moment."""
     joints = [joint for joint in moment.scene.joints.values() if isinstance(joint, SpatialJoint)]
     found = [*moment.rods(), *moment.wheels(), *(moment.ends(each) for each in [*joints, *moment.links()])]
     return np.vstack([np.zeros((0, 3)), *found])
 
 
 def seen_points(moment: SpatialConfiguration) -> np.ndarray:
-    """The same with some points of every flexible body's surface, the same ones at every moment."""
+    """Positions of rigid bodies, joints, links and some points of every flexible body's surface, the same at every moment."""
     surfaces = [body_shape(moment, body).points for body in moment.flexible() if has_shape(moment.scene, body)]
     return np.vstack([drawn_points(moment), *(points[:: 1 + len(points) // SOME] for points in surfaces)])
 
 
 def rod_radius(moment: SpatialConfiguration, body: str, least: float) -> float:
-    """Radius of the cylinder that stands for a rigid body: of a rod its own, where that can be seen."""
+    """Radius of the cylinder that a rigid body is drawn as: a rod's own, where that can be seen."""
     found = moment.scene.body(body)
     return max(least, float(np.sqrt(np.real(found.area) / np.pi))) if isinstance(found, SpatialRod) else least

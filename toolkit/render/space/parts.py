@@ -14,7 +14,7 @@ STRESS = "stress"
 
 
 def whole(shape: BodyShape) -> Any:
-    """Triangles, sides and lines as one mesh."""
+    """Mesh of triangles, sides and lines together."""
     faces = [np.column_stack([np.full(len(each), each.shape[1]), each]).ravel() for each in (shape.triangles, *shape.sides)]
     lines = np.column_stack([np.full(len(shape.lines), 2), shape.lines]).ravel()
     mesh: Any = pyvista.PolyData()
@@ -23,12 +23,12 @@ def whole(shape: BodyShape) -> Any:
 
 
 def surface(shape: BodyShape, values: np.ndarray | None = None) -> Any:
-    """The triangles of a solid and the sides of beams, with values at their points."""
+    """Mesh of the triangles of a solid and the sides of beams, with values at their points."""
     return _valued(whole(replace(shape, lines=shape.lines[:0])), values)
 
 
 def fibres(shape: BodyShape, values: np.ndarray | None = None) -> Any:
-    """The lines of beams, with values at their points."""
+    """Mesh of the lines of beams, with values at their points."""
     return _valued(whole(replace(shape, triangles=shape.triangles[:0], sides=())), values)
 
 
@@ -39,7 +39,7 @@ def _valued(mesh: Any, values: np.ndarray | None) -> Any:
 
 
 def clamped_faces(shape: BodyShape) -> Any:
-    """The triangles that nothing moves."""
+    """Mesh of the triangles that no coordinate moves."""
     fixed = shape.triangles[shape.still[shape.triangles].all(axis=1)]
     return surface(replace(shape, triangles=fixed, sides=()))
 
@@ -51,12 +51,12 @@ def edges(shape: BodyShape, angle: float = 40.0) -> Any:
 
 
 def rod(ends: np.ndarray, radius: float) -> Any:
-    """A closed cylinder along a line (n, 3)."""
+    """Closed cylinder along a line (n, 3)."""
     return pyvista.lines_from_points(ends).tube(radius=radius, n_sides=24, capping=True)
 
 
 def ball(point: np.ndarray, radius: float) -> Any:
-    """A sphere."""
+    """Sphere around a point."""
     return pyvista.Sphere(radius=radius, center=point, theta_resolution=24, phi_resolution=24)
 
 
@@ -71,7 +71,7 @@ def coil(ends: np.ndarray, radius: float, turns: int = 9) -> np.ndarray:
 
 
 def arrow(point: np.ndarray, vector: np.ndarray, radius: float, heads: int) -> Any:
-    """An arrow from a point, with one head, or with two as a torque has."""
+    """Arrow from a point, with one head, or with two as a torque has."""
     length = float(np.linalg.norm(vector))
     along, head = vector / length, min(5 * radius, length / (heads + 1))
     shaft = pyvista.Cylinder(

@@ -57,7 +57,7 @@ def drawing_environment() -> dict[str, str]:
 
 
 def _candidates() -> list[dict[str, str]]:
-    """What to try: the screen if there is one or the user chose a window; on Linux also the windows that need no screen."""
+    """Environments to try: the screen if there is one or a window was chosen; on Linux also windows that need no screen."""
     if not sys.platform.startswith("linux") or VARIABLE in os.environ:
         return [{}]
     hidden = [{VARIABLE: window} for window in LIBRARIES]
@@ -83,7 +83,7 @@ def _trial(environment: Mapping[str, str]) -> str | None:
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Context in which space can be drawn: the environment that works, for this process and for this long only."""
+    """Context in which space can be drawn: the working environment, for this process and this long only."""
     environment = drawing_environment()
     os.environ.update(environment)
     try:

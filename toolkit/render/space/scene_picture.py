@@ -34,7 +34,7 @@ _ASPECTS = 1.15, 1.8
 def draw_spatial_instant(
     moment: SpatialConfiguration, look: SpatialLook, motion: NamesOfMotion | None, path: Path, width: int
 ) -> None:
-    """One instant, alone or of a motion."""
+    """Draw one instant, alone or of a motion."""
     letters, height = width // 70, round(0.65 * width)
     below = round(foot(moment, look) * letters)
     place: Place = (letters, below, width - 2 * letters, height - below - 3 * letters)
@@ -42,7 +42,7 @@ def draw_spatial_instant(
 
 
 def draw_spatial_overview(moments: Sequence[SpatialConfiguration], look: SpatialLook, path: Path, width: int) -> None:
-    """Several instants, two beside each other."""
+    """Draw several instants, two beside each other."""
     letters = width // 60
     places, height = overview_places(
         len(moments), width, round(foot(moments[0], look) * letters), natural_aspect(look.points, *_ASPECTS)
@@ -80,7 +80,7 @@ def _gravity(moment: SpatialConfiguration) -> np.ndarray | None:
 
 
 def spatial_caption(moment: SpatialConfiguration, look: SpatialLook) -> list[str]:
-    """Time and range of the stress; digits as fine as the scene needs."""
+    """Caption with time and range of the stress, in digits as fine as the scene needs."""
     words = [moment.told]
     every = [(body, point_stress(body_shape(moment, body).stress)) for body in look.bodies]
     if look.bodies and not any(told(stress, round_off(moment.scene, body)) for body, stress in every):

@@ -28,7 +28,7 @@ class SpatialSymbol(NamedTuple):
     grounded: bool = False
 
     def surface(self, size: float) -> Any:
-        """Its surface; size is about the radius of its parts."""
+        """Surface that draws the symbol; `size` is about the radius of its parts."""
         mesh = _SURFACES[self.kind]()
         placed = np.eye(4)
         placed[:3, :3], placed[:3, 3] = size * self.axes, self.point
@@ -36,7 +36,7 @@ class SpatialSymbol(NamedTuple):
 
 
 def spatial_symbols(moment: SpatialConfiguration) -> list[SpatialSymbol]:
-    """Joints, grounds and clamps of a scene; a named point that none of these and no ball stands at is a pin."""
+    """Symbols of joints, grounds and clamps of a scene; a named point without any of these, and without a ball, is a pin."""
     found = [symbol for joint in moment.joints() for symbol in _joint_symbols(moment, joint)]
     for link in moment.links():
         for (body, _), end in zip(link.grips, moment.ends(link), strict=True):
@@ -51,7 +51,7 @@ def spatial_symbols(moment: SpatialConfiguration) -> list[SpatialSymbol]:
 
 
 def _bearing(moment: SpatialConfiguration, body: str) -> list[SpatialSymbol]:
-    """The hinge on the ground that a turning frame stands for."""
+    """Hinge on the ground that a turning frame is drawn with."""
     found = moment.spatial_body(body)
     if found.frame != "turning":
         return []
@@ -60,7 +60,7 @@ def _bearing(moment: SpatialConfiguration, body: str) -> list[SpatialSymbol]:
 
 
 def clamped_points(moment: SpatialConfiguration) -> list[np.ndarray]:
-    """Middles of what nothing moves of grounded bodies: sections of beams, and connected parts of a solid's surface."""
+    """Middles of the clamped places of grounded bodies: sections of beams, and connected parts of a solid's surface."""
     found: list[np.ndarray] = []
     for body in moment.flexible():
         if moment.spatial_body(body).frame == "grounded" and has_shape(moment.scene, body):
@@ -70,7 +70,7 @@ def clamped_points(moment: SpatialConfiguration) -> list[np.ndarray]:
 
 
 def _clamped_sections(shape: BodyShape) -> list[np.ndarray]:
-    """Ends of fibres that are close to each other belong to one section."""
+    """Middles of clamped beam sections; ends of fibres that are close to each other belong to one section."""
     fixed, found = shape.points[shape.lines.ravel()[shape.still[shape.lines.ravel()]]], []
     reach = np.linalg.norm(np.ptp(shape.points, axis=0)) / 20
     while len(fixed):
@@ -81,7 +81,7 @@ def _clamped_sections(shape: BodyShape) -> list[np.ndarray]:
 
 
 def _clamped_parts(shape: BodyShape) -> list[np.ndarray]:
-    """Triangles that share points belong to one part."""
+    """Middles of clamped parts of a surface; triangles that share points belong to one part."""
     fixed, n = shape.triangles[shape.still[shape.triangles].all(axis=1)], len(shape.points)
     links = coo_array((np.ones(2 * len(fixed)), (np.tile(fixed[:, 0], 2), fixed[:, 1:].T.ravel())), (n, n))
     part = connected_components(links, directed=False)[1][fixed[:, 0]]
@@ -89,7 +89,7 @@ def _clamped_parts(shape: BodyShape) -> list[np.ndarray]:
 
 
 def _joint_symbols(moment: SpatialConfiguration, joint: Joint) -> list[SpatialSymbol]:
-    """A symbol stands where body a is gripped; its axes are those of body b, which a slide's axis is fixed in."""
+    """Symbols of joints where body a is gripped, with the axes of body b, in which a slide's axis is fixed."""
     if not isinstance(joint, SpatialJoint) or not joint.symbol:
         return []
     kind, grounded = joint.symbol, "ground" in joint.bodies
@@ -130,7 +130,7 @@ def _together(*meshes: Any) -> Any:
 
 
 def _pyramid() -> Any:
-    """A foot below a point, on a plate."""
+    """Foot below a point, on a plate."""
     cone = pyvista.Cone(center=(0, 0, -1.6), direction=(0, 0, 1), height=3.2, radius=2.4, resolution=4)
     plate = pyvista.Box((-2.6, 2.6, -2.6, 2.6, -3.9, -3.2))
     return _together(cone, plate)

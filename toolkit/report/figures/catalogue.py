@@ -31,7 +31,7 @@ from toolkit.scene_file.gradient_units import per, variable_unit
 
 
 def monitor_curves(material: Material) -> list[Drawing]:
-    """Energies, what the balance lacks, and the largest violation of any joint."""
+    """Figure of energies, energy balance, and the largest constraint violation of any joint."""
     if not material.moving:
         return []
     found, times, energy = material.monitors, material.solution.times, unit(material.scene.units, "energy")
@@ -64,7 +64,7 @@ def monitor_curves(material: Material) -> list[Drawing]:
 
 
 def mechanism(material: Material) -> list[Drawing]:
-    """All bodies in one panel."""
+    """Figure of all bodies in one panel."""
     *ghosts, last = [material.moment(step) for step in material.telling]
     shades = [to_hex(shade) for shade in colormaps["Greys"](np.linspace(0.3, 0.55, max(len(ghosts), 1)))]
     corners = window(material.look.points)
@@ -164,6 +164,6 @@ FIGURES: tuple[Figure, ...] = (
     certificate,
     monitor_curves,
 )
-"""Of scenes in the plane."""
+"""Figures of scenes in the plane."""
 FIGURES_IN: dict[Space, tuple[Figure, ...]] = {PLANE: FIGURES, SPACE: (load_curves, certificate, monitor_curves)}
-"""Those of scenes in space look at no body; pictures of bodies come from `motion`."""
+"""Figures by space; those of scenes in space show no body, whose pictures come from `motion`."""

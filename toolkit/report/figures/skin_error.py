@@ -18,7 +18,7 @@ from toolkit.system.flexible_bodies import flexible_body
 
 
 def targeted(material: Material) -> list[str]:
-    """Skins that have a target."""
+    """Names of the skins that have a target."""
     return [name for name in material.skins if material.results.bodies[name].shape_error.shape[1]]
 
 

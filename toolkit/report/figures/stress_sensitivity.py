@@ -56,7 +56,7 @@ def _one(material: Material, body: str, x: int, variable: str) -> Drawing:
 
 
 def color_range(fibres: np.ndarray, noise: float) -> tuple[float, float]:
-    """How far colours reach, and the largest size if that is far beyond them, or else zero.
+    """Limit of the colours, and the largest magnitude if that is far beyond it, otherwise zero.
 
     Where a motion snaps through, derivatives have a peak that would leave all else without a colour: then they reach as far as three
     quarters of the instants and the end do.

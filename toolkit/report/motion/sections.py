@@ -27,7 +27,7 @@ EVERY = (POINTS - 1) // 4
 
 
 def viewer_data(material: Material) -> dict[str, Any]:
-    """Frames as lists of numbers, rounded to a ten-thousandth of the scene.
+    """Frames of the moving picture as lists of numbers, rounded to a ten-thousandth of the scene.
 
     Each frame: time; per skin its points x, y and the stress of its outer fibre; per meshed body its closed lines; rods and links as
     x, y, x, y.
@@ -77,7 +77,7 @@ _CAPTIONS = {
 
 
 def motion_sections(material: Material, folder: Path, progress: Progress) -> list[Section]:
-    """Draw them into the folder of the report; nothing of a planar equilibrium, whose figures show it."""
+    """Sections with pictures of a motion, drawn into the report's folder; none of a planar equilibrium, whose figures show it."""
     return _SECTIONS[material.scene.space](material, folder, progress)
 
 
@@ -91,7 +91,7 @@ def _in_the_plane(material: Material, folder: Path, progress: Progress) -> list[
 
 
 def _hints(material: Material, limit: float, target: bool) -> list[str]:
-    """What colours and lines of the view mean."""
+    """Explanation of the colours and lines of the view."""
     if not material.skins:
         return []
     factor, label = readable_stress(limit, material.scene.units)

@@ -42,7 +42,7 @@ class OfBodies(Instant):
         return bodies
 
     def names(self, scene: Any) -> tuple[str, ...]:
-        """Names of the bodies that count."""
+        """Names of the bodies that the response counts."""
         return scene.pieces(self.bodies)
 
 
@@ -53,7 +53,7 @@ class Mass(OfBodies):
     quantity = "mass"
 
     def at(self, solution: Solution, _step: int) -> Partials:
-        """The sum; it follows the design, but no state."""
+        """Sum of the bodies' masses; it depends on the design, but on no state."""
         values, by_x = masses(solution.system, self.names(solution.system.scene))
         return Partials(values.sum(), design=by_x.sum(axis=0))
 
@@ -75,20 +75,20 @@ class CentreOfMass(OfBodies):
     component: Literal["x", "y", "z", "magnitude"]
 
     def grips(self, scene: Any) -> tuple[tuple[str, str], ...]:
-        """The centres of mass of its bodies."""
+        """Pairs of body and centre of mass, for every body that the response counts."""
         return tuple((name, CENTRE) for name in self.names(scene))
 
     def check(self, scene: Any) -> None:
-        """The plane has no z."""
+        """Refuse a z component in a planar scene."""
         super().check(scene)
         refuse_component(self.component, scene, self.kind)
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """sum m_b r_b / sum m_b."""
+        """One component of sum m_b r_b / sum m_b at a step, with its partial derivatives."""
         return self.instants(solution)(step)
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """Masses are found once for all steps."""
+        """One component of the centre of mass, step by step; masses are found once for all steps."""
         scene, system = solution.system.scene, solution.system
         values, by_x = masses(system, self.names(scene))
         motion, d, shares = MarkerMotion.of(system, self.grips(scene)), scene.dimension, values / values.sum()

@@ -22,7 +22,7 @@ from toolkit.system.solution import Solution
 
 
 class Doer(Description):
-    """Base of responses of what a load or the driver of a joint does to the scene.
+    """Base of responses that measure what a load or the driver of a joint does to the scene.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Power(Doer, OfRates):
     quantity = "power"
 
     def check(self, scene: Any) -> None:
-        """The load has a power that is known, the joint has a driver.
+        """Refuse a load whose power is not known, and a joint without a driver.
 
         Raises
         ------
@@ -74,16 +74,16 @@ class Power(Doer, OfRates):
             )
 
     def grips(self, scene: Scene) -> tuple[tuple[str, str], ...]:
-        """Centres of mass, which gravity acts on; what a load grips is there anyway."""
+        """Pairs of body and centre of mass where gravity acts; empty for other loads, whose points are there anyway."""
         gravity = self.load is not None and isinstance(scene.loads[self.load], UniformGravity)
         return tuple((name, CENTRE) for name in scene.pieces()) if gravity else ()
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """The power at a step."""
+        """Power and its partial derivatives at a step."""
         return self.instants(solution)(step)
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """Of a driver, of gravity, or of a load between two markers."""
+        """Power and its partial derivatives, step by step, of a driver, of gravity, or of a load between two markers."""
         if self.joint is not None:
             return _of_driver(solution, self.joint)
         assert self.load is not None

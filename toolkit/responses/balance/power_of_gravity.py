@@ -16,7 +16,7 @@ from toolkit.system.solution import Solution
 
 
 def power_of_gravity(solution: Solution, name: str) -> Callable[[int], Partials]:
-    """P = sum m_b g . r_b' of a load of that name, step by step."""
+    """Power P = sum m_b g . r_b' of the gravity load of that name, step by step."""
     system, scene = solution.system, solution.system.scene
     names, load, d = scene.pieces(), scene.loads[name], scene.dimension
     assert isinstance(load, UniformGravity)
@@ -44,6 +44,6 @@ def power_of_gravity(solution: Solution, name: str) -> Callable[[int], Partials]
 
 
 def _place(path: str) -> int:
-    """Which component of a vector a path leads to."""
+    """Number of the component of a vector that a path leads to."""
     last = path.rpartition(".")[2]
     return "xyz".index(last) if last in "xyz" else int(last)

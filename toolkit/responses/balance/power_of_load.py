@@ -18,7 +18,7 @@ from toolkit.system.system import System
 
 
 def power_of_load(solution: Solution, name: str) -> Callable[[int], Partials]:
-    """P = f . w of a load of that name, step by step, with its force law f(z, w) (see `load_kernel`):
+    """Power P = f . w of the load of that name, step by step, with its force law f(z, w) (see `load_kernel`):
 
         P_z = w . f_z,   P_w = f + w . f_w
 
@@ -53,7 +53,7 @@ def power_of_load(solution: Solution, name: str) -> Callable[[int], Partials]:
 def law_of_load(
     system: System, load: Load, k: int, motions: tuple[Motion, Motion], own: Any, scale: Any
 ) -> tuple[np.ndarray, ...]:
-    """f (w,), f_z (w, z) and f_w (w, w) of load number k at poses and rates z and w of its markers, and at its `own` state."""
+    """Force law f (w,), f_z (w, z) and f_w (w, w) of load number k at its markers' poses and rates and its `own` state."""
     a, b = motions
     z: np.ndarray = np.concatenate([a.y, b.y, system.plan.loads.parameter[k], [scale]]).astype(system.dtype)
     w: np.ndarray = np.concatenate([a.rate, b.rate, [own]]).astype(system.dtype)

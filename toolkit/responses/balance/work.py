@@ -18,23 +18,23 @@ class Work(Doer, Integral):
 
     @property
     def source(self) -> Power:
-        """Its power."""
+        """Power whose integral over time is this work."""
         return Power(load=self.load, joint=self.joint)
 
     @property
     def physical_dimension(self) -> Dimension:
-        """Of an energy."""
+        """Physical dimension of an energy."""
         return LABELLED["energy"]
 
     @property
     def unit_quantity(self) -> str:
-        """An energy."""
+        """Name of the physical quantity: "energy"."""
         return "energy"
 
     def unit(self, system_of_units: str) -> str:
-        """Of an energy."""
+        """Unit of energy in a system of units."""
         return unit(system_of_units, "energy")
 
     def check(self, scene: Any) -> None:
-        """The power's own."""
+        """Refuse what the power of the same load or driver refuses."""
         self.source.check(scene)

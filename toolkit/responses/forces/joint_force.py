@@ -46,11 +46,11 @@ class JointForce(Instant):
 
     @property
     def unit_quantity(self) -> str:
-        """A torque has another unit than a force."""
+        """Name of the physical quantity: "torque" for a torque component, otherwise "force"."""
         return "torque" if self.component.startswith("torque") else "force"
 
     def check(self, scene: Any) -> None:
-        """The component exists in the scene's space.
+        """Refuse a component that joint forces do not have in the scene's space.
 
         Raises
         ------
@@ -65,11 +65,11 @@ class JointForce(Instant):
             )
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """Value, and derivatives by coordinates, multipliers and design."""
+        """Force or torque component at a step, and its derivatives by coordinates, multipliers and design."""
         return self.instants(solution)(step)
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """The same, step by step."""
+        """Force or torque component with its derivatives, step by step."""
         wrench = self.wrench(solution.system)
         return lambda step: self._component(solution, step, wrench(solution.q[step], solution.multipliers[step]))
 
@@ -89,7 +89,7 @@ class JointForce(Instant):
         return Partials(force[k], q=force_q[k], multipliers=force_lam[k], design=force_x[k])
 
     def wrench(self, system: System) -> Wrench:
-        """Its components and their derivatives, by the coordinates and multipliers of one state after the other."""
+        """Function that evaluates the joint's force and torque, and their derivatives, at coordinates and multipliers."""
         of_joint, j = _WRENCH[system.scene.space], list(system.scene.joints).index(self.joint)
         if not len(system.plan.dropped):
             return of_joint(system, j)
@@ -97,7 +97,7 @@ class JointForce(Instant):
 
 
 def _of_least_squares(system: System, of_joints: Sequence[Wrench], j: int, q: np.ndarray, lam: np.ndarray) -> Force:
-    """The force of joint number j, with multipliers of least squares."""
+    """Force and torque of joint number j with least-squares multipliers, and their derivatives."""
     forces = least_squares_forces(system, q, lam, partial(_wrenches, system, of_joints, q))
     value, by_q, by_lam, by_x = of_joints[j](q, forces.value)
     return value, by_q + by_lam @ forces.by_q, by_lam @ forces.by_lam, by_x + np.real(by_lam @ forces.by_x)
@@ -116,7 +116,7 @@ def _wrenches(system: System, of_joints: Sequence[Wrench], q: np.ndarray, lam: n
 
 
 class PlanarJointForce:
-    """(f_x, f_y, torque) of joint number j and its derivatives (3, n_q), (3, n_lam), (3, n_x), of one state after the other."""
+    """Force (f_x, f_y) and torque of planar joint j, with derivatives (3, n_q), (3, n_lam), (3, n_x), one state at a time."""
 
     def __init__(self, system: System, j: int) -> None:
         self.system, self.j, self._markers = system, j, MarkerStates(system)
@@ -126,7 +126,7 @@ class PlanarJointForce:
         self._evaluate = system.prepared(evaluate_planar_joint, *given)
 
     def __call__(self, q: np.ndarray, lam: np.ndarray) -> Force:
-        """At coordinates (n_q,) and multipliers (n_lam,)."""
+        """Force and torque with their derivatives at coordinates (n_q,) and multipliers (n_lam,)."""
         system, j, joint, joints = self.system, self.j, self._joint, self.system.plan.joints
         state = self._markers.at(q)
         self._acc[system.n_q :] = lam
@@ -146,7 +146,7 @@ class PlanarJointForce:
         return force, force_q, force_lam, force_x
 
     def _add_by_pose(self, state: Any, force_q: np.ndarray, force_x: np.ndarray) -> None:
-        """What the poses of both markers do to it."""
+        """Add the force's derivatives through the poses of both markers."""
         markers, stiffness = self.system.plan.markers, -self._joint.stiffness[:3]
         for side in range(2):
             m = self.system.plan.joints.marker[self.j, side]

@@ -19,7 +19,7 @@ KERNELS = {PLANE: evaluate_planar_joint, SPACE: evaluate_spatial_joint}
 
 
 def wrenches_of_joints(solution: Solution) -> JointWrenches:
-    """Those of a run, of which each state is evaluated once, whoever asks for it."""
+    """Joint forces and moments of a run, stored so that every state is evaluated only once."""
     if JointWrenches not in solution.known:
         solution.known[JointWrenches] = JointWrenches(solution)
     found: JointWrenches = solution.known[JointWrenches]
@@ -27,7 +27,7 @@ def wrenches_of_joints(solution: Solution) -> JointWrenches:
 
 
 class JointWrenches:
-    """Those of a run, with memory to evaluate one state after the other."""
+    """Forces and moments of all joints of a run, with work memory for one state at a time."""
 
     def __init__(self, solution: Solution) -> None:
         self.solution, self.system = solution, solution.system
@@ -41,7 +41,7 @@ class JointWrenches:
         ]
 
     def at(self, step: int) -> np.ndarray:
-        """On the first and on the second body of every joint, about the point that it grips there, (n_j, 2, 3 or 6)."""
+        """Forces and moments on both bodies of every joint at a step, about the joint's point on each, (n_j, 2, 3 or 6)."""
         if step not in self._kept:
             self._kept[step] = self._evaluated(step)
         return self._kept[step]
@@ -73,7 +73,7 @@ class JointWrenches:
         return np.concatenate(found)
 
     def _wrenches(self, z: np.ndarray, f: np.ndarray) -> np.ndarray:
-        """(F, M) at both markers (2, 3 or 6) of f at the poses z."""
+        """Force and moment (F, M) at both markers (2, 3 or 6) from the generalized force f at the poses z."""
         pose, force = z.reshape(2, -1), f.reshape(2, -1)
         if pose.shape[1] == len(PLANE.wrench):
             return -force

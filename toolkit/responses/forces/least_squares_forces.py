@@ -29,7 +29,7 @@ Wrenches = Callable[[np.ndarray], tuple[np.ndarray, ...]]
 
 
 class Split(NamedTuple):
-    """Multipliers of least squares, with what they are found from."""
+    """Least-squares multipliers, and the matrices that they are found from."""
 
     value: np.ndarray  # mu (n_lam,)
     jacobian: np.ndarray  # J (n_lam, n_q)
@@ -86,7 +86,7 @@ def _places(system: System) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _connected(system: System) -> np.ndarray:
-    """Number of the set of joints that each one belongs to, (n_j,): those that bodies connect, other than the ground."""
+    """Number (n_j,) of the set that every joint belongs to: sets of joints that bodies other than the ground connect."""
     bodies = [[name for name in joint.bodies if name != "ground"] for joint in system.scene.joints.values()]
     names = {name: k for k, name in enumerate(sorted({name for pair in bodies for name in pair}))}
     ties = np.array([[names[pair[0]], names[pair[-1]]] for pair in bodies], int).reshape(-1, 2)
@@ -96,7 +96,7 @@ def _connected(system: System) -> np.ndarray:
 
 
 def least_squares_forces(system: System, q: np.ndarray, lam: np.ndarray, wrenches: Wrenches) -> Forces:
-    """Multipliers (n_lam,) of least squares for those of a run from which redundant rows were dropped."""
+    """Least-squares multipliers (n_lam,) with derivatives, of a run from which redundant rows were dropped."""
     G = wrenches(lam)[2]
     value, jacobian, kept, N = least_squares(system, q, lam, G)
     real = (np.real(each) for each in (jacobian, N, G, lam, value))
@@ -104,7 +104,7 @@ def least_squares_forces(system: System, q: np.ndarray, lam: np.ndarray, wrenche
 
 
 def least_squares(system: System, q: np.ndarray, lam: np.ndarray, G: np.ndarray) -> Split:
-    """The same without derivatives, where forces and torques of all joints are G lam."""
+    """Least-squares multipliers without derivatives, where forces and torques of all joints are G lam."""
     n_q = system.n_q
     jacobian = system.dense(_terms(system, q, np.zeros(n_q), 0 * lam).I_acc)[n_q:, :n_q]
     repeating = system.plan.dropped - n_q
@@ -146,13 +146,13 @@ def _derivatives(
 
 
 def _terms(system: System, q: np.ndarray, a: np.ndarray, lam: np.ndarray):
-    """Joints alone at acc = [a; lam]."""
+    """Terms of the joints alone at acc = [a; lam]."""
     dtype = np.result_type(q, a, lam, system.dtype)
     return joint_terms(system, np.concatenate([q, 0 * lam]).astype(dtype), np.concatenate([a, lam]).astype(dtype))
 
 
 def _blocks(system: System, terms) -> tuple[np.ndarray, ...]:
-    """d(J^T lam)/dq, d(J^T lam)/dx, d(J a)/dq, d(J a)/dx."""
+    """Derivatives d(J^T lam)/dq, d(J^T lam)/dx, d(J a)/dq, d(J a)/dx."""
     n_q, by_q = system.n_q, np.real(system.dense(terms.I_q))
     by_x = np.real(terms.I_x)
     return by_q[:n_q, :n_q], by_x[:n_q], by_q[n_q:, :n_q], by_x[n_q:]

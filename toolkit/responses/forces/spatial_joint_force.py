@@ -20,7 +20,7 @@ from toolkit.system.marker_states import MarkerStates
 from toolkit.system.system import System
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
-"""Of every component the two others, in the order of a vector product."""
+"""Numbers of the two other components of every component, in the order of a vector product."""
 
 
 Force = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -28,7 +28,7 @@ Force = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 class SpatialJointForce:
-    """(F, M) of joint number j (6,), and its derivatives (6, n_q), (6, n_lam), (6, n_x), with memory for one state after the other."""
+    """Force and moment (F, M) (6,) of joint j, with derivatives (6, n_q), (6, n_lam), (6, n_x), one state at a time."""
 
     def __init__(self, system: System, j: int) -> None:
         self.system, self.j, self._markers = system, j, MarkerStates(system)
@@ -38,7 +38,7 @@ class SpatialJointForce:
         self._evaluate = system.prepared(evaluate_spatial_joint, *given)
 
     def __call__(self, q: np.ndarray, lam: np.ndarray) -> Force:
-        """At coordinates (n_q,) and multipliers (n_lam,)."""
+        """Force and torque with their derivatives at coordinates (n_q,) and multipliers (n_lam,)."""
         system, j, work, joints, markers = self.system, self.j, self._work, self.system.plan.joints, self.system.plan.markers
         state = self._markers.at(q)
         self._acc[system.n_q :] = lam
@@ -61,12 +61,12 @@ class SpatialJointForce:
 
 
 def _wrench(z: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """(F, M) (..., 6) of f (..., 24) at the poses z (24,)."""
+    """Force and moment (F, M) (..., 6) from the generalized force f (..., 24) at the poses z (24,)."""
     return np.concatenate([-f[..., :3], _moment(z, f)], axis=-1)
 
 
 def _moment(z: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """M (..., 3) of f (..., 24) at poses z (..., 12 or 24), of which one or the other may be several."""
+    """Moment M (..., 3) of f (..., 24) at poses z (..., 12 or 24), of which one or the other may be several."""
     e, g = (each[..., 3:12].reshape(*each.shape[:-1], 3, 3) for each in (z, f))
     moment: np.ndarray = (e[..., _LAST] * g[..., _NEXT] - e[..., _NEXT] * g[..., _LAST]).sum(axis=-2)
     return moment
@@ -89,7 +89,7 @@ def _by_pose(evaluate: Callable[[], Any], rate: np.ndarray, side: int, lam: np.n
 
 
 def _add_number_designs(system: System, j: int, work: Work, lam: np.ndarray, by_x: np.ndarray) -> None:
-    """What the numbers of the rows change, such as a length."""
+    """Add the force's derivatives by design variables that change numbers of the joint's rows, such as a length."""
     joints, joint = system.plan.joints, in_memory(work.joint) if system.compiled else work.joint
     for d in range(joints.of[j, DESIGN], joints.of[j, DESIGN + 1]):
         system.run(change_spatial_number, joints, j, d, lam[joints.design[d, 1]], np.zeros(3), joint)

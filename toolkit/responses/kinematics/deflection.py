@@ -42,7 +42,7 @@ class Deflection(Instant):
     component: Literal["x", "y", "z", "magnitude"] = "magnitude"
 
     def check(self, scene: Any) -> None:
-        """The body is flexible, the point is one of it, and the plane has no z."""
+        """Refuse a body that is rigid or has several frames, a point that is none of it, and a z component in the plane."""
         super().check(scene)
         refuse_component(self.component, scene, self.kind)
         found = flexible_body(scene, self.body)
@@ -54,11 +54,11 @@ class Deflection(Instant):
         found.point(scene, self.point, self.body)
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """Z q_f."""
+        """Component or magnitude of Z q_f at a step, with its partial derivatives."""
         return self.instants(solution)(step)
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """Z and its design derivatives are found once for all steps."""
+        """Component or magnitude of Z q_f, step by step; Z and its design derivatives are found once for all steps."""
         system, where = solution.system, elastic_coordinates(solution, self.body)
         shape, shape_x = self._shape(system.scene), list[tuple[int, np.ndarray]]()
         for x, variable in enumerate(system.design):

@@ -23,18 +23,18 @@ class MarkerFormula(Instant):
 
     @abstractmethod
     def formula(self, *motions: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
-        """Values (k,) from the motion of each marker, and their derivatives by it, (k, p) for each part that they depend on.
+        """Values (k,) from the motion of each marker, and their derivatives (k, p) by each part of that motion.
 
         One value, or the components of a vector, of which `chosen` takes one or the magnitude. Complex-safe.
         """
 
     @property
     def chosen(self) -> int | None:
-        """Which of the values is the response; None for the magnitude of them all."""
+        """Number of the value that is the response; None for the magnitude of all."""
         return 0
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """The formula and the chain rule, step by step."""
+        """Value and partial derivatives, step by step, by the formula and the chain rule."""
         motion = MarkerMotion.of(solution.system, self.markers())
 
         def look(step: int) -> Partials:
@@ -43,7 +43,7 @@ class MarkerFormula(Instant):
         return look
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """The formula and the chain rule."""
+        """Value and partial derivatives at a step, by the formula and the chain rule."""
         return self.instants(solution)(step)
 
 
@@ -59,7 +59,7 @@ class MarkerVector(MarkerFormula):
     component: Literal["x", "y", "z", "magnitude"] = "magnitude"
 
     def check(self, scene: Any) -> None:
-        """The plane has no z.
+        """Refuse a z component in a planar scene.
 
         Raises
         ------
@@ -71,12 +71,12 @@ class MarkerVector(MarkerFormula):
 
     @property
     def chosen(self) -> int | None:
-        """The component's place."""
+        """Number of the wanted component; None for the magnitude."""
         return place_of(self.component)
 
 
 def place_of(component: str) -> int | None:
-    """Place of a component of a vector; None of its magnitude."""
+    """Number of a vector's component; None for the magnitude."""
     return None if component == "magnitude" else "xyz".index(component)
 
 

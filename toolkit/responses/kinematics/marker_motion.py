@@ -36,7 +36,7 @@ class Motion(NamedTuple):
 
 @dataclass(frozen=True)
 class MarkerMotion:
-    """What some markers of a system do, with memory to evaluate one state after the other."""
+    """Motion of some markers of a system, with work memory for one state at a time."""
 
     system: System
     markers: tuple[int, ...]
@@ -44,11 +44,11 @@ class MarkerMotion:
 
     @classmethod
     def of(cls, system: System, grips: Sequence[tuple[str, ...]]) -> MarkerMotion:
-        """Of the markers of bodies at points."""
+        """Motion of the markers that bodies have at points."""
         return cls(system, tuple(map(system.numbering.marker, grips)), MarkerStates(system))
 
     def at(self, solution: Solution, step: int) -> list[Motion]:
-        """The motion of each marker at one step; `partials` then belongs to that step."""
+        """Motion of each marker at one step; `partials` then belongs to that step."""
         found = self.states.at(solution.q[step], solution.v[step], solution.a[step])
         return [
             Motion(found.y[m].copy(), found.rate[m].copy(), found.acceleration[m] + found.centripetal[m]) for m in self.markers

@@ -40,11 +40,11 @@ class PointDistance(MarkerVector):
         return self
 
     def markers(self) -> tuple[tuple[str, str], ...]:
-        """Each point on its body."""
+        """Pairs of body and point: each point on its body."""
         return tuple(zip(self.bodies, self.points, strict=True))
 
     def formula(self, *motions: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
-        """r_b - r_a."""
+        """Vector r_b - r_a from the first point to the second, and its derivatives by both motions."""
         a, b = (motion.y for motion in motions)
         d = dimension_of(a)
         side = np.eye(d, len(a))

@@ -20,7 +20,7 @@ class PointVector(OfRates, OnePoint, MarkerVector):
     part: ClassVar[Literal["rate", "acceleration"]]
 
     def formula(self, *motions: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
-        """The first numbers of the part; those behind them are rotations or axes."""
+        """Translational components of the chosen part of the motion, and their derivatives; rotations or axes follow them."""
         values = getattr(motions[0], self.part)
         d = dimension_of(values)
         return values[:d], [Motion(**{self.part: np.eye(d, len(values))})]
@@ -61,7 +61,7 @@ class AngularVelocity(OfRates, OnePoint, MarkerFormula):
     component: Literal["x", "y", "z", "magnitude"] | None = None
 
     def check(self, scene: Any) -> None:
-        """A component belongs to space.
+        """Refuse a component in the plane, and its absence in space.
 
         Raises
         ------
@@ -76,11 +76,11 @@ class AngularVelocity(OfRates, OnePoint, MarkerFormula):
 
     @property
     def chosen(self) -> int | None:
-        """The component's place; the only value in the plane."""
+        """Number of the component in space, None for the magnitude; the only value in the plane."""
         return 0 if self.component is None else place_of(self.component)
 
     def formula(self, *motions: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
-        """From the axes and their rates."""
+        """Angular velocity from the body's axes and their rates, and its derivatives by both."""
         y, rate = motions[0].y, motions[0].rate
         if dimension_of(y) == 2:
             return rate[2:], [Motion(rate=np.eye(3)[2:])]
@@ -92,7 +92,7 @@ class AngularVelocity(OfRates, OnePoint, MarkerFormula):
 
 
 def dimension_of(pose: np.ndarray) -> int:
-    """2 or 3, from the length of a pose."""
+    """Dimension of space, 2 or 3, from the length of a pose."""
     return 2 if len(pose) == 3 else 3
 
 

@@ -13,11 +13,11 @@ class OfRates(Instant):
 
     @property
     def needs_motion(self) -> bool:
-        """Always: at rest they are zero."""
+        """Whether the response exists for a transient solution only: always true, as rates are zero at rest."""
         return True
 
     def check(self, scene: Any) -> None:
-        """A quasi-static run has no rates: its velocities are those between one equilibrium and the next.
+        """Refuse rates in a quasi-static run, whose velocities are those between one equilibrium and the next.
 
         Raises
         ------

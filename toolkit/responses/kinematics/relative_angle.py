@@ -63,11 +63,11 @@ class RelativeAngle(Instant):
         return self
 
     def markers(self) -> tuple[tuple[str, str], ...]:
-        """The point on each body."""
+        """Pairs of body and point: the point on each body."""
         return tuple(zip(self.bodies, on_both(self.point), strict=True))
 
     def check(self, scene: Any) -> None:
-        """An axis belongs to space.
+        """Refuse an axis in the plane, and its absence in space.
 
         Raises
         ------
@@ -78,11 +78,11 @@ class RelativeAngle(Instant):
         refuse_axis(self.axis, scene, "relative angle")
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """The angle with its turns."""
+        """Relative angle with its whole turns at a step, and its partial derivatives."""
         return self.instants(solution)(step)
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """Turns are counted once for all steps."""
+        """Relative angle with its whole turns, step by step; turns are counted once for all steps."""
         motion, turns = MarkerMotion.of(solution.system, self.markers()), list[float]()
 
         def look(step: int) -> Partials:
@@ -95,7 +95,7 @@ class RelativeAngle(Instant):
         return look
 
     def _formula(self, a: Motion, b: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
-        """The angle without turns."""
+        """Relative angle without whole turns, and its derivatives by both motions."""
         if self.axis is None:
             side = np.eye(3)[2:]
             return a.y[2:] - b.y[2:], [Motion(y=side), Motion(y=-side)]
@@ -104,7 +104,7 @@ class RelativeAngle(Instant):
         return np.array([plain(angle_of)(s, c)]), [Motion(y=each[None]) for each in by]
 
     def _cosine_and_sine(self, a: Motion, b: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
-        """u_1 . w_1 + u_2 . w_2 and u_2 . w_1 - u_1 . w_2."""
+        """Sums u_1 . w_1 + u_2 . w_2 and u_2 . w_1 - u_1 . w_2, and their derivatives by both motions."""
         n_1, n_2 = _normals(self.axis)
         w_1, w_2, u_1, u_2 = n_1 @ a.y, n_2 @ a.y, n_1 @ b.y, n_2 @ b.y
         by_a = np.array([u_1 @ n_1 + u_2 @ n_2, u_2 @ n_1 - u_1 @ n_2])
@@ -112,7 +112,7 @@ class RelativeAngle(Instant):
         return by_a @ a.y, [Motion(y=by_a), Motion(y=by_b)]
 
     def _turns(self, solution: Solution, motion: MarkerMotion) -> np.ndarray:
-        """2 pi times the whole turns that are done at every step, (n_t,)."""
+        """Angle of the whole turns completed at every step, 2 pi times their number, (n_t,)."""
         if solution.whole_run[0] != solution.times[0]:
             raise InputError(
                 "turns are counted from the start of a run, whose first states are not kept. Raise solver.memory, so that all are."
@@ -131,6 +131,6 @@ class RelativeAngle(Instant):
 
 @lru_cache
 def _normals(axis: Triple | None) -> tuple[np.ndarray, ...]:
-    """What makes A n_1 and A n_2 of a pose, (3, 12) each."""
+    """Matrices (3, 12) that give A n_1 and A n_2 from a pose."""
     axes = axes_along(axis)
     return tuple(np.kron(np.append(0, axes[:, k]), np.eye(3)) for k in range(2))

@@ -27,7 +27,7 @@ class Extreme(OfTable):
     measure: Literal["signed", "absolute"] = "signed"
 
     def of_slopes(self, _size: float, slopes: np.ndarray, _duration: float) -> np.ndarray:
-        """None: an extreme's derivative is that of one instant, and does not swing with those of the others."""
+        """Zeros: an extreme's derivative is that of one instant, and does not swing with the derivatives at the others."""
         return np.zeros_like(slopes)
 
     def considered(self, values: np.ndarray) -> np.ndarray:
@@ -46,12 +46,12 @@ class TimeMax(Extreme):
     kind = "time-max"
 
     def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Any, np.ndarray]:
-        """One step of all."""
+        """Largest value of all steps, and its derivatives by the values: nonzero at the first step where it occurs."""
         value, weights = _first(self.considered(values))
         return value, self.folded(weights)
 
     def combined(self, values: np.ndarray) -> tuple[Any, np.ndarray]:
-        """That of one window."""
+        """Largest of the windows' values, and its derivatives by them: one for the first largest window, else zero."""
         return _first(values)
 
 
@@ -61,15 +61,15 @@ class TimeMin(OfTable):
     kind = "time-min"
 
     def of_slopes(self, _size: float, slopes: np.ndarray, _duration: float) -> np.ndarray:
-        """None: an extreme's derivative is that of one instant, and does not swing with those of the others."""
+        """Zeros: an extreme's derivative is that of one instant, and does not swing with the derivatives at the others."""
         return np.zeros_like(slopes)
 
     def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Any, np.ndarray]:
-        """One step of all."""
+        """Smallest value of all steps, and its derivatives by the values: nonzero at the first step where it occurs."""
         return self.combined(values)
 
     def combined(self, values: np.ndarray) -> tuple[Any, np.ndarray]:
-        """That of one window."""
+        """Smallest of the windows' values, and its derivatives by them: one for the first smallest window, else zero."""
         value, weights = _first(-values)
         return -value, weights
 
@@ -94,7 +94,7 @@ class TimeKS(Extreme):
     reference: Annotated[Positive | None, OF_OWNER] = None
 
     def quantity_of(self, field: str) -> Quantity | None:
-        """The aggregation's depends on the reference, whose is the quantity's."""
+        """Quantity of a field: the aggregation's depends on whether there is a reference, which has the quantity's own unit."""
         if field == "aggregation":
             return Quantity("none") if self.reference is not None else self._of_power(-1)
         return self._of_power(1) if field == "reference" else super().quantity_of(field)
@@ -105,16 +105,16 @@ class TimeKS(Extreme):
 
     @property
     def sharpness(self) -> float:
-        """The parameter in 1/unit of the quantity."""
+        """Aggregation parameter in 1/unit of the quantity."""
         return self.aggregation / (1.0 if self.reference is None else self.reference)
 
     def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Any, np.ndarray]:
-        """Value and softmax weights."""
+        """Smooth maximum of the values, and its derivatives by them: softmax weights."""
         value, weights = kreisselmeier_steinhauser(self.considered(values), self.sharpness)
         return value, self.folded(weights)
 
     def combined(self, values: np.ndarray) -> tuple[Any, np.ndarray]:
-        """That of the windows' own."""
+        """Smooth maximum of the windows' own smooth maxima, and its derivatives by them."""
         return kreisselmeier_steinhauser(values, self.sharpness)
 
 

@@ -17,7 +17,7 @@ LOOSE = 0.05
 
 
 def loose_maxima(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every smooth maximum that is another number than the largest value, as far as all values are kept."""
+    """Doubt for every smooth maximum that differs too much from the largest value, as far as all values are kept."""
     if solution.run_times is not None:
         return
     for name, response in solution.system.scene.responses.items():
@@ -41,7 +41,7 @@ def loose_maxima(solution: Solution) -> Iterator[Caution]:
 
 
 def _values(response: KSStress | TimeKS, solution: Solution) -> np.ndarray:
-    """Values that count, (n,)."""
+    """Values (n,) that the smooth maximum is taken of."""
     if isinstance(response, KSStress):
         return np.real(response.considered(solution)).ravel()
     return np.real(response.considered(over_all_steps(response.source, solution)))

@@ -19,7 +19,7 @@ class Integral(OverTime):
 
     @property
     def physical_dimension(self) -> Dimension:
-        """That of the quantity times time."""
+        """Physical dimension of the quantity times time."""
         return self.source.physical_dimension.times(LABELLED["time"])
 
     def unit(self, system_of_units: str) -> str:
@@ -27,19 +27,19 @@ class Integral(OverTime):
         return f"{self.source.unit(system_of_units)} {unit(system_of_units, 'time')}".lstrip()
 
     def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
-        """Weighted sum, for a duration of one."""
+        """Weighted sum of the values for a duration of one, and its derivatives by them."""
         return shares @ values, shares
 
     def of_size(self, size: float, duration: float) -> float:
-        """Times the duration."""
+        """Magnitude of the integral where the quantity's magnitude is `size`: that times the duration."""
         return size * duration
 
     def of_slopes(self, _size: float, slopes: np.ndarray, duration: float) -> np.ndarray:
-        """Times the duration."""
+        """Magnitudes (n_x,) of the integral's derivatives where those of the quantity are `slopes`: these times the duration."""
         return slopes * duration
 
     def partials(self, solution: Solution) -> Partials:
-        """Those of the quantity, with trapezoidal weights; errors as `OverTime.partials`."""
+        """Integral and its partial derivatives: the quantity's own with trapezoidal weights; errors as `OverTime.partials`."""
         shares, whole = time_shares(solution), solution.whole_run
         return weighted(self.source.instants(solution), solution, shares * (whole[-1] - whole[0]))
 
@@ -56,11 +56,11 @@ class TimeMean(OfTable):
     kind = "time-mean"
 
     def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
-        """Weighted sum."""
+        """Weighted sum of the values, and its derivatives by them: the weights."""
         return shares @ values, shares
 
     def partials(self, solution: Solution) -> Partials:
-        """Those of the quantity, with trapezoidal weights; errors as `OverTime.partials`."""
+        """Mean and its partial derivatives: the quantity's own with trapezoidal weights; errors as `OverTime.partials`."""
         return weighted(self.source.instants(solution), solution, time_shares(solution))
 
 
@@ -71,28 +71,28 @@ class TimeMeanSquare(OfTable, MeanSquare):
 
     @property
     def physical_dimension(self) -> Dimension:
-        """Square of the quantity's."""
+        """Physical dimension of the quantity's square."""
         return self.source.physical_dimension.power(2)
 
     def unit(self, system_of_units: str) -> str:
-        """Square of the quantity's."""
+        """Unit of the quantity's square."""
         label = self.source.unit(system_of_units)
         return f"({label})^2" if set(label) & set(" /^") else label and f"{label}^2"
 
     def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
-        """Weighted sum of squares."""
+        """Mean square as a weighted sum of squared values, and its derivatives by the values."""
         return shares @ (values * values), 2 * shares * values
 
     def curvature(self, solution: Solution) -> np.ndarray:
-        """By the quantity's derivatives at every time; errors as `OverTime.partials`."""
+        """Gauss-Newton Hessian (n_x, n_x) from the quantity's derivatives at every time; errors as `OverTime.partials`."""
         look, shares = self.source.instants(solution), time_shares(solution)
         slopes = np.array([slope_at(look(step), solution, step) for step in range(len(shares))])
         return 2 * (slopes.T * shares) @ slopes
 
     def of_size(self, size: float, _duration: float) -> float:
-        """Its square."""
+        """Magnitude of the mean square where the quantity's magnitude is `size`: the square of that."""
         return size * size
 
     def of_slopes(self, size: float, slopes: np.ndarray, _duration: float) -> np.ndarray:
-        """Of the square."""
+        """Magnitudes (n_x,) of the mean square's derivatives where those of the quantity are `slopes`."""
         return 2 * size * slopes

@@ -22,7 +22,7 @@ MISSED = 0.042
 
 
 def missed_peaks(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every largest or smallest value over time that lies above or below those at the steps, as far as all are kept."""
+    """Doubt for every extreme over time that lies beyond the values at the steps, as far as all values are kept."""
     if solution.run_times is not None or len(solution.times) < 4:
         return
     for name, response in solution.system.scene.responses.items():
@@ -68,7 +68,7 @@ def _vertices(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def _curves(response: object, solution: Solution) -> Iterator[np.ndarray]:
-    """Values at all steps (n_t,) whose largest, or smooth largest, the response is, of an absolute one those of both signs."""
+    """Values at all steps (n_t,) whose largest or smooth largest is the response; for an absolute one also their negatives."""
     if isinstance(response, TimeMax | TimeMin | TimeKS):
         values = np.real(over_all_steps(response.source, solution))
         absolute = isinstance(response, TimeMax | TimeKS) and response.measure == "absolute"

@@ -17,62 +17,62 @@ from toolkit.system.solution import Solution
 
 
 class OverTime(Response):
-    """Base of responses over time of another one, their `source`."""
+    """Base of responses that reduce another response, their `source`, over time to one number."""
 
     @property
     @abstractmethod
     def source(self) -> Instant:
-        """What they look at."""
+        """Response at one time that is reduced over time."""
 
     @property
     def needs_motion(self) -> bool:
-        """Always."""
+        """Whether the response exists for a transient solution only: always true of responses over time."""
         return True
 
     def check(self, scene: Any) -> None:
-        """The quantity's own."""
+        """Refuse what the underlying quantity refuses."""
         self.source.check(scene)
 
     def grips(self, scene: Any) -> tuple[tuple[str, str], ...]:
-        """Those of the quantity."""
+        """Pairs of body and point that the underlying quantity refers to."""
         return self.source.grips(scene)
 
     @property
     def physical_dimension(self) -> Dimension:
-        """That of the quantity."""
+        """Physical dimension of the underlying quantity."""
         return self.source.physical_dimension
 
     @property
     def unit_quantity(self) -> str:
-        """That of the quantity, where it is of the quantity's dimension."""
+        """Name of the underlying quantity's unit where this response has the same dimension, otherwise "none"."""
         return self.source.unit_quantity if self.physical_dimension == self.source.physical_dimension else "none"
 
     def unit(self, system_of_units: str) -> str:
-        """That of the quantity."""
+        """Unit of the underlying quantity in a system of units."""
         return self.source.unit(system_of_units)
 
     @abstractmethod
     def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
-        """The number from the values (n_t,) at some steps, and its derivatives by them (n_t,).
+        """Value from the quantity's values (n_t,) at some steps, and its derivatives by them (n_t,).
 
         `shares` (n_t,) are the parts of the whole run's duration that the steps stand for, by the trapezoidal rule; over all steps their
         sum is one.
         """
 
     def combined(self, values: np.ndarray) -> tuple[Any, np.ndarray]:
-        """The number of the whole run from those of its windows (m,), and its derivatives by them (m,)."""
+        """Value of the whole run from those of its windows (m,), and its derivatives by them (m,)."""
         return values.sum(), np.ones(len(values))
 
     def of_size(self, size: float, _duration: float) -> float:
-        """Magnitude of the number where that of the quantity is `size`."""
+        """Magnitude of the value where that of the quantity is `size`."""
         return size
 
     def of_slopes(self, _size: float, slopes: np.ndarray, _duration: float) -> np.ndarray:
-        """Magnitudes (n_x,) of the number's derivatives where those of the quantity are `slopes`."""
+        """Magnitudes (n_x,) of the value's derivatives where those of the quantity are `slopes`."""
         return slopes
 
     def partials(self, solution: Solution) -> Partials:
-        """Those of the quantity, weighted.
+        """Value and partial derivatives: those of the quantity at all steps, weighted by the derivatives of `reduced`.
 
         Raises
         ------
@@ -87,7 +87,7 @@ class OverTime(Response):
 
 
 class OfTable(OverTime):
-    """Base of responses over time that a table says what they look at.
+    """Base of responses over time whose quantity is given by a table.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class OfTable(OverTime):
 
     @property
     def source(self) -> Instant:
-        """That of the table."""
+        """Response at one time that the table `of` describes."""
         found: Instant = self.of
         return found
 
@@ -123,7 +123,7 @@ def _over_all_times(quantity: Instant) -> Instant:
 
 
 def over_all_steps(quantity: Instant, solution: Solution) -> np.ndarray:
-    """Values of a quantity at all steps (n_t,), looked at once."""
+    """Values of a quantity at all steps (n_t,), evaluated once."""
     key = over_all_steps, Itself(quantity)
     if key not in solution.known:
         look = quantity.instants(solution)

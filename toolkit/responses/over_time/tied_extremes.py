@@ -24,7 +24,7 @@ JUMP = 0.1
 
 
 def tied_extremes(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every derivative of a largest or least value over time that jumps, where the solution holds derivatives."""
+    """Doubt for every derivative of an extreme over time that jumps, where the solution holds derivatives."""
     if solution.run_times is not None or not solution.dq.shape[2] or not solution.steps:
         return
     for name, response in solution.system.scene.responses.items():

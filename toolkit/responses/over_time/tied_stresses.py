@@ -19,7 +19,7 @@ from toolkit.responses.stress.stress_places import stress_places
 from toolkit.system.solution import Solution
 
 LOOKED_AT = 8
-"""So many places of one stress are looked at, as each asks for a derivative of its own."""
+"""Largest number of places of one stress that are looked at, as each asks for a derivative of its own."""
 NEAR, APART = 0.01, 0.1
 """Part of the stress by which a place, so far away in parts of the body's extent, may be stressed less without a remark: what a mesh or a
 basis leaves open of it, so that the largest may be there."""
@@ -28,7 +28,7 @@ UNFELT = 1e-3
 
 
 def tied_stresses(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every derivative of a largest stress that jumps, a remark where it nearly does; where the solution holds derivatives."""
+    """Caution for every derivative of a largest stress that jumps (doubt) or nearly does (remark), where derivatives are held."""
     if solution.run_times is not None or not solution.dq.shape[2]:
         return
     for name, response in solution.system.scene.responses.items():
@@ -94,7 +94,7 @@ def _slope(response: MaxStress, solution: Solution, components: np.ndarray, plac
 
 
 def _where(response: MaxStress, solution: Solution, instant: int, point: int) -> str:
-    """In words."""
+    """Place, and time of a motion, of a stress point, in words for a message."""
     try:
         place = ", ".join(f"{x:.4g}" for x in stress_places(solution.system.scene, response.body).place[point])
         where = f"at ({place})"

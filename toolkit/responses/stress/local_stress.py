@@ -46,23 +46,23 @@ class LocalStress(Instant):
 
     @abstractmethod
     def rows(self, scene: Scene) -> list[int]:
-        """Numbers of the stress points."""
+        """Numbers of the stress points that the response uses."""
 
     @abstractmethod
     def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
-        """The number from the stresses (r,) at these points, and its derivatives by them (r,)."""
+        """Value of the response from the stresses (r,) at these points, and its derivatives by them (r,)."""
 
     def check(self, scene: Scene) -> None:
-        """The body is flexible, and has stress points there."""
+        """Refuse a body that is not flexible, or has no stress points there."""
         super().check(scene)
         self.rows(scene)
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """From the rows of the stress operator."""
+        """Stress and its partial derivatives at a step, from the rows of the stress operator."""
         return self.instants(solution)(step)
 
     def instants(self, solution: Solution) -> Callable[[int], Partials]:
-        """The rows and their design derivatives are found once for all steps."""
+        """Stress and its partial derivatives, step by step; rows and their design derivatives are found once for all steps."""
         scene, system = solution.system.scene, solution.system
         where, rows = elastic_coordinates(solution, self.body), self.rows(scene)
         whole = stress_operator(scene, self.body)
@@ -98,12 +98,12 @@ class StressAtPoint(LocalStress):
     place: Annotated[Pair | Triple, Quantity("length")]
 
     def rows(self, scene: Scene) -> list[int]:
-        """The nearest."""
+        """Number of the stress point that is nearest to the place."""
         refuse_other_space(self.place, scene)
         return [stress_places(scene, self.body).near(np.array(self.place), FIBRES[self.fibre])]
 
     def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
-        """The only one."""
+        """Stress at the only point, and its derivative: one."""
         return stress[0], np.ones(1)
 
 
@@ -133,7 +133,7 @@ class StressAlongLine(LocalStress):
         return self
 
     def rows(self, scene: Scene) -> list[int]:
-        """The nearest to places along the line, each once."""
+        """Numbers of the stress points nearest to places along the line, each once."""
         for place in self.places:
             refuse_other_space(place, scene)
         known, (begin, end) = stress_places(scene, self.body), map(np.array, self.places)
@@ -143,7 +143,7 @@ class StressAlongLine(LocalStress):
         return sorted({known.nearest(place, FIBRES[self.fibre]) for place in along})
 
     def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
-        """As `take` says."""
+        """One number from the stresses along the line, as `take` or the aggregation says, and its derivatives by them."""
         if self.aggregation is not None:
             return kreisselmeier_steinhauser(stress, self.aggregation)
         if self.take == "mean":

@@ -43,7 +43,7 @@ def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
 
 
 def stress_rows(scene: Scene, body: str) -> Any:
-    """The stress operator as a matrix (n_s times components, n_f); sparse if it is large and zero nearly everywhere."""
+    """Stress operator as a matrix (n_s times components, n_f); sparse if it is large and zero nearly everywhere."""
     if isinstance(scene.bodies.get(body), CutBody):
         operator = flexible_body(scene, body).stress_operator(scene)
         return operator.reshape(-1, operator.shape[-1])
@@ -51,7 +51,9 @@ def stress_rows(scene: Scene, body: str) -> Any:
 
 
 def by_instant(states: np.ndarray, matrix: Any) -> np.ndarray:
-    """States (n_t, k) times a matrix (k, m), dense or sparse, one by one: a product of all at once rounds each by how many there are.
+    """Products of states (n_t, k) and a matrix (k, m), dense or sparse, one state at a time.
+
+    A product of all states at once would round each by how many there are.
 
     Stress is a difference of large displacements, and a smooth maximum multiplies the last digits of that difference by its exponent: so
     those of a window must be those of the whole run.
@@ -63,7 +65,7 @@ def by_instant(states: np.ndarray, matrix: Any) -> np.ndarray:
 
 
 def products(one: np.ndarray, other: np.ndarray, entry: np.ndarray) -> np.ndarray:
-    """Entries of the flattened one^T other, of one (n_t, m) and other (n_t, n): of all together, or of a large product one by one."""
+    """Entries of the flattened one^T other for one (n_t, m) and other (n_t, n): together, or of a large product one by one."""
     if one.shape[1] * other.shape[1] < LARGE:
         return (one.T @ other).ravel()[entry]
     place, number = np.unique(entry, return_inverse=True)
@@ -98,7 +100,7 @@ def _rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives
 
 
 def _rates_by_steps(solution: Solution, body: str) -> Derivatives:
-    """Those of the stress operator of a cut body, whose chords turn with its nodes: a complex step through what makes it."""
+    """Derivatives of a cut body's stress operator by complex steps in the parameters; its chords turn with its nodes."""
     scene, found = solution.system.scene, [NONE]
     for x, variable in enumerate(solution.system.design):
         if any(model_parameter(scene, body, path) for path in variable.paths):
@@ -109,7 +111,7 @@ def _rates_by_steps(solution: Solution, body: str) -> Derivatives:
 
 
 def model_parameter(scene: Scene, body: str, path: str) -> str:
-    """Parameter of a body's reduced model that the number at a path may be; empty if it is none."""
+    """Name of the parameter of a body's reduced model that the number at a path may be; empty if it is none."""
     group, name, *rest = path.split(".")
     if group == "bodies" and name == body:
         return ".".join(rest)
@@ -152,7 +154,7 @@ class StressResponse(Response):
     when: Literal["all", "end"] = "all"
 
     def check(self, scene: Scene) -> None:
-        """The body is flexible."""
+        """Refuse a body that is not flexible."""
         flexible_body(scene, self.body)
 
     def considered(self, solution: Solution) -> np.ndarray:
@@ -167,7 +169,7 @@ class StressResponse(Response):
         return found
 
     def signed(self, components: np.ndarray) -> np.ndarray:
-        """The same from the components of stress that count."""
+        """Stress values that count, (n_t, n_s) or (n_t, 2 n_s), from the given stress components."""
         stress = point_stress(components)
         return np.hstack([stress, -stress]) if self.twice(components) else stress
 
@@ -189,7 +191,7 @@ class StressResponse(Response):
         return self.measure == "absolute" and components.shape[-1] == 1
 
     def chain(self, solution: Solution, components: np.ndarray, value: complex, weights: np.ndarray) -> Partials:
-        """Partials of a response from the components of stress that count, and from its derivatives by the considered values."""
+        """Value and partial derivatives from the stress components that count and the derivatives by the considered values."""
         weights = np.real(weights)
         if self.twice(components):
             weights = weights[:, : weights.shape[1] // 2] - weights[:, weights.shape[1] // 2 :]
@@ -226,23 +228,23 @@ class KSStress(StressResponse):
     reference_stress: Annotated[Positive | None, Quantity("stress")] = None
 
     def quantity_of(self, field: str) -> Quantity | None:
-        """That of the aggregation depends on the reference."""
+        """Quantity of a field: the aggregation's is 1/stress, or a pure number where there is a reference stress."""
         if field == "aggregation":
             return Quantity("1/stress" if self.reference_stress is None else "none")
         return super().quantity_of(field)
 
     @property
     def sharpness(self) -> float:
-        """The parameter in 1/unit of stress."""
+        """Aggregation parameter in 1/unit of stress."""
         return self.aggregation / (1.0 if self.reference_stress is None else self.reference_stress)
 
     def partials(self, solution: Solution) -> Partials:
-        """Value and softmax weights."""
+        """Smooth maximum and its partial derivatives, by softmax weights of all stresses."""
         components = self.components(solution)
         return self.chain(solution, components, *kreisselmeier_steinhauser(self.considered(solution), self.sharpness))
 
     def remark(self, solution: Solution) -> str:
-        """How far the smooth maximum is from the true one, and how far it could be."""
+        """Words on how far the smooth maximum exceeds the true one, and how far it could."""
         stress = self.considered(solution)
         gap = np.real(kreisselmeier_steinhauser(stress, self.sharpness)[0]) - stress.real.max()
         return f"exceeds the true maximum by {gap:.3g}, at most ln(n)/rho = {gap_bound(stress.size, self.sharpness):.3g}"
@@ -254,7 +256,7 @@ class MaxStress(StressResponse):
     kind = "max-stress"
 
     def partials(self, solution: Solution) -> Partials:
-        """Value, and weight one at the place of the maximum."""
+        """Largest stress and its partial derivatives: those of the stress at the first place where it occurs."""
         components = self.components(solution)
         stress = self.considered(solution)
         weights = np.zeros(stress.shape)

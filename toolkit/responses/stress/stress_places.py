@@ -36,7 +36,7 @@ class StressPlaces(NamedTuple):
         return int(rows[first_smallest(np.sqrt(np.sum((self.place[rows] - place) ** 2, axis=1)))])
 
     def near(self, place: np.ndarray, fibre: int) -> int:
-        """The same, if it is near.
+        """Number of the nearest stress point, as `nearest`, if it is near the place.
 
         Raises
         ------
@@ -75,7 +75,7 @@ def stress_places(scene: Scene, body: str) -> StressPlaces:
 
 
 def _places(model: ReducedModel) -> np.ndarray | None:
-    """Of ends of elements, of middles of edges, of points of a surface, or of ends of its lines."""
+    """Places (n_s, d) at element ends, edge middles, surface points or ends of surface lines; None if the model has none."""
     mesh, outline, surface, stress = model.mesh, model.outline, model.surface, model.stress
     found: np.ndarray | None = None
     if mesh is not None and stress is not None:

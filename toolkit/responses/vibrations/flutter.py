@@ -36,7 +36,7 @@ HOLDS = 0.01
 """Growth, a part of |s|, up to which the damping of what is real holds a vibration of a scene that has none: a square shaft under any
 torque about a fixed axis flutters without damping (Nicolai), by 0.6 % where its shear stress is 60 MPa, and stands still in fact."""
 SLOWEST = 60
-"""So many vibrations without dampers are looked at: what flutters is slow, and prices go with the third power of the number."""
+"""Number of undamped vibrations that are looked at: what flutters is slow, and the cost goes with the cube of the number."""
 
 
 class Growth(NamedTuple):
@@ -49,16 +49,16 @@ class Growth(NamedTuple):
 
     @property
     def part(self) -> float:
-        """In parts of the critical damping."""
+        """Growth rate Re s / |s|, as a part of the critical damping."""
         return self.s.real / abs(self.s)
 
     @property
     def doubtful(self) -> bool:
-        """Whether a real scene would do so, too."""
+        """Whether a real structure would grow too: the scene has dampers, or the growth exceeds what small damping holds."""
         return self.damped or self.part > HOLDS
 
     def told(self, state: str) -> str:
-        """What it does about a state that is called so."""
+        """Message about how the vibration or disturbance grows; `state` is what the message calls the state."""
         if self.s.imag <= SAME * abs(self.s):
             return f"a small disturbance of this {state} grows like exp({self.s.real:.4g} t), so that nothing comes to rest here."
         larger = np.exp(2 * np.pi * self.s.real / self.s.imag)
@@ -77,7 +77,7 @@ REMEDY = (
 
 
 def unstable_vibrations(solution: Solution, doubt: bool = True) -> Iterator[Caution]:
-    """That small motions about an equilibrium or a steady spin grow, with its dampers; nothing of motions."""
+    """Warn of the fastest growing small motion about an equilibrium or a steady spin, with its dampers; never about a motion."""
     grows = None if solution.steps else fastest_growth(solution)
     if grows is not None:
         yield Caution(UNSTABLE, grows.told("spin" if solution.spins else "equilibrium") + REMEDY, doubt and grows.doubtful)
@@ -134,7 +134,7 @@ def _of_coordinates(system: System, values: np.ndarray) -> StaticArray:
 
 
 def _takes_energy(damping: StaticArray) -> bool:
-    """Whether no motion gets energy from the dampers; many of them are judged by the diagonal alone."""
+    """Whether no motion gets energy from the dampers; a large sparse matrix is judged by symmetry and diagonal alone."""
     largest = largest_entry(damping)
     if largest == 0:
         return True
@@ -147,7 +147,7 @@ def _takes_energy(damping: StaticArray) -> bool:
 
 
 def growth_of(solution: Solution, pencil: Pencil) -> Growth | None:
-    """What grows fastest for its size by a pencil about the last state of a solution; None if nothing does."""
+    """Motion that grows fastest for its size, by a pencil about the last state of a solution; None if nothing grows."""
     system = solution.system
     Z, reduced = free_pencil(system.weights[: system.n_q], pencil)
     basis = _slow_motions(Z[system.n_b :], reduced)
@@ -164,7 +164,7 @@ def growth_of(solution: Solution, pencil: Pencil) -> Growth | None:
 
 
 def _round_off(sizes: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> float:
-    """What a sum of the pencil's terms along w and u cannot be told from zero by."""
+    """Round-off of the sum of the pencil's terms along w and u, below which it counts as zero."""
     terms = w @ (abs(s) ** 2 * sizes.mass + abs(s) * sizes.damping + sizes.stiffness) @ u
     return 10 * ROUND_OFF * float(terms)
 

@@ -20,7 +20,7 @@ SUSPECT = 1e-4
 
 
 def growing_vibrations(solution: Solution, values: Mapping[str, Any]) -> Iterator[Caution]:
-    """A doubt for each kind of response of vibrations that has a value, or a remark where a damping ratio is negative and says so itself.
+    """Caution for each kind of vibration response whose vibrations grow: a remark where a negative damping ratio says so itself.
 
     Of an equilibrium at rest it is said whatever is asked for, with its dampers; and of frequencies without them if they alone keep it.
     """
@@ -50,12 +50,12 @@ def growing_vibrations(solution: Solution, values: Mapping[str, Any]) -> Iterato
 
 
 def _without(kind: type[OfVibration], solution: Solution) -> str:
-    """That frequencies at rest are undamped."""
+    """Words saying that frequencies about an equilibrium at rest are undamped; empty for every other response."""
     return "" if solution.spins or solution.steps or not issubclass(kind, Frequency) else ", without dampers,"
 
 
 def _fastest_growth(response: OfVibration, solution: Solution, pencil: Pencil, weights: np.ndarray) -> complex | None:
-    """s of the vibration that counts and grows fastest for its frequency; None if none grows."""
+    """Root s of the counted vibration that grows fastest for its frequency; None if none grows."""
     counted = real_pencil(response.counting(solution, pencil))
     roots = response.vibrations(solution, pencil, weights)
     suspects = [k + 1 for k, s in enumerate(roots) if s.real > SUSPECT * abs(s) and s.imag > SAME * abs(s)]

@@ -22,11 +22,11 @@ class LeastFrequency(Response):
 
     @property
     def needs_rest(self) -> bool:
-        """It is one of an equilibrium, always."""
+        """Whether the response exists for an equilibrium only; always true of a least frequency."""
         return True
 
     def partials(self, solution: Solution) -> Partials:
-        """At the load factor of the least one, which is looked for along the path.
+        """Value and partial derivatives at the load factor of the least frequency, which is searched along the path.
 
         Raises
         ------

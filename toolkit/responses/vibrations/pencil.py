@@ -17,7 +17,7 @@ STEP = 1e-30
 
 
 class Pencil(NamedTuple):
-    """K (n, n) of coordinates and multipliers, C and M (n, n), zero but for the coordinates; real or complex."""
+    """Stiffness K (n, n) of coordinates and multipliers, damping C and mass M (n, n), zero but for the coordinates."""
 
     stiffness: np.ndarray
     damping: np.ndarray
@@ -25,7 +25,7 @@ class Pencil(NamedTuple):
 
 
 def pencil_of(solution: Solution, inputs: Inputs | None = None) -> Pencil:
-    """Of the equilibrium that a solution ends in, under what acts at its end or under other `inputs`."""
+    """Stiffness, damping and mass at the equilibrium that a solution ends in, under its final loads or other `inputs`."""
     system, n_q = solution.system, solution.system.n_q
     terms = system.evaluate(inputs or system.inputs(solution.times[-1], LEVELS), *_state(solution))
     stiffness, damping, mass = (system.dense(each) for each in (static_matrix(system, terms), terms.A_v, terms.I_acc))
@@ -35,14 +35,14 @@ def pencil_of(solution: Solution, inputs: Inputs | None = None) -> Pencil:
 
 
 def real_pencil(pencil: Pencil) -> Pencil:
-    """Its real parts."""
+    """Real parts of the three matrices of a pencil."""
     return Pencil(*(np.real(each) for each in pencil))
 
 
 def pencil_change(
     solution: Solution, s: complex, u: np.ndarray, w: np.ndarray, damped: bool, inputs: Inputs | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """w^T (s^2 dM + s dC + dK) u by q and multipliers (n,), and by the design (n_x,).
+    """Derivatives of w^T (s^2 dM + s dC + dK) u by q and multipliers (n,), and by the design (n_x,).
 
     Mixed derivatives commute: w^T dK/dz_j u is what K changes by along u, transposed, times w; one complex step along u gives it exactly,
     for all z_j and the design at once, and one of the velocities along u does the same for C.
@@ -74,7 +74,7 @@ def _state(solution: Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def plain_terms(solution: Solution, q: np.ndarray, v: np.ndarray, acc: np.ndarray, inputs: Inputs | None = None) -> Terms:
-    """The equations with their derivatives as plain Python, in complex numbers."""
+    """Equations of motion with their derivatives, evaluated as plain Python in complex numbers."""
     system, functions = solution.system, plain_formulas_of(solution.system.scene)
     terms, work = allocate_terms(system.plan, complex), allocate_work(system.plan, complex)
     inputs = inputs or system.inputs(solution.times[-1], LEVELS)

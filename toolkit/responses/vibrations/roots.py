@@ -26,8 +26,10 @@ Idle = Callable[[complex, np.ndarray], bool]
 
 
 class Vibration(NamedTuple):
-    """s, its right and left vectors u and w (n,), and w^T (2 s M + C) u; if another has the same s it is not `alone`, and
-    u and w (n_q,) are some of its vectors."""
+    """Root s, right and left vectors u and w (n,), and w^T (2 s M + C) u of a vibration.
+
+    If another root is the same it is not `alone`, and u and w (n_q,) are some of its vectors.
+    """
 
     s: complex
     right: np.ndarray
@@ -39,7 +41,7 @@ class Vibration(NamedTuple):
 def find_vibration(
     weights: np.ndarray, pencil: Pencil, number: int, slowness: Callable[[complex], float], idle: Idle | None = None
 ) -> Vibration:
-    """The vibration of a number, from 1 on, of those whose `slowness` is no nan, in its order.
+    """Vibration of a number, counted from 1 in the order of `slowness`, among those whose `slowness` is no nan.
 
     Parameters
     ----------
@@ -68,7 +70,7 @@ def find_vibration(
 
 
 def softest_vibration(weights: np.ndarray, pencil: Pencil) -> Vibration:
-    """The one whose frequency has the least square, of a pencil without damping: quicker by far than to look through all."""
+    """Vibration with the least squared frequency, of a pencil without damping: far quicker than finding all."""
     Z, reduced = free_pencil(weights, pencil)
     squares, left, right = scipy.linalg.eig(reduced.stiffness, reduced.mass, left=True, right=True)
     order = np.argsort(squares.real)
@@ -80,7 +82,7 @@ def softest_vibration(weights: np.ndarray, pencil: Pencil) -> Vibration:
 
 
 def _whole(weights: np.ndarray, pencil: Pencil, Z: np.ndarray, found: tuple[complex, np.ndarray, np.ndarray]) -> Vibration:
-    """A vibration that stands alone, with multipliers, from its coordinates that joints leave free."""
+    """Vibration that stands alone, with multipliers, from its vectors in the motions that joints leave free."""
     s, u, w = found[0], Z @ found[1], Z @ found[2]
     whole = s * s * pencil.mass + s * pencil.damping + pencil.stiffness
     J = pencil.stiffness[len(weights) :, : len(weights)]
@@ -91,7 +93,7 @@ def _whole(weights: np.ndarray, pencil: Pencil, Z: np.ndarray, found: tuple[comp
 def all_vibrations(
     weights: np.ndarray, pencil: Pencil, slowness: Callable[[complex], float], idle: Idle | None = None
 ) -> np.ndarray:
-    """s of all of them, in the order of their numbers; `idle` as of `find_vibration`."""
+    """Roots s of all vibrations that count, in the order of their numbers; `idle` as of `find_vibration`."""
     Z, reduced = free_pencil(weights, pencil)
     values = _without_round_off(reduced, *all_roots(*reduced), _among(Z, idle))[0]
     return values[_order(values, slowness)]
@@ -100,7 +102,7 @@ def all_vibrations(
 def _without_round_off(
     pencil: Pencil, values: np.ndarray, left: np.ndarray, right: np.ndarray, idle: Idle
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Roots with their vectors, with one s = 0 for every motion that nothing holds, of whose two roots round-off leaves anything near zero.
+    """Roots with their vectors; every motion that nothing holds has one root s = 0 in place of its two roots of round-off.
 
     A slow vibration is known from these by Rayleigh's quotient, which leaves it where it is.
     """
@@ -113,7 +115,7 @@ def _without_round_off(
 
 
 def _among(Z: np.ndarray, idle: Idle | None) -> Idle:
-    """The same of vectors in the motions Z that joints leave free."""
+    """Test `idle` for vectors in the basis Z of the motions that joints leave free."""
     return lambda s, u: idle is not None and idle(s, Z @ u)
 
 
@@ -124,7 +126,7 @@ def _stays(pencil: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> bool:
 
 
 def free_pencil(weights: np.ndarray, pencil: Pencil) -> tuple[np.ndarray, Pencil]:
-    """Motions that the joints allow, (n_q, n_free), and the matrices of these."""
+    """Motions that the joints allow, (n_q, n_free), and the pencil reduced to these."""
     n_q = len(weights)
     felt = _felt(pencil, n_q)
     motions = free_motions(pencil.stiffness[n_q:, felt], weights[felt])
@@ -136,7 +138,10 @@ def free_pencil(weights: np.ndarray, pencil: Pencil) -> tuple[np.ndarray, Pencil
 
 
 def _felt(pencil: Pencil, n_q: int) -> np.ndarray:
-    """Coordinates that are felt by any other one, or have a mass: a state of a load that counts turns makes no vibration, (n,)."""
+    """Numbers of the coordinates that have a mass or affect any other one.
+
+    The state of a load that counts turns makes no vibration.
+    """
     alone = np.eye(n_q, dtype=bool)
     stiffness = np.where(alone, 0, pencil.stiffness[:n_q, :n_q]).any(axis=0) | pencil.stiffness[n_q:, :n_q].any(axis=0)
     damping = np.where(alone, 0, pencil.damping[:n_q, :n_q]).any(axis=0)
@@ -149,6 +154,6 @@ def _order(values: np.ndarray, slowness: Callable[[complex], float]) -> list[int
 
 
 def _with_multipliers(J: np.ndarray, motion: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """[u; mu] with A u + J^T mu = 0 for a motion u (n_q,) that joints allow."""
+    """Vector [u; mu] with A u + J^T mu = 0 for a motion u (n_q,) that joints allow."""
     n_q = len(motion)
     return np.append(motion, np.linalg.lstsq(J.T, -(matrix[:n_q, :n_q] @ motion))[0])

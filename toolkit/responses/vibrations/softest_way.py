@@ -32,19 +32,19 @@ BETWEEN = 2
 NEAR, SHARP = 1e-3, 1e-8
 """How well its load factor is found by values, in parts of these; and by slopes, in parts of what is left."""
 STRAYS = 0.1
-"""How far, in parts of the scene's size (or rad), an equilibrium between two points of the path may be from the straight line."""
+"""Distance, in parts of the model size (or rad), of an equilibrium between two points of the path from the straight line."""
 FREQUENCY = Frequency()
 
 
 class Way(NamedTuple):
-    """The path of a load, on which equilibria are found by their load factors."""
+    """Path of a static load, on which equilibria are found by their load factors."""
 
     solution: Solution
     options: RunOptions
     path: StaticPath
 
     def state(self, factor: float) -> Equilibrium:
-        """The equilibrium."""
+        """Equilibrium at a load factor."""
         system, known = self.solution.system, self.path
         k = int(np.clip(np.searchsorted(known.load_factors, factor), 1, len(known.load_factors) - 1))
         low, high = known.load_factors[k - 1 : k + 1]
@@ -57,7 +57,7 @@ class Way(NamedTuple):
         return found
 
     def stiffness(self, factor: float) -> float:
-        """The least square of a frequency, times what is the same for all: quick, and without vectors."""
+        """Least squared angular frequency at a load factor: quick, and without vectors."""
         there = _beside(self.solution, self.state(factor))
         pencil = _undamped(pencil_of(there, inputs_at(self.solution.system, self.options, factor)))
         matrices = free_pencil(self._weights, pencil)[1]
@@ -102,7 +102,7 @@ class Way(NamedTuple):
 
 
 def path_from_rest(system: System, options: RunOptions) -> StaticPath:
-    """From the unloaded state, of an equilibrium that was found beside another one."""
+    """Static path from the unloaded state to the full load, for an equilibrium that was found beside another one."""
     state, factor, _ = start_of_path(system, options)
     return to_full_load(system, options, state, factor, False).path
 
@@ -117,7 +117,7 @@ def _undamped(pencil: Pencil) -> Pencil:
 
 
 def frequency_at(solution: Solution, options: RunOptions, factor: float, known: Equilibrium) -> Partials:
-    """The frequency at a load factor, near a real equilibrium there, with its derivatives by the design."""
+    """Least frequency at a load factor, near a known real equilibrium there, with its derivatives by the design."""
     system, inputs = solution.system, inputs_at(solution.system, options, factor)
     found, _ = find_equilibrium(system, options, factor, known.q.astype(system.dtype), known.acc.astype(system.dtype), STRAYS)
     there = _beside(solution, found)

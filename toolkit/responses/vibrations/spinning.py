@@ -18,7 +18,7 @@ from toolkit.system.solution import Solution
 
 
 class Change(NamedTuple):
-    """w^T dP u by q, v, a (n_q,), multipliers and the design (n_x,)."""
+    """Derivatives of w^T dP u by q, v, a (n_q,), multipliers and the design (n_x,)."""
 
     q: np.ndarray
     v: np.ndarray
@@ -28,14 +28,14 @@ class Change(NamedTuple):
 
 
 def spinning_pencil(solution: Solution) -> Pencil:
-    """Of the state that a solution ends in, square with multipliers."""
+    """Stiffness, damping and mass (n, n) of the state that a solution ends in, square with multipliers."""
     whole = _here(solution).spinning(_motion(solution, solution.q[-1], solution.v[-1]))
     pad = ((0, 0), (0, solution.system.n - solution.system.n_q))
     return Pencil(whole[0], *(np.pad(each, pad) for each in whole[1:]))
 
 
 def spinning_change(solution: Solution, s: complex, u: np.ndarray, w: np.ndarray) -> Change:
-    """For P = s^2 M + s C + K."""
+    """Derivatives of w^T dP u with P = s^2 M + s C + K, by q, v, a, multipliers and the design."""
     n_q = solution.system.n_q
     q, v = np.real(solution.q[-1]), np.real(solution.v[-1])
     S = _motion(solution, q, v)
@@ -63,7 +63,7 @@ def _motion(solution: Solution, q: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def _along(solution: Solution, direction: tuple[np.ndarray, np.ndarray, np.ndarray], w: np.ndarray) -> Change:
-    """By complex steps along the real and the imaginary part of a direction of q, v and [a; lam]."""
+    """Derivatives of w^T P u by complex steps along real and imaginary part of a direction of q, v and [a; lam]."""
     system, n_q = solution.system, solution.system.n_q
     pad = np.zeros(system.n - n_q)
     parts = [np.zeros(size, complex) for size in (n_q, n_q, system.n, system.n_x)]
@@ -77,7 +77,7 @@ def _along(solution: Solution, direction: tuple[np.ndarray, np.ndarray, np.ndarr
 
 
 def _by_turning(solution: Solution, s: complex, u: np.ndarray, turned: np.ndarray, S: np.ndarray):
-    """Changes of (S + s) u and (S + s)^2 u with every component of omega."""
+    """Derivatives of (S + s) u and (S + s)^2 u by every component of the angular velocity."""
     system = solution.system
     count = 1 if system.scene.space.rotations_add else system.scene.dimension
     for unit in np.eye(count):
@@ -87,7 +87,7 @@ def _by_turning(solution: Solution, s: complex, u: np.ndarray, turned: np.ndarra
 
 
 def _omega_changes(solution: Solution, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of the mean angular velocity by q and v, (1 or 3, n_q), by complex steps."""
+    """Derivatives of the mean angular velocity by q and by v, each (1 or 3, n_q), by complex steps."""
     system, unit = solution.system, 1j * STEP * np.eye(len(q))
     by_q = [np.imag(angular_velocity(system, q + each, v + 0j)) / STEP for each in unit]
     by_v = [np.imag(angular_velocity(system, q + 0j, v + each)) / STEP for each in unit]

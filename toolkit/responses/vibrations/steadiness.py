@@ -16,7 +16,7 @@ LEAST, ALONG = 0.1, 0.99
 """Part of what a motion lacks to a steady spin that moves the square of a root by all of it, at most; and the cosine between its vector and
 the spin, from which on it is that."""
 ALLOWED = 1e-3
-"""What a motion may still vibrate by at its end, in parts of the scene's size (or rad): frequencies change by about as much."""
+"""Vibration left at a motion's end, in parts of the model size (or rad): frequencies change by about as much."""
 
 
 def refuse_unsteady(solution: Solution, frequency: float) -> None:
@@ -53,7 +53,7 @@ def refuse_unsteady(solution: Solution, frequency: float) -> None:
 
 
 def free_spin(solution: Solution) -> Idle | None:
-    """What tells the roots of a spin that nothing holds or drives from vibrations, at the end of a motion; None where it does not spin.
+    """Test that tells a free spin's roots from vibrations at the end of a motion; None where it does not spin.
 
     Such a spin has s^2 = 0: it may be turned further, and any speed of it stays. What the motion lacks to a steady one, the accelerations
     a - S v of the size d, leaves anything up to d of s^2, growing or not. A root of that size whose vector is the spin itself is zero.
@@ -79,7 +79,7 @@ def free_spin(solution: Solution) -> Idle | None:
 
 
 def _beside_a_spin(solution: Solution) -> tuple[np.ndarray, Generator, np.ndarray, np.ndarray]:
-    """Mean angular velocity of the end, the spin with it, and how far velocities and accelerations are off it, weighted, (n_q,)."""
+    """Mean angular velocity at the end, the spin with it, and weighted deviations (n_q,) of velocities and accelerations."""
     system, q, v, a = solution.system, *(np.real(each[-1]) for each in (solution.q, solution.v, solution.a))
     weights, omega = system.weights[: system.n_q], angular_velocity(system, q, v)
     motion = generator(system, omega, np.zeros(system.scene.dimension))
@@ -88,7 +88,7 @@ def _beside_a_spin(solution: Solution) -> tuple[np.ndarray, Generator, np.ndarra
 
 
 def _translation(solution: Solution, off: np.ndarray) -> np.ndarray:
-    """Velocities (n_q,) of all frames' origins by their mean: the spin's centre need not be the scene's origin."""
+    """Mean velocity of all frames' origins as velocities (n_q,): the spin's centre need not be the scene's origin."""
     system = solution.system
     bodies = {name: system.scene.body(name) for name in system.scene.pieces()}
     origins = [system.numbering.first[name] + np.arange(body.moves) for name, body in bodies.items() if body.moves]

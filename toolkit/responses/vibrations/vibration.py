@@ -27,7 +27,7 @@ from toolkit.system.solution import Solution
 
 
 def any_pencil_of(solution: Solution) -> Pencil:
-    """Of the state that a solution ends in, at rest or spinning."""
+    """Stiffness, damping and mass of the state that a solution ends in, at rest or spinning."""
     return spinning_pencil(solution) if solution.spins or solution.steps else pencil_of(solution)
 
 
@@ -48,27 +48,27 @@ class OfVibration(Response):
 
     @property
     def needs_rest(self) -> bool:
-        """Unless it is asked for at the end of a motion."""
+        """Whether the response exists for an equilibrium only: true unless it is asked for at the end of a motion."""
         return self.when is None
 
     @abstractmethod
     def counted(self, damping: np.ndarray) -> np.ndarray:
-        """The damping (n, n) that counts."""
+        """Damping matrix (n, n) that this response takes into account."""
 
     @abstractmethod
     def of(self, s: complex) -> float:
-        """The number from s; nan where s is no vibration that counts."""
+        """Value of the response from s; nan where s is no vibration that counts."""
 
     def slowness(self, s: complex) -> float:
-        """What vibrations are numbered by; nan where s does not count."""
+        """Size |s| by which vibrations are numbered; nan where s does not count."""
         return abs(s) if np.isfinite(self.of(s)) else np.nan
 
     @abstractmethod
     def slope(self, s: complex, ds: Any) -> Any:
-        """Its change with that of s, (...,) complex, real."""
+        """Derivative (...,) of the response, real, from the derivative `ds` (...,) of s, complex."""
 
     def partials(self, solution: Solution) -> Partials:
-        """Of the vibration of that number.
+        """Value and partial derivatives of the response for the vibration of the wanted number.
 
         Raises
         ------
@@ -102,12 +102,12 @@ class OfVibration(Response):
         return Partials(value.real if system.compiled else value, q=by_z[None, :n_q], multipliers=by_z[None, n_q:], design=design)
 
     def counting(self, solution: Solution, pencil: Pencil) -> Pencil:
-        """The same with the damping that counts: about a spin, and at the end of a motion, all of it."""
+        """Pencil with the damping that counts: about a spin, and at the end of a motion, all of it."""
         moves = solution.spins or solution.steps
         return pencil if moves else pencil._replace(damping=self.counted(pencil.damping))
 
     def vibrations(self, solution: Solution, pencil: Pencil, weights: np.ndarray) -> np.ndarray:
-        """s of all vibrations that count, with a pencil about this state, from the slowest on.
+        """Roots s of all vibrations that count, with a pencil about this state, from the slowest on.
 
         Parameters
         ----------
@@ -117,7 +117,7 @@ class OfVibration(Response):
         return all_vibrations(weights, real_pencil(self.counting(solution, pencil)), self.slowness, free_spin(solution))
 
     def _of_a_state_that_moves(self, solution: Solution) -> Partials:
-        """Of a steady spin, or of the end of a motion: with dampers, and in the frame that spins."""
+        """Value and partial derivatives about a steady spin or at the end of a motion, with dampers, in the frame that spins."""
         system, pencil = solution.system, any_pencil_of(solution)
         weights, idle = system.weights[: system.n_q], free_spin(solution)
         found = find_vibration(weights, real_pencil(pencil), self.number, self.slowness, idle)
@@ -135,7 +135,7 @@ class OfVibration(Response):
         return Partials(value.real if system.compiled else value, **states, design=design)
 
     def _one_of_two(self, solution: Solution, s: complex) -> Partials:
-        """A vibration with a twin: which of both it is nobody knows, so it has no derivative."""
+        """Value of a vibration with a double root, whose derivatives are nan: which of both vibrations it is stays open."""
         value = self.of(s) if solution.system.compiled else complex(self.of(s), np.nan)
         return Partials(value, design=np.full(solution.system.n_x, np.nan))
 
@@ -150,21 +150,21 @@ class Frequency(OfVibration):
     quantity = "rate"
 
     def counted(self, damping: np.ndarray) -> np.ndarray:
-        """None."""
+        """Zero matrix: frequencies about an equilibrium at rest are without damping."""
         return 0 * damping
 
     def of(self, s: complex) -> float:
-        """Im s of a pair of roots, - Re s where it is real; one of each pair."""
+        """Frequency from Im s of a pair of roots, or - Re s where it is real; one of each pair."""
         vibrates = abs(s.imag) > SAME * abs(s)
         one = s.imag if vibrates else s.real
         return (one if vibrates else 0.0 - one) / (2 * np.pi) if one >= 0 else np.nan
 
     def slowness(self, s: complex) -> float:
-        """The frequency, so that what is unstable comes first."""
+        """Frequency, by which vibrations are numbered, so that what is unstable comes first."""
         return self.of(s)
 
     def slope(self, s: complex, ds: Any) -> Any:
-        """Of the same."""
+        """Derivative of the frequency from the derivative `ds` of s."""
         return (np.imag(ds) if abs(s.imag) > SAME * abs(s) else -np.real(ds)) / (2 * np.pi)
 
 
@@ -177,13 +177,13 @@ class DampingRatio(OfVibration):
     quantity = "none"
 
     def counted(self, damping: np.ndarray) -> np.ndarray:
-        """All of it."""
+        """Damping matrix as it is: all damping counts."""
         return damping
 
     def of(self, s: complex) -> float:
-        """- Re s / |s| of one of each pair."""
+        """Damping ratio - Re s / |s| of one root of each pair."""
         return -s.real / abs(s) if s.imag > SAME * abs(s) else np.nan
 
     def slope(self, s: complex, ds: Any) -> Any:
-        """Of the same."""
+        """Derivative of the damping ratio from the derivative `ds` of s."""
         return -np.real(ds) / abs(s) + s.real * np.real(np.conj(s) * ds) / abs(s) ** 3

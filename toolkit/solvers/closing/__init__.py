@@ -1,1 +1,1 @@
-"""Whether joints can be closed at all, asked where a start or a step has failed: how near they come, and how far drivers lead."""
+"""Search for positions that close the joints, where a start or a step has failed: how near they come, how far drivers lead."""

@@ -1,4 +1,4 @@
-"""What is told of drivers that lead a mechanism to a limit position, behind which the joints cannot be closed."""
+"""Messages on drivers that lead a mechanism to a limit position, behind which the joints cannot be closed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from toolkit.system.system import System
 SAMPLES, CORRECTIONS = 100, 20
 """Steps of the way at first, and how often coordinates are corrected in one."""
 REACH = 0.3
-"""Furthest move in a step of the way, a part of the scene's size (or rad): more is a jump to another way of assembling the bodies."""
+"""Furthest move in a step of the way, a part of the model size (or rad): more is a jump to another way of assembling the bodies."""
 REPEATED = 1e-10
 """Singular value, in parts of the largest, of joints that repeat each other."""
 FINEST = 1e-7
@@ -27,14 +27,17 @@ Acting = Callable[[float], Inputs]
 
 
 class Limit(NamedTuple):
-    """The last place on the way of the drivers where the joints close, and coordinates (n,) there."""
+    """Limit position: the last place on the way of the drivers where the joints close, and coordinates (n,) there."""
 
     place: float
     q: np.ndarray
 
 
 def limit_position(bodies: RigidBodies, acting: Acting, q: np.ndarray, first: float, last: float) -> Limit | None:
-    """Where the way to the last place ends, from a first one near which the bodies are at q (n,); None if it is not known to end."""
+    """Place where the way to the last place ends, from a first one near which the bodies are at q (n,).
+
+    None if it is not known to end.
+    """
     here = closed(bodies, acting(first), q)
     place, step, finest = first, (last - first) / SAMPLES, FINEST * abs(last - first)
     while here is not None and abs(step) > finest and place < last:
@@ -77,7 +80,7 @@ drivers work on."""
 
 
 def limit_of_drivers(system: System, acting: Acting, q: np.ndarray, places: tuple[float, float, float]) -> Limit | None:
-    """Where drivers lead no further, between places (first, here, last), from coordinates (n_q,) or (n,) that bodies have here.
+    """Limit position of the drivers between places (first, here, last), from coordinates (n_q,) or (n,) that bodies have here.
 
     None if they lead to the last place, or if nothing is known of that.
     """
@@ -96,7 +99,7 @@ def limit_of_drivers(system: System, acting: Acting, q: np.ndarray, places: tupl
 
 
 def told_limit(system: System, acting: Acting, limit: Limit, last: float, where: str) -> str:
-    """Sentences on a limit position at a place that is told as `where`."""
+    """Sentences on a limit position; `where` are the words for its place."""
     said = [_told(system, acting, name, curve, limit.place, last) for name, curve in _driven(system, acting, limit.place, last)]
     rigid = ", whose shapes are kept here," if RigidBodies(system).bend else ""
     return (
@@ -113,7 +116,7 @@ def _driven(system: System, acting: Acting, here: float, last: float) -> list[tu
 
 
 def _way(acting: Acting, curve: int, here: float, last: float) -> np.ndarray:
-    """Values of a curve from here on."""
+    """Values of a curve from here on, at equally spaced places."""
     return np.array([np.real(acting(place).curves[curve, 0]) for place in np.linspace(here, last, SAMPLES + 1)])
 
 

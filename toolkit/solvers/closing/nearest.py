@@ -15,20 +15,20 @@ from toolkit.foundation.near_ties import first_largest
 from toolkit.solvers.closing.rigid_bodies import RigidBodies
 
 CLOSED = 1e-9
-"""Gap, a part of the scene's size (or rad), that is none."""
+"""Gap, a part of the model size (or rad), that is none."""
 MOST = 100
 LONGEST, SHORTEST = 0.3, 1e-12
-"""First and last radius within which a model of second order is believed, in parts of the scene's size (or rad)."""
+"""First and last radius within which a model of second order is believed, in parts of the model size (or rad)."""
 FLAT = 1e-9
 """Part of the largest curvature below which one is round-off."""
 GAINS = 1e-13
 """Part of the sum of squares by which a step has to lessen it, to be worth taking."""
 HARD = 1e3
-"""How much larger than others a gap is counted that is to stay closed; each time when the search begins anew."""
+"""Factor by which a gap that is to stay closed counts more than others; each time when the search begins anew."""
 
 
 class Nearest(NamedTuple):
-    """Coordinates (n,), and gaps of all constraints there (n_c,), in parts of the scene's size (or rad)."""
+    """Coordinates (n,), and gaps of all constraints there (n_c,), in parts of the model size (or rad)."""
 
     q: np.ndarray
     gaps: np.ndarray
@@ -40,7 +40,7 @@ class Nearest(NamedTuple):
 
 
 def nearest(bodies: RigidBodies, inputs: Inputs, q: np.ndarray, soft: np.ndarray | None = None) -> Nearest:
-    """Where all gaps, or those of `soft` constraints (n_c,) while the others stay closed, are smallest; from coordinates q on."""
+    """Position where all gaps are smallest, or those of `soft` constraints (n_c,) while the others stay closed; from q on."""
     hard = bodies.inner if soft is None else ~soft
     found = Nearest(q, bodies.gaps(inputs, q))
     for factor in (HARD**0.5, HARD, HARD**1.5):
@@ -51,7 +51,7 @@ def nearest(bodies: RigidBodies, inputs: Inputs, q: np.ndarray, soft: np.ndarray
 
 
 def _descended(bodies: RigidBodies, inputs: Inputs, q: np.ndarray, stiff: np.ndarray) -> Nearest:
-    """The same for weights of squares (n_c,)."""
+    """Position where the sum of squared gaps is smallest, for weights `stiff` of the squares (n_c,)."""
     radius, gaps = LONGEST, bodies.gaps(inputs, q)
     for _ in range(MOST):
         gaps, slopes, bent = bodies.linearised(inputs, q, stiff)
@@ -68,7 +68,7 @@ def _descended(bodies: RigidBodies, inputs: Inputs, q: np.ndarray, stiff: np.nda
 
 
 def _step(gradient: np.ndarray, curvature: np.ndarray, radius: float) -> tuple[np.ndarray, float]:
-    """Newton's step downhill, no longer than the radius, and how much less the sum is then by the model."""
+    """Newton's step downhill, no longer than the radius, and the predicted decrease of the sum."""
     sizes, motions = np.linalg.eigh(curvature)
     least = FLAT * np.abs(sizes).max()
     pull = motions.T @ gradient

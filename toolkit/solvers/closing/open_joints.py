@@ -1,4 +1,4 @@
-"""What is told of joints that do not close: how near they come, and which one stays open by how much."""
+"""Messages on joints that do not close: how near they come, and which one stays open by how much."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from toolkit.solvers.closing.rigid_bodies import RigidBodies
 from toolkit.system.system import System
 
 AGAIN, FEW, ASIDE = 6, 60, 0.7
-"""How often the search begins from other positions if it has found none that close, of up to how many coordinates, and how far aside."""
+"""Number of times that the search begins from other positions if it has found none that close; most coordinates for which it
+does; distance of these positions."""
 TAKES_PART, LARGE = 0.05, 0.25
 """Part of the largest gap from which a joint may be the one that is told to be open; of two the first one is, if their gaps differ by less
 than some such part."""
 TRIED, OTHERS = 6, 1e-5
-"""How many joints are tried, and the gap, a part of the scene's size (or rad), of the others that is none then."""
+"""Number of joints that are tried, and the gap, a part of the model size (or rad), of the others that is none then."""
 REPEATED = 1e-9
 """Singular value, in parts of the largest, of joints that repeat each other."""
 
@@ -45,7 +46,10 @@ def repeat_each_other(bodies: RigidBodies, inputs: Inputs, q: np.ndarray) -> boo
 
 
 def told_gap(bodies: RigidBodies, inputs: Inputs, found: Nearest) -> str:
-    """Sentences on the nearest that joints come to being closed: one joint open and all others closed, if there is such a joint."""
+    """Sentences on the nearest that joints come to being closed.
+
+    One joint is open and all others are closed, if there is such a joint.
+    """
     shapes = ", by bodies that keep their shapes" if bodies.bend else ""
     return (
         f"the joints cannot be closed{shapes}: in the nearest positions that were found, {_what_stays_open(bodies, inputs, found)}. "
@@ -66,7 +70,10 @@ def _what_stays_open(bodies: RigidBodies, inputs: Inputs, found: Nearest) -> str
 
 
 def _candidates(bodies: RigidBodies, gaps: np.ndarray) -> list[np.ndarray]:
-    """Constraints (k,), by their numbers among all unknowns, of joints that may be the open one: first those with a number of their own."""
+    """Constraints (k,), by their numbers among all unknowns, of joints that may be the open one.
+
+    Those with a number of their own come first.
+    """
     rows, system = bodies.rows, bodies.system
     owners = [joint_of(system, row)[0] for row in rows]
     sizes = {
@@ -88,7 +95,7 @@ def _candidates(bodies: RigidBodies, gaps: np.ndarray) -> list[np.ndarray]:
 
 
 def _kind(system: System, joint: str) -> int:
-    """0 of a driver, 1 of a joint that keeps a length, 2 of any other."""
+    """Rank of a joint among those that may be open: 0 for a driver, 1 for one that keeps a length, 2 for any other."""
     return 0 if _driven(system, joint) >= 0 else 1 if isinstance(system.scene.joints[joint], KeptDistance) else 2
 
 
@@ -98,7 +105,7 @@ def _driven(system: System, joint: str) -> int:
 
 
 def _told(system: System, inputs: Inputs, rows: np.ndarray, gaps: np.ndarray) -> str:
-    """By how much the rows of one joint are open."""
+    """Sentence on the gaps in the rows of one joint."""
     name = str(joint_of(system, rows[0])[0])
     which = system.numbering.names[rows[0]] if len(rows) == 1 else f"joint {name!r}"
     sizes = [(label(system, row), opening(system, row, gap)) for row, gap in zip(rows, gaps, strict=True)]

@@ -1,4 +1,4 @@
-"""How far rows of joints are open, in the units in which they measure, for messages."""
+"""Gaps of rows of joints, in the units in which they measure, for messages."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from toolkit.system.system import System
 
 
 def opening(system: System, row: int, violation: float) -> float:
-    """How far a constraint, by its number among all unknowns, is open where it is violated by so much: a length or an angle."""
+    """Gap of a constraint, a length or an angle, where it is violated by so much.
+
+    The constraint is given by its number among all unknowns.
+    """
     name, within = joint_of(system, row)
     return (
         violation if name is None else float(system.scene.joints[name].opening(system.placed, within, float(np.real(violation))))
@@ -17,7 +20,7 @@ def opening(system: System, row: int, violation: float) -> float:
 
 
 def joint_of(system: System, row: int) -> tuple[str | None, int]:
-    """The joint that a constraint belongs to, and which of its rows it is; None for the length of a quaternion."""
+    """Joint that a constraint belongs to, and which of its rows it is; None for the length of a quaternion."""
     for name, first in system.numbering.row.items():
         if first <= row < first + len(system.scene.joints[name].rows):
             return name, row - first
@@ -25,7 +28,7 @@ def joint_of(system: System, row: int) -> tuple[str | None, int]:
 
 
 def label(system: System, row: int) -> str:
-    """The unit in which a constraint is open: that of lengths, or rad."""
+    """Unit in which a constraint is open: that of lengths, or rad."""
     name, within = joint_of(system, row)
     if name is None:
         return ""
@@ -33,5 +36,5 @@ def label(system: System, row: int) -> str:
 
 
 def told(system: System, row: int, violation: float) -> str:
-    """How far a constraint is open, with its unit."""
+    """Text of the gap of a constraint, with its unit."""
     return f"{opening(system, row, violation):.3g} {label(system, row)}".rstrip()

@@ -17,7 +17,7 @@ MOST = 400
 
 @dataclass(frozen=True)
 class RigidBodies:
-    """Bodies that move as rigid ones, with their joints; gaps and moves in parts of the scene's size, or in rad."""
+    """Bodies that move as rigid ones, with their joints; gaps and moves in parts of the model size, or in rad."""
 
     system: System
 
@@ -30,7 +30,7 @@ class RigidBodies:
 
     @property
     def countable(self) -> bool:
-        """Whether there are bodies that move and joints, in real numbers, and not too many."""
+        """Whether there are moving bodies and joints, in real numbers, and not too many coordinates."""
         return self.system.compiled and 0 < len(self.frames) <= MOST and self.system.n > self.system.n_q
 
     @property
@@ -45,22 +45,25 @@ class RigidBodies:
 
     @cached_property
     def inner(self) -> np.ndarray:
-        """Which of the constraints are no joints of the user, (n_c,): those of quaternions, and of what ties the parts of a cut body."""
+        """Which of the constraints are no joints of the user, (n_c,).
+
+        They are those of quaternions, and of what ties the parts of a cut body.
+        """
         numbering, joints = self.system.numbering, self.system.scene.joints
         ties = [numbering.row[name] + i for name, each in joints.items() if isinstance(each, Tie) for i in range(len(each.rows))]
         return np.isin(self.rows, [*numbering.length.values(), *ties])
 
     @cached_property
     def _scales(self) -> tuple[np.ndarray, np.ndarray]:
-        """What makes gaps and moves comparable, (n_c,) and (n_f,)."""
+        """Scales that make gaps (n_c,) and moves (n_f,) comparable."""
         return self.system.weights[self.rows], self.system.weights[self.frames]
 
     def gaps(self, inputs: Inputs, q: np.ndarray) -> np.ndarray:
-        """Those of all constraints in coordinates q (n,), (n_c,)."""
+        """Gaps of all constraints at coordinates q (n,), (n_c,)."""
         return np.real(self._terms(inputs, q, np.zeros_like(q), False).applied)[self.rows] * self._scales[0]
 
     def jacobian(self, inputs: Inputs, q: np.ndarray) -> np.ndarray:
-        """Their derivatives by the moves (n_c, n_f)."""
+        """Derivatives of the gaps by the moves, (n_c, n_f)."""
         return self._jacobian(self._terms(inputs, q, np.zeros_like(q), True))
 
     def linearised(self, inputs: Inputs, q: np.ndarray, stiff: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -80,7 +83,7 @@ class RigidBodies:
         return found
 
     def way(self, q: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """The move (n_f,) from coordinates to others, both (n,)."""
+        """Move (n_f,) that leads from coordinates to others, both (n,)."""
         return np.real(other - q)[self.frames] * self._scales[1]
 
     def _jacobian(self, terms: Terms) -> np.ndarray:
@@ -88,5 +91,5 @@ class RigidBodies:
         return array * self._scales[0][:, None] / self._scales[1]
 
     def _terms(self, inputs: Inputs, q: np.ndarray, forces: np.ndarray, linearize: bool) -> Terms:
-        """Of the joints alone; every term is new memory or read before the next."""
+        """Terms of the joints alone; every term is new memory or read before the next."""
         return self.system.evaluate(inputs._replace(joints_only=True), q, np.zeros_like(q), forces, linearize=linearize)

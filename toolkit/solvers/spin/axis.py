@@ -16,7 +16,7 @@ from toolkit.solvers.spin.generator import Generator, axis_of_turning, generator
 from toolkit.system.system import System
 
 SKEW = 1e-9
-"""Sine of the angle, and part of the scene's size, by which an axis may be off another one."""
+"""Sine of the angle, and part of the model size, by which an axis may be off another one."""
 
 
 STEADY = 1e-6
@@ -24,7 +24,10 @@ STEADY = 1e-6
 
 
 class Spin(NamedTuple):
-    """What the driver asks for: angular velocity omega (1,), in space (3,), centre (d,), their derivatives (..., n_x); its time curve."""
+    """Spin that the driver asks for: angular velocity omega (1,), in space (3,), and centre (d,).
+
+    Their derivatives (..., n_x) and the driver's time curve stand beside them.
+    """
 
     omega: np.ndarray
     centre: np.ndarray
@@ -34,22 +37,22 @@ class Spin(NamedTuple):
 
     @property
     def speed(self) -> float:
-        """In rad/time."""
+        """Angular speed in rad/time."""
         return float(np.sqrt(np.sum(np.real(self.omega) ** 2)))
 
     def generator(self, system: System) -> Generator:
-        """The motion of all coordinates."""
+        """Generator of the motion of all coordinates."""
         return generator(system, self.omega, self.centre)
 
     def generator_changes(self, system: System) -> list[Generator]:
-        """Its derivatives by the design."""
+        """Derivatives of the generator by each design variable."""
         changes = zip(self.domega.T, self.dcentre.T, strict=True)
         stepped = [generator(system, self.omega + 1j * STEP * w, self.centre + 1j * STEP * c) for w, c in changes]
         return [Generator(np.imag(each.matrix) / STEP, np.imag(each.offset) / STEP) for each in stepped]
 
 
 def spin_of(system: System, options: RunOptions, inputs: Inputs) -> Spin:
-    """The spin at the end time, at which `inputs` holds the values of the drivers' curves.
+    """Spin at the end time, at which `inputs` holds the values of the drivers' curves.
 
     Raises
     ------
@@ -112,7 +115,7 @@ def _drivers(system: System) -> list[tuple[int, str]]:
 
 
 def _centre_and_axis(system: System, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of the numbers of a marker on the ground: its place, and its third axis."""
+    """Position and third axis of a marker on the ground, from its numbers."""
     return (numbers[:2], np.ones(1)) if system.scene.space.rotations_add else (numbers[:3], numbers[9:12])
 
 

@@ -1,4 +1,4 @@
-"""Whether a scene that spins is the same at every angle: only then is its steady state one, and its small motions have modes."""
+"""Check that a spinning scene is the same at every angle: only then is its steady state one, and its small motions have modes."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from toolkit.solvers.spin.state import Linearised, balancing, linearised
 from toolkit.system.system import System
 
 ANGLES = (1.0, 2.3)
-"""In rad: no multiples of a turn's half, third or quarter."""
+"""Angles in rad to turn the state by: no multiples of a turn's half, third or quarter."""
 CHANGES = 1e-7
-"""By how much forces may change with the angle, in parts of the largest one or of the centrifugal one at the scene's size, and stiffness,
-damping and mass in parts of their largest: round-off of stiff bodies is smaller, a rotor that is worth the word is less round."""
+"""Largest change of forces with the angle, in parts of the largest one or of the centrifugal one at the model size, and of
+stiffness, damping and mass in parts of their largest: round-off of stiff bodies is smaller, a rotor that is worth the word is
+less round."""
 
 
 def refuse_what_changes(system: System, inputs: Inputs, motion: Generator, speed: float, q: np.ndarray) -> None:
@@ -48,7 +49,7 @@ def refuse_what_changes(system: System, inputs: Inputs, motion: Generator, speed
 
 
 def _balanced(system: System, inputs: Inputs, motion: Generator, q: np.ndarray) -> tuple[Linearised, float]:
-    """A state that turns, with the joint forces that balance it best, and the largest force that they have to balance."""
+    """State that turns, with the joint forces that balance it best, and the largest force that they have to balance."""
     n_q, pad = system.n_q, np.zeros(system.n - system.n_q)
     loose = linearised(system, inputs, q, motion.velocity(q), np.append(motion.acceleration(q), pad))
     found = balancing(system, loose.by_acc[:n_q, n_q:], loose.residual[:n_q])

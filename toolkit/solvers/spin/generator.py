@@ -20,21 +20,21 @@ from toolkit.system.system import System
 
 
 class Generator(NamedTuple):
-    """S (n_q, n_q) and s (n_q,)."""
+    """Matrix S (n_q, n_q) and vector s (n_q,) of a motion v = S q + s of all coordinates."""
 
     matrix: np.ndarray
     offset: np.ndarray
 
     def velocity(self, q: np.ndarray) -> np.ndarray:
-        """Of coordinates q (n_q,)."""
+        """Velocity S q + s at coordinates q (n_q,)."""
         return self.matrix @ q + self.offset
 
     def acceleration(self, q: np.ndarray) -> np.ndarray:
-        """Of the same."""
+        """Acceleration S v at coordinates q (n_q,)."""
         return self.matrix @ self.velocity(q)
 
     def times(self, factor: float) -> Generator:
-        """At another speed."""
+        """Generator of the same motion at another speed."""
         return Generator(factor * self.matrix, factor * self.offset)
 
     def turned(self, q: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
@@ -45,7 +45,7 @@ class Generator(NamedTuple):
 
 
 def generator(system: System, omega: np.ndarray, centre: np.ndarray) -> Generator:
-    """Of an angular velocity (1,), in space (3,) in the axes of space, about a point (d,); real or complex."""
+    """Generator of an angular velocity (1,), in space (3,) in the axes of space, about a point (d,); real or complex."""
     blocks, offsets = [], []
     for name in system.scene.pieces():
         size = _size(system, name)
@@ -98,6 +98,6 @@ def _of_frame(body: Body, omega: np.ndarray, centre: np.ndarray) -> tuple[np.nda
 
 
 def left_product(quaternion: np.ndarray) -> np.ndarray:
-    """The matrix (4, 4) of p -> quaternion o p."""
+    """Matrix (4, 4) of the product p -> quaternion o p."""
     a, b, c, d = quaternion
     return np.array([[a, -b, -c, -d], [b, a, -d, c], [c, d, a, -b], [d, -c, b, a]])

@@ -12,7 +12,10 @@ from toolkit.system.system import System
 
 
 class Linearised(NamedTuple):
-    """R = 0 at one state and its derivatives, dense: by q, v (n, n_q), by a and multipliers (n, n), by the design (n, n_x)."""
+    """Residual R at one state and its derivatives, dense.
+
+    They are by q and v (n, n_q), by a and multipliers (n, n), and by the design (n, n_x).
+    """
 
     residual: np.ndarray
     by_q: np.ndarray
@@ -21,7 +24,7 @@ class Linearised(NamedTuple):
     by_x: np.ndarray
 
     def spinning(self, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Stiffness (n, n) of coordinates and multipliers, damping and mass (n, n_q), of what changes slowly in a frame that spins.
+        """Stiffness (n, n) of coordinates and multipliers, damping and mass (n, n_q), for small changes in a spinning frame.
 
         With S = `motion` a change y of the coordinates in that frame changes q by y, v by y' + S y, a by y'' + 2 S y' + S^2 y:
 
@@ -34,7 +37,7 @@ class Linearised(NamedTuple):
 
 
 def linearised(system: System, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray) -> Linearised:
-    """At q, v (n_q,) and acc = [a; lam] (n,)."""
+    """Linearised equations at q, v (n_q,) and acc = [a; lam] (n,)."""
     n_q = system.n_q
     pad = np.zeros(system.n - n_q)
     terms = system.evaluate(inputs, np.append(q, pad), np.append(v, pad), acc, design=True)
@@ -42,7 +45,7 @@ def linearised(system: System, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc
 
 
 def of_terms(system: System, terms: Terms) -> Linearised:
-    """From the terms of the equations; the rows of constraints in them are those of positions."""
+    """Linearised equations from the terms of the equations, whose rows of constraints are those of positions."""
     n_q = system.n_q
     by_q, by_v, by_acc = (system.dense(each) for each in (terms.I_q + terms.A_q, terms.A_v, terms.I_acc))
     by_acc[n_q:, :n_q] = 0

@@ -24,16 +24,16 @@ from toolkit.system.system import System
 SMALLEST = 2.0**-10
 """Part of the load, and of the square of the speed, below which a step is given up."""
 CLOSE = 0.05
-"""Part of the scene's size (or rad) that a state may be off a known one from which Newton goes straight to it."""
+"""Part of the model size (or rad) that a state may be off a known one from which Newton goes straight to it."""
 SINGULAR = 1e-14
 """Smallest singular value of the matrix, in comparable units, in parts of the largest, which is round-off."""
 RATES = np.array([0.0, 1.0, 0.0])
 OPENS = 1e-9
-"""Part of the scene's size per radian by which a joint may open, above round-off."""
+"""Part of the model size per radian by which a joint may open, above round-off."""
 
 
 class SteadyState(NamedTuple):
-    """Coordinates and velocities (n_q,), [a; lam] (n,), their derivatives (..., n_x), speed, steps and iterations."""
+    """A steady state: coordinates and velocities (n_q,), [a; lam] (n,), derivatives (..., n_x), speed, steps, iterations."""
 
     q: np.ndarray
     v: np.ndarray
@@ -49,7 +49,7 @@ class SteadyState(NamedTuple):
 def steady_state(
     system: System, options: RunOptions, speed: float | None = None, known: tuple[np.ndarray, np.ndarray] | None = None
 ) -> SteadyState:
-    """The steady state under the loads at the end time.
+    """Steady state under the loads at the end time.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def steady_state(
 def _near(
     system: System, options: RunOptions, inputs: Inputs, motion: Generator, q: np.ndarray, multipliers: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, int, int] | None:
-    """As `_from_rest`, without a way there; None if Newton does not go straight to a state close by."""
+    """Steady state close to given coordinates, as `_from_rest` has it; None if Newton does not go straight to it."""
     try:
         found, forces, count = _newton(system, options, inputs, motion, 1.0, q, multipliers)
     except (ConvergenceError, SingularSystemError):
@@ -119,7 +119,7 @@ def _from_rest(
 def _newton(
     system: System, options: RunOptions, inputs: Inputs, motion: Generator, part: float, q: np.ndarray, multipliers: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    """Newton at a part of the loads and of the square of the speed, down to round-off."""
+    """Newton's iteration at a part of the loads and of the square of the speed, down to round-off."""
     slower = motion.times(np.sqrt(part))
     inputs, n_q, size = inputs._replace(scale=part), system.n_q, np.inf
     far = (system.weights[:n_q] * np.abs(np.real(q))).max(initial=0)
@@ -140,7 +140,7 @@ def _newton(
 
 
 def _solve(system: System, matrix: np.ndarray, rhs: np.ndarray) -> np.ndarray:
-    """Dense, in comparable units.
+    """Solution of a dense linear system in comparable units.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def _balancing(system: System, inputs: Inputs, motion: Generator, part: float, q
 
 
 def _turned_start(system: System, inputs: Inputs, spin: Spin) -> np.ndarray:
-    """The given positions, turned with the driver to the end time."""
+    """Given positions of the scene, turned with the driver to the end time."""
     whole = spin.generator(system)
     real = Generator(np.real(whole.matrix), np.real(whole.offset))
     angle, rate = (
@@ -187,7 +187,10 @@ def _turned_start(system: System, inputs: Inputs, spin: Spin) -> np.ndarray:
 
 
 def _refuse_before(system: System, inputs: Inputs, spin: Spin) -> None:
-    """The same in the given positions, if joints are closed there: before Newton looks for what there is not."""
+    """Refuse joints that open in the given positions, if they are closed there.
+
+    This comes before Newton looks for a state that does not exist.
+    """
     given = system.start()[0][: system.n_q]
     gaps = linearised(system, system.inputs(0.0, LEVELS), given, 0 * given, np.zeros(system.n)).residual[system.n_q :]
     if (system.weights[system.n_q :] * np.abs(np.real(gaps))).max(initial=0) < OPENS:
@@ -195,7 +198,7 @@ def _refuse_before(system: System, inputs: Inputs, spin: Spin) -> None:
 
 
 def _refuse_joints_that_open(system: System, inputs: Inputs, spin: Spin, q: np.ndarray) -> None:
-    """Every joint must let the scene turn as its driver asks."""
+    """Refuse a joint that does not let the scene turn as its driver asks."""
     n_q, velocity = system.n_q, spin.generator(system).velocity(q)
     rates = linearised(system, inputs._replace(levels=RATES), q, velocity, np.zeros(system.n)).residual[n_q:]
     off = np.abs(np.real(rates)) / spin.speed * system.weights[n_q:]
@@ -208,7 +211,7 @@ def _refuse_joints_that_open(system: System, inputs: Inputs, spin: Spin, q: np.n
 
 
 class Explicit(NamedTuple):
-    """What the design changes where coordinates and multipliers are held: v (n_q, n_x), a (n_q, n_x), the residual (n, n_x)."""
+    """Derivatives by the design at held coordinates and multipliers: v (n_q, n_x), a (n_q, n_x), the residual (n, n_x)."""
 
     v: np.ndarray
     a: np.ndarray
@@ -218,7 +221,7 @@ class Explicit(NamedTuple):
 def _explicit(
     system: System, inputs: Inputs, spin: Spin, motion: Generator, q: np.ndarray, multipliers: np.ndarray
 ) -> tuple[Explicit, np.ndarray]:
-    """The same, and the matrix (n, n) of the equations of [q; lam]."""
+    """Derivatives at held coordinates and multipliers, and the matrix (n, n) of the equations of [q; lam]."""
     v, acc = moved(motion, q, multipliers)
     there = linearised(system, inputs, q, v, acc)
     by_v, by_a = np.zeros((system.n_q, system.n_x)), np.zeros((system.n_q, system.n_x))
@@ -232,7 +235,7 @@ def _explicit(
 def _derivatives(
     system: System, inputs: Inputs, spin: Spin, motion: Generator, q: np.ndarray, multipliers: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of q, v and [a; lam] by the design."""
+    """Design derivatives of q, v and [a; lam]."""
     n_q, S = system.n_q, motion.matrix
     if not system.n_x:
         return np.zeros((n_q, 0)), np.zeros((n_q, 0)), np.zeros((system.n, 0))

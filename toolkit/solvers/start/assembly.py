@@ -22,11 +22,11 @@ from toolkit.solvers.direct_solve import solve_linear
 from toolkit.system.system import System
 
 CLOSED = 1e-13
-"""Last correction, as a part of the scene's size: Newton's method is quadratic, so that round-off is left."""
+"""Last correction, as a part of the model size: Newton's method is quadratic, so that round-off is left."""
 ROUND_OFF = 1e-13
 """Correction, per distance of the bodies from the origin, that is round-off if it does not shrink any more."""
 REACH = 0.3
-"""Furthest move that is an adjustment, as a part of the scene's size; more is another configuration, or a mistake. Of a rotation half the
+"""Furthest move that is an adjustment, as a part of the model size; more is another configuration, or a mistake. Of a rotation half the
 angle counts, as it does in the quaternions of bodies in space: bodies turn by up to 0.6 rad."""
 MOST = 30
 LEVELS = np.array([0.0, 0.0, 1.0])
@@ -82,7 +82,7 @@ def _change(system: System, q: np.ndarray, acc: np.ndarray, dgiven: np.ndarray, 
 
 
 def _counted(system: System) -> np.ndarray:
-    """What makes moves of coordinates comparable, as `REACH` counts them, (n_q,)."""
+    """Weights (n_q,) that make moves of coordinates comparable, as `REACH` counts them."""
     first, found = system.numbering.first, system.weights[: system.n_q].copy()
     found[[first[name] + body.moves for name, body in system.scene.all_bodies().items() if body.turns == 1]] /= 2  # in the plane
     return found
@@ -99,7 +99,7 @@ def _far(system: System, given: np.ndarray, q: np.ndarray) -> str:
 
 
 def _told_by_search(system: System, given: np.ndarray, time: float) -> str:
-    """Why joints that are open do not close, by a search among all positions; empty if it does not tell."""
+    """Sentence on why open joints do not close, by a search among all positions; empty if the search does not tell."""
     bodies, inputs = RigidBodies(system), system.inputs(time, LEVELS)
     found = search(bodies, inputs, given)
     if found is None:
@@ -119,7 +119,7 @@ def _told_by_search(system: System, given: np.ndarray, time: float) -> str:
 
 
 def stiffened(system: System) -> System:
-    """The same system with M + (1 s)^2 K in the place of M."""
+    """System with M + (1 s)^2 K in the place of M."""
     part = system.plan.constant
     everywhere = np.ones_like(part.segment_damped)  # there is a mass where there is stiffness alone otherwise
     mass = {
@@ -132,7 +132,10 @@ def stiffened(system: System) -> System:
 
 
 def _evaluate(system: System, q: np.ndarray, acc: np.ndarray, time: float) -> Terms:
-    """Inertial: [M + K] (q - q_given) + phi_q^T mu with acc = [q - q_given; mu]. Applied, below: phi."""
+    """Terms of the equations of assembly.
+
+    Inertial: [M + K] (q - q_given) + phi_q^T mu with acc = [q - q_given; mu]. Applied, below: phi.
+    """
     return system.evaluate(system.inputs(time, LEVELS), q, np.zeros_like(q), acc, design=True)
 
 

@@ -45,13 +45,13 @@ def continued_start(system: System, q: np.ndarray, v: np.ndarray, options: RunOp
 
 
 def moved_by(system: System, q: np.ndarray, found: np.ndarray) -> float:
-    """How far coordinates (n_q,) had to move to where they were found, (n_q,) or padded, a part of the scene's size or in rad."""
+    """Largest move of coordinates (n_q,) to where they were found, (n_q,) or padded, in parts of the model size or in rad."""
     n_q = system.n_q
     return float(np.max(system.weights[:n_q] * np.abs(np.real(found[:n_q] - q)), initial=0.0))
 
 
 def closed_start(system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, options: RunOptions) -> Motion:
-    """What satisfies every joint at t = 0 next to given coordinates and velocities (n_q,) with their derivatives (n, n_x).
+    """Motion that satisfies every joint at t = 0 next to given coordinates and velocities (n_q,) with derivatives (n, n_x).
 
     Raises
     ------

@@ -17,7 +17,7 @@ from toolkit.solvers.start.written_velocities import refuse_own_velocities, writ
 from toolkit.system.system import System
 
 POSITION_TOLERANCE = 1e-8
-"""Largest violation of a constraint at the start, relative to the scene's size (or rad): round-off of input with 9 digits."""
+"""Largest violation of a constraint at the start, relative to the model size (or rad): round-off of input with 9 digits."""
 SEVERAL = 64
 """Design variables whose derivatives of the constraints are looked at together."""
 
@@ -50,7 +50,9 @@ def consistent_start(
     time: float = 0.0,
     options: RunOptions | None = None,
 ) -> State:
-    """The state at the start; `q` and `v` (n_q,) replace the scene's own start, then without design derivatives of it.
+    """Consistent state at the start; `q` and `v` (n_q,) replace the scene's own start.
+
+    Such a replaced start has no design derivatives.
 
     Velocities that the scene writes hold, the others are found, see `start_velocities`; a given `v` has to fit the joints as it is.
     Positions are moved to where the joints are closed if `options.assemble` (by default the scene's), see `assembly`.
@@ -70,13 +72,13 @@ def consistent_start(
 def consistent_motion(
     system: System, q: np.ndarray | None, v: np.ndarray | None, time: float, options: RunOptions | None = None
 ) -> Motion:
-    """Coordinates and velocities of `consistent_start`."""
+    """Coordinates and velocities of `consistent_start`, with their design derivatives."""
     position, dq = closed_positions(system, q, time, options)
     return moving(system, position, dq, v, time)
 
 
 def moving(system: System, position: np.ndarray, dq: np.ndarray, v: np.ndarray | None = None, time: float = 0.0) -> Motion:
-    """The same in positions (n,) where every joint is closed, with their design derivatives (n, n_x)."""
+    """Motion in positions (n,) where every joint is closed, from these and their design derivatives (n, n_x)."""
     velocity, dv = _velocities(system, position, dq, v, time)
     return Motion(position, velocity, dq, dv)
 
@@ -84,7 +86,7 @@ def moving(system: System, position: np.ndarray, dq: np.ndarray, v: np.ndarray |
 def with_accelerations(
     system: System, levels: np.ndarray, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, time: float = 0.0
 ) -> State:
-    """The state of coordinates and velocities (n,) that satisfy every joint, with their design derivatives (n, n_x)."""
+    """State of coordinates and velocities (n,) that satisfy every joint, with their design derivatives (n, n_x)."""
     v, dv = rates_of_states(system, q, dq, v, dv, time)
     acc, dacc = initial_accelerations(system, q, v, dq, dv, levels, time)
     return State(q, v, acc, dq, dv, dacc)
@@ -103,7 +105,7 @@ def closed_positions(
 def closed(
     system: System, position: np.ndarray, dq: np.ndarray, time: float, options: RunOptions | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The same for positions (n,) with design derivatives (n, n_x)."""
+    """Positions that satisfy every joint, next to positions (n,) with design derivatives (n, n_x), and their derivatives."""
     if (options or system.scene.solver).assemble:
         position, dq = assemble(system, position, dq, time)
     check_positions(system, position, dq, time)
@@ -126,7 +128,7 @@ def _velocities(
 def rates_of_states(
     system: System, q: np.ndarray, dq: np.ndarray, v: np.ndarray, dv: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The velocities with those of the loads' own states x, which follow from their laws, and the design derivatives (n, n_x)."""
+    """Velocities with those of the loads' own states x, which follow from their laws, and design derivatives (n, n_x)."""
     states = system.numbering.states
     if not len(states):
         return v, dv
@@ -173,7 +175,9 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
 
 
 def _violating(system: System, terms: Terms, by_design: np.ndarray, dq: np.ndarray) -> np.ndarray:
-    """Constraints and variables that would violate them, (k, 2), by constraints; `by_design` as `System.evaluate_touched` finds it.
+    """Constraints and variables that would violate them, (k, 2), by constraints.
+
+    `by_design` is as `System.evaluate_touched` finds it.
 
     Some variables at a time, because new memory for many takes longer than all else.
     """

@@ -1,4 +1,4 @@
-"""Whether the state of another run, kept in a results file or at hand, is one of this scene: of its bodies, coordinates and models."""
+"""Check that the state of another run, kept in a results file or at hand, fits this scene: its bodies, coordinates and models."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ READ_ANEW = ("model", "extrapolation")
 
 
 class _Known(NamedTuple):
-    """What a run that a scene starts in says of itself: in words, units, coordinates, tables of its bodies, content of its models."""
+    """Record of the run that a scene starts in, by its own account.
+
+    It holds words for messages, units, coordinates, tables of its bodies, and content of its models.
+    """
 
     what: str
     units: str
@@ -43,7 +46,7 @@ def refuse_other_scene(system: System, end: EndState) -> None:
 
 
 def refuse_other_run(system: System, known: System) -> None:
-    """The same of a run that is at hand.
+    """Refuse the state of a run at hand with other bodies, coordinates or reduced models.
 
     Raises
     ------
@@ -83,7 +86,7 @@ def _refuse(system: System, known: _Known) -> None:
 
 
 def _words(body: Any) -> dict[str, Any]:
-    """What says what the coordinates of a body mean."""
+    """Words of a body's table that say what its coordinates mean."""
     return {"type": body.kind, **{key: _plain(value) for key, value in body if key not in READ_ANEW and _is_word(key, value)}}
 
 

@@ -24,7 +24,7 @@ SAME = 1e-12
 
 
 def kept_state(scene: Scene) -> EndState | None:
-    """The state that a scene names as its start; None if it names none."""
+    """State that a scene names as its start; None if it names none."""
     return None if scene.start_file is None else end_state(scene.start_file)
 
 
@@ -52,7 +52,7 @@ def kept_start(system: System, options: RunOptions) -> Motion:
 
 
 def other_numbers(scene: Scene, end: EndState) -> list[str]:
-    """Numbers of a scene that were others in the kept run, but those of time curves, which begin anew: in words."""
+    """Texts on the numbers of a scene that were others in the kept run, but for those of time curves, which begin anew."""
     numbers, found = end.numbers, []
     nominal = scene.model_parameters()
     for path in scene.available_paths():
@@ -63,7 +63,10 @@ def other_numbers(scene: Scene, end: EndState) -> list[str]:
 
 
 def moves_kept_run(scene: Scene, path: str) -> bool:
-    """Whether a number has acted in the run whose last state the scene starts in: that state stays while the number moves."""
+    """Whether a number has acted in the run whose last state the scene starts in.
+
+    That state stays while the number moves.
+    """
     end = kept_state(scene)
     return end is not None and end.has(path)
 
@@ -100,7 +103,7 @@ def _slopes(scene: Scene, end: EndState, what: str, shares: Mapping[str, float])
 
 
 def _weights(end: EndState, acted: Mapping[str, float]) -> np.ndarray | None:
-    """How much of each column of the file's derivatives (n_c,) belongs to numbers that grow together; None if they are not there."""
+    """Share of each column of the file's derivatives (n_c,) in numbers that grow together; None if they are not there."""
     found = np.zeros(len(end.columns))
     alone = {next(iter(column)): k for k, column in enumerate(end.columns) if len(column) == 1}
     if all(path in alone for path in acted):

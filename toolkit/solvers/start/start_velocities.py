@@ -86,17 +86,20 @@ def project_velocities(
 
 
 def _joints(system: System, q: np.ndarray, v: np.ndarray, acc: np.ndarray, time: float) -> Terms:
-    """Applied, below: phi_q v + phi_t. Inertial, with acc = [v - g; mu]: A (v - g) + phi_q^T mu."""
+    """Terms of the equations for velocities at the start.
+
+    Applied, below: phi_q v + phi_t. Inertial, with acc = [v - g; mu]: A (v - g) + phi_q^T mu.
+    """
     return system.evaluate(system.inputs(time, np.array([0, 1.0, 0])), q, v, acc, design=True)
 
 
 def _total(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -> np.ndarray:
-    """Derivative of `applied` by the design, (n, n_x)."""
+    """Total derivative of `applied` by the design, (n, n_x)."""
     return system.matrix(terms.A_q) @ dq + system.matrix(terms.A_v) @ dv + terms.A_x
 
 
 def _matrix(system: System, terms: Terms) -> np.ndarray:
-    """[[A, phi_q^T], [phi_q, 0]], values on the pattern."""
+    """Matrix [[A, phi_q^T], [phi_q, 0]], by its values on the pattern."""
     return terms.I_acc + system.unit_of_states + np.where(_rows(system) >= system.n_q, terms.A_v, 0)
 
 
@@ -105,14 +108,14 @@ def _rows(system: System) -> np.ndarray:
 
 
 def _without(system: System, matrix: np.ndarray, held: list[int]) -> np.ndarray:
-    """The matrix with rows and columns of the unit matrix for the held coordinates."""
+    """Matrix with rows and columns of the unit matrix for the held coordinates."""
     rows, columns = _rows(system), system.plan.indices
     crossed = np.isin(rows, held) | np.isin(columns, held)
     return np.where(crossed, np.where(rows == columns, 1.0, 0.0), matrix)
 
 
 def independent(system: System, terms: Terms, coordinates: list[int]) -> list[int]:
-    """Those of the coordinates whose velocities can be chosen at will, the first ones that are; the joints then imply the others.
+    """First of the given coordinates whose velocities can be chosen at will; the joints then imply those of the others.
 
     P, the projection on the motions that the joints allow, of coordinates divided by their weights, has the squares of the sines on
     its diagonal; choosing a coordinate takes its motion out of P.

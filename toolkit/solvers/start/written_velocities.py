@@ -16,7 +16,7 @@ ELASTIC = "elastic_velocity"
 HOLDS = 1e-6
 """Part of the fastest velocity of the start by which a written one may miss what the joints allow: it was written with seven digits."""
 DERIVATIVE_HOLDS = 1e-8
-"""The same of the derivative by a design variable, which has no written digits."""
+"""Part of the fastest derivative by a design variable by which one may miss what the joints allow; it has no written digits."""
 ALIKE = 0.9
 """Part of the largest miss from which the first one is named, so that no round-off decides."""
 
@@ -110,7 +110,7 @@ def _contradiction(system: System, variable: str, path: str) -> str:
 
 
 def _missed(system: System, given: np.ndarray, found: np.ndarray) -> tuple[np.ndarray, float]:
-    """By how much velocities differ from given ones, (n_q,), and the fastest of all, in parts of the scene's size (or rad) per time."""
+    """Differences (n_q,) of velocities from given ones, and the fastest of all, in parts of the model size (or rad) per time."""
     weights, n_q = system.weights[: system.n_q], system.n_q
     fastest = (weights * np.maximum(np.abs(found), np.abs(given))[:n_q]).max(initial=0)
     return weights * np.abs(found - given)[:n_q], float(fastest)
@@ -134,7 +134,7 @@ def _in_numbers(system: System, i: int, path: str, q: np.ndarray, given: np.ndar
 
 
 def _listed(numbers: np.ndarray) -> str:
-    """One number, or several in brackets."""
+    """Text of one number, or of several in brackets."""
     shown = ", ".join(f"{x:.9g}" for x in np.real(numbers))
     return shown if len(numbers) == 1 else f"[{shown}]"
 

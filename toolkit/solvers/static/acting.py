@@ -1,4 +1,4 @@
-"""What acts along a path of equilibria, by the path's factor: loads that grow in proportion, or all that changes with time."""
+"""Loads and drivers along a path of equilibria, by its factor: loads that grow in proportion, or all that changes with time."""
 
 from __future__ import annotations
 
@@ -13,16 +13,19 @@ from toolkit.system.system import System
 
 
 class Acting(Protocol):
-    """Everything is linear in the loads, and drivers enter the equations by their values alone."""
+    """Interface of what acts along a path of equilibria, by its factor.
+
+    Everything is linear in the loads, and drivers enter the equations by their values alone.
+    """
 
     def at(self, factor: float) -> Inputs:
-        """What acts at a factor."""
+        """Inputs of the equations at a factor."""
 
     def more(self, factor: float) -> Inputs:
-        """The same drivers, and as much more of the loads as they grow by with the factor, d / d factor."""
+        """Inputs with the same drivers, and with loads grown by their derivative by the factor."""
 
     def driven(self, factor: float) -> np.ndarray:
-        """By how much drivers move with the factor, d / d factor, for all time curves (n_curves,)."""
+        """Derivatives d / d factor of the drivers' values, for all time curves (n_curves,)."""
 
 
 class GrowingLoads:
@@ -34,24 +37,24 @@ class GrowingLoads:
         self._leading = leading_curves(system)
 
     def at(self, factor: float) -> Inputs:
-        """What acts at a factor."""
+        """Inputs of the equations at a factor."""
         return self._none._replace(curves=self._none.curves + factor * self._growth, scale=float(factor))
 
     def more(self, factor: float) -> Inputs:
-        """All loads once more."""
+        """Inputs with all loads once more, by which they grow with the factor."""
         found = self.at(factor)
         curves = found.curves  # made for this one
         curves[self._leading] += self._growth[self._leading]
         return found._replace(scale=found.scale + 1.0)
 
     def driven(self, _factor: float) -> np.ndarray:
-        """The way of the drivers."""
+        """Derivatives of the drivers' values by the factor: their way from the first to the last value, (n_curves,)."""
         found: np.ndarray = np.real(self._growth)[:, 0]
         return found
 
 
 class PassingTime:
-    """All time curves from one time (factor 0) to another (factor 1)."""
+    """Everything that changes with time, from one time (factor 0) to another (factor 1)."""
 
     def __init__(self, system: System, first: float, last: float) -> None:
         self._system, self._first, self._span = system, first, last - first
@@ -59,17 +62,17 @@ class PassingTime:
         self._drivers[[c for c in system.plan.joints.curve if c >= 0]] = True
 
     def at(self, factor: float) -> Inputs:
-        """What acts at a factor."""
+        """Inputs of the equations at a factor."""
         return self._system.inputs(self._first + factor * self._span, LEVELS)
 
     def more(self, factor: float) -> Inputs:
-        """Loads with as much more as they grow by."""
+        """Inputs with loads grown by their derivative by the factor."""
         found = self.at(factor)
         growth = np.zeros_like(found.curves)
         growth[~self._drivers, 0] = self._span * found.curves[~self._drivers, 1]
         return found._replace(curves=found.curves + growth)
 
     def driven(self, factor: float) -> np.ndarray:
-        """The way of the drivers."""
+        """Derivatives of the drivers' values by the factor, (n_curves,)."""
         found: np.ndarray = np.real(self._span * self.at(factor).curves[:, 1])
         return found

@@ -20,7 +20,7 @@ from toolkit.solvers.static.stability.static_array import largest_entry, scaled_
 from toolkit.system.system import System
 
 LONGEST, NEAR, MOST = 0.2, 1e-3, 300
-"""Longest step and distance from which Newton is left alone, both in parts of the scene's size (or rad), and most steps."""
+"""Longest step and distance from which Newton is left alone, both in parts of the model size (or rad), and most steps."""
 ROUND_OFF = 1e-12
 """Part of the largest stiffness, or of what would hold the loads over the longest step, that cannot be told from none."""
 PLAIN = 10
@@ -77,7 +77,10 @@ def _moving(system: System, correction: np.ndarray) -> np.ndarray:
 
 
 def _shift(system: System, terms: Terms, acc: np.ndarray) -> float:
-    """0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free."""
+    """Shift s of the stiffness.
+
+    It is 0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free.
+    """
     n_b = system.n_b
     if _plainly_stable(system, terms):
         return 0.0
@@ -132,7 +135,7 @@ def _plainly_stable(system: System, terms: Terms) -> bool:
 
 
 def _metric(system: System) -> np.ndarray:
-    """W on the pattern: weights squared on the diagonal of the bodies' coordinates."""
+    """Metric W on the pattern: weights squared on the diagonal of the bodies' coordinates."""
     rows = np.repeat(np.arange(system.n), np.diff(system.plan.indptr))
     diagonal = (rows == system.plan.indices) & (rows < system.n_b)
     return np.where(diagonal, system.weights[rows] ** 2, 0.0)

@@ -42,7 +42,7 @@ def leading_curves(system: System) -> np.ndarray:
 
 
 def inputs_at(system: System, options: RunOptions, factor: float) -> Inputs:
-    """What acts at a load factor: loads scaled by it, drivers and set values between their first and last value."""
+    """Inputs at a load factor: loads scaled by it, drivers and set values between their first and last value."""
     first, last = (system.inputs(time, LEVELS) for time in (0.0, options.end_time))
     curves, curves_x = last.curves.copy(), last.curves_x.copy()
     driven = np.concatenate([leading_curves(system), system.plan.joints.curve[system.plan.joints.curve >= 0]])
@@ -53,7 +53,7 @@ def inputs_at(system: System, options: RunOptions, factor: float) -> Inputs:
 
 
 def static_matrix(system: System, terms) -> np.ndarray:
-    """d residual / d [q; lam] on the pattern, (n_entries,)."""
+    """Static matrix d residual / d [q; lam] on the pattern, (n_entries,)."""
     of_multiplier = system.plan.indices >= system.n_q
     return np.where(of_multiplier, terms.I_acc, terms.I_q + terms.A_q)
 
@@ -61,9 +61,9 @@ def static_matrix(system: System, terms) -> np.ndarray:
 def find_equilibrium(
     system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray, allowed: float = np.inf
 ) -> tuple[Equilibrium, int]:
-    """Newton at one load factor, down to round-off, from coordinates q (n,) and [0; lam] (n,).
+    """Equilibrium at one load factor by Newton's iteration, down to round-off, from coordinates q (n,) and [0; lam] (n,).
 
-    Refuses to move any coordinate by more than `allowed`, a part of the scene's size (or rad). Returns the state and the number of
+    Refuses to move any coordinate by more than `allowed`, a part of the model size (or rad). Returns the state and the number of
     iterations.
 
     Raises
@@ -106,7 +106,10 @@ def _complex_step(system: System, correction: np.ndarray, moved: np.ndarray) -> 
 
 
 def _with_tangent(system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray) -> Equilibrium:
-    """Add the direction of the path, d [q; lam] / d factor; the residual is linear in the factor apart from a driver's turning axis."""
+    """Equilibrium with the direction of the path, d [q; lam] / d factor, added.
+
+    The residual is linear in the factor apart from a driver's turning axis.
+    """
     step = 1.0 if system.scene.space.rotations_add else PART
     rest, low, high = np.zeros_like(q), inputs_at(system, options, factor), inputs_at(system, options, factor + step)
     terms, further = system.evaluate(low, q, rest, acc), system.evaluate(high, q, rest, acc)

@@ -23,7 +23,7 @@ NEARBY = 0.01
 def at_limit_position(
     system: System, options: RunOptions, q: np.ndarray, factor: float, error: ConvergenceError | SingularSystemError
 ) -> ConvergenceError | SingularSystemError:
-    """The error of a path from coordinates q (n,) at a factor on; or one that tells of the limit position to which drivers lead."""
+    """Error of a path from coordinates q (n,) at a factor on, or one that tells of the limit position to which drivers lead."""
 
     def acting(place: float):
         return inputs_at(system, options, place)

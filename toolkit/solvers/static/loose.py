@@ -1,13 +1,17 @@
-"""What neither joints nor stiffness hold: motions of the given positions that nothing resists while there are no loads."""
+"""Motions of the given positions that neither joints nor stiffness resist while there are no loads."""
 
 from __future__ import annotations
+
+from functools import partial
 
 import numpy as np
 import scipy
 
+from toolkit.bodies.spatial.rigid import SpatialRigidBody
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.listed_names import quoted
+from toolkit.foundation.near_ties import first_largest
 from toolkit.solvers.free_motions import free_motions
 from toolkit.solvers.static.equilibrium import inputs_at, static_matrix
 from toolkit.system.system import System
@@ -16,6 +20,8 @@ SLACK = 1e-10
 """Stiffness, in parts of the largest, that is none: those of a thin body and of its bearing are some eight orders apart."""
 TAKES_PART = 0.1
 """Part of the largest movement from which a coordinate takes part."""
+ASIDE = 1e-9
+"""Of the line between two joints: how far the centre of mass may be off it so that weight does not turn the body about it."""
 MOST = 1000
 """Coordinates up to which one looks: the matrices are dense."""
 
@@ -35,7 +41,27 @@ def told_loose(system: System, options: RunOptions) -> str:
     ways = motions.shape[1]
     return (
         f" Without loads {quoted(bodies)} can move freely in {ways} way{'s' * (ways > 1)}, which no joint and no stiffness prevents: is a "
-        "support or a spring missing? `ffrf render SCENE --free-motions` draws them."
+        f"support or a spring missing? `ffrf render SCENE --free-motions` draws them.{''.join(map(partial(_told_idle, system), bodies))}"
+    )
+
+
+def _told_idle(system: System, body: str) -> str:
+    """A sentence on a rigid body between two spherical joints, which turns about the line through both and moves nothing else."""
+    scene = system.scene
+    written, joints = scene.bodies.get(body), {name: each for name, each in scene.joints.items() if body in each.bodies}
+    if not isinstance(written, SpatialRigidBody) or [each.kind for each in joints.values()] != ["spherical"] * 2:
+        return ""
+    points = [point for each in joints.values() for gripped, point in each.grips if gripped == body]
+    start, end = (np.real(scene.position(point)) for point in points)
+    line, centre = end - start, np.real(written.mass_properties(system.placed)[1])
+    aside = np.cross(line, centre - start)
+    if not line @ line > 0 or np.sqrt(aside @ aside) > ASIDE * (line @ line):
+        return ""
+    first = np.cross(line, np.eye(3)[first_largest(-np.abs(line))])
+    axes = [(each / np.sqrt(each @ each)).round(9).tolist() for each in (first, np.cross(line, first))]
+    return (
+        f" {body!r} turns idly about the line through {points[0]!r} and {points[1]!r}, which moves nothing else. Fix: write "
+        f'joints.{[*joints][1]} with type = "universal" and axes_of_cross = {axes}, which holds this turn and bears nothing.'
     )
 
 

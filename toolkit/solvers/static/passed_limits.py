@@ -65,7 +65,7 @@ def _unsure(system: System, times: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def _off(times: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """How far states (n_t, n_q) are from the parabola through the three before; infinitely where there are fewer."""
+    """Distance of states (n_t, n_q) from the parabola through the three before; infinite where there are fewer."""
     off = np.full(q.shape, np.inf)
     if len(q) > 3:
         a, b, c, t = (times[k : len(times) - 3 + k, None] for k in range(4))
@@ -79,7 +79,7 @@ def _off(times: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def _follow(system: System, options: RunOptions, times: np.ndarray, z: np.ndarray) -> None:
-    """The path from the last state but one to the last, of those so far (n_t, n)."""
+    """Follow the path from the last state but one to the last, of those so far (n_t, n)."""
     equations, n_b = PathEquations(system, options, PassingTime(system, *times)), system.n_b
     begin, span = times[0], times[1] - times[0]
     for arc in islice(_path(equations, z[-2], begin), options.path_steps):
@@ -107,7 +107,10 @@ def _path(equations: PathEquations, z: np.ndarray, time: float) -> Iterator[Arc]
 
 
 def _refuse_unstable(system: System, times: np.ndarray, z: np.ndarray) -> None:
-    """By some states, and where one is unstable by halving the time since the last that is stable."""
+    """Refuse unstable states, by looking at some of them.
+
+    Where one is unstable, halving the time since the last stable one finds where stability is lost.
+    """
     equations = PathEquations(system, system.scene.solver, PassingTime(system, 0.0, times[-1]))
 
     def unstable(n: int) -> bool:

@@ -1,4 +1,4 @@
-"""What a small change of forces moves an equilibrium by, to all digits of the strains.
+"""Change of an equilibrium by a small change of forces, to all digits of the strains.
 
 Solved with the entries of the static matrix alone it would have the round-off of their products, which a skin of n elements makes n^4 times
 larger than their sum. So what is left of the solution is found with the stiffness in its factors B^T D B, and mended.
@@ -30,7 +30,7 @@ def static_change(
     where: str,
     transposition: np.ndarray | None = None,
 ) -> np.ndarray:
-    """A^-1 forces with the static matrix A = [K, G; J, 0] of an equilibrium, or with its transpose.
+    """Solution A^-1 forces with the static matrix A = [K, G; J, 0] of an equilibrium, or with its transpose.
 
     Parameters
     ----------
@@ -73,6 +73,6 @@ def static_change(
 
 
 def _largest(system: System, change: np.ndarray) -> float:
-    """Of all coordinates, in parts of the scene's size or rad."""
+    """Largest change of any coordinate, in parts of the model size or rad."""
     sizes = system.weights[: system.n_q, None] * np.abs(np.real(change[: system.n_q]))
     return float(sizes.max(initial=0.0))

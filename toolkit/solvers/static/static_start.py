@@ -1,4 +1,4 @@
-"""Where the static path begins: without load, or where only the load makes a mechanism rest, at the first load step."""
+"""Beginning of the static path: without load, or where only the load makes a mechanism rest, at the first load step."""
 
 from __future__ import annotations
 
@@ -55,7 +55,10 @@ def _refuse_open_joints(system: System, options: RunOptions, q: np.ndarray, erro
 
 
 def _balancing(system: System, options: RunOptions, factor: float, q: np.ndarray) -> np.ndarray:
-    """[0; lam] with the joint forces that come nearest to balancing the loads: their geometric stiffness may be all that there is."""
+    """[0; lam] with the joint forces that come nearest to balancing the loads.
+
+    Their geometric stiffness may be all that there is.
+    """
     zero, n_q = np.zeros_like(q), system.n_q
     terms = system.evaluate(inputs_at(system, options, factor), q, zero, zero)
     transposed_phi_q = np.real(system.dense(terms.I_acc)[:n_q, n_q:])

@@ -35,7 +35,7 @@ SMALLEST = 1e-9
 
 
 def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], None] | None) -> tuple[Run, History]:
-    """All states from a start, and the run over the times that were chosen.
+    """States of the whole run from a start, and the run over the times that were chosen.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
 
 
 def _attempt(run: Run, state: tuple, time: float, stop: float, h: float) -> tuple[int, Run, tuple[np.ndarray, ...]]:
-    """Steps of about the length h towards a stop; results as those of `attempt`."""
+    """Result of steps of about the length h towards a stop, as that of `attempt`."""
     needed = max(1, int(np.ceil((stop - time) / h * (1 - SMALLEST))))
     count = min(needed, MOST)
     length = (stop - time) / needed if needed <= MOST else h
@@ -88,7 +88,10 @@ def _attempt(run: Run, state: tuple, time: float, stop: float, h: float) -> tupl
 
 
 def attempt(run: Run, state: tuple, times: np.ndarray, lengths: np.ndarray) -> tuple[int, Run, tuple[np.ndarray, ...]]:
-    """Steps through times (n_t,) from a state at the first: how many were accepted, the run that they are of, and their states."""
+    """Result of steps through times (n_t,): how many were accepted, the run that they are of, and their states.
+
+    The state at the first time is given.
+    """
     before = float(run.relaxation[-1]) if times[0] > 0 else 0.0
     piece = run._replace(times=times, lengths=lengths, relaxation=relaxed(lengths, before))
     history = empty_history(run.system, len(times), state)

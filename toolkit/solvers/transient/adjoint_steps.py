@@ -18,7 +18,7 @@ from toolkit.solvers.transient.step_matrix import newton_matrix
 
 
 class Bars(NamedTuple):
-    """Derivatives of the responses by what one step leaves to the next; blocks (n, n_r filled up), n_r responses."""
+    """Derivatives of the n_r responses by what one step leaves to the next; blocks (n, n_r filled up)."""
 
     q: np.ndarray
     v: np.ndarray
@@ -43,7 +43,7 @@ class AdjointMemory(NamedTuple):
 
 
 def adjoint_memory(plan: Plan, gathered: GatheredPlan, lu_plan: LUPlan, weights: np.ndarray, n_r: int) -> AdjointMemory:
-    """Reserve it for n_r responses."""
+    """Memory of the backward loop for n_r responses."""
 
     def block() -> np.ndarray:
         return np.zeros((plan.n, filled_up(n_r)))
@@ -67,8 +67,10 @@ def adjoint_memory(plan: Plan, gathered: GatheredPlan, lu_plan: LUPlan, weights:
 
 @inner
 def add_transposed(plan, transposition, one, factor_one, two, factor_two, block, rows, memory, out):
-    """out += (factor_one A + factor_two B)^T block in so many rows, as the others are zero, for values `one` of A and `two` of B on the
-    pattern; blocks (n, n_r filled up)."""
+    """Add (factor_one A + factor_two B)^T block to `out`, in so many rows, as the others are zero.
+
+    `one` are the values of A and `two` those of B on the pattern; blocks are (n, n_r filled up).
+    """
     mixed = memory.mixed
     for e in range(plan.indptr[rows]):
         mixed[e] = factor_one * one[transposition[e]] + factor_two * two[transposition[e]]
@@ -78,7 +80,7 @@ def add_transposed(plan, transposition, one, factor_one, two, factor_two, block,
 
 @inner
 def add_strained(plan, factor, block, memory, out):
-    """out += factor times the factored stiffness times a block, where the terms lack it."""
+    """Add factor times the factored stiffness times a block to `out`, where the terms lack it."""
     if memory.work.care[1] == 1:
         add_factored_block(plan.constant.strains, factor, block, memory.load, out)
 
@@ -97,7 +99,7 @@ def add_design(plan, scheme, levels, factor_i, factor_a, q, v, acc, block, memor
 
 @inner
 def add_carried(plan, scheme, levels, transposition, q, v, acc, memory, gradient):
-    """What the residual of the step above took from this state."""
+    """Add what the residual of the step above took from this state."""
     c_i, c_a, terms, bars, above = scheme.carried_inertial, scheme.carried_applied, memory.terms, memory.bars, memory.multiplier
     add_transposed(plan, transposition, terms.I_q, c_i, terms.A_q, c_a, above, plan.n_q, memory, bars.q)
     add_strained(plan, c_a, above, memory, bars.q)
@@ -108,7 +110,7 @@ def add_carried(plan, scheme, levels, transposition, q, v, acc, memory, gradient
 
 @inner
 def add_partials(by, bar):
-    """bar += the responses' own derivatives by one kind of unknowns of a step, which may have fewer rows, or none."""
+    """Add the responses' own derivatives by one kind of unknowns of a step, which may have fewer rows, or none, to `bar`."""
     for i in range(by.shape[0]):
         for r in range(by.shape[1]):
             bar[i, r] += by[i, r]
@@ -116,7 +118,10 @@ def add_partials(by, bar):
 
 @inner
 def solve_step(plan, scheme, transposition, memory):
-    """mu of a step, from J^T mu = - (derivative of the responses by [a; lam] through everything that they move); as `factorize`."""
+    """Solve for mu of a step; results as those of `factorize`.
+
+    J^T mu = - (derivative of the responses by [a; lam] through everything that they move).
+    """
     bars, load = memory.bars, memory.load
     c_q, c_v = scheme.h * scheme.h * scheme.beta, scheme.h * scheme.gamma
     for i in range(plan.n):
@@ -142,7 +147,10 @@ def solve_step(plan, scheme, transposition, memory):
 
 @inner
 def step_back(plan, scheme, ratio, transposition, memory):
-    """Bars of the state before from those of this one; `ratio` is that of the lengths of this step and the one before."""
+    """Compute the bars of the state before from those of this one.
+
+    `ratio` is that of the lengths of this step and the one before.
+    """
     bars, terms, mu = memory.bars, memory.terms, memory.multiplier
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied

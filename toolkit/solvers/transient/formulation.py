@@ -1,4 +1,4 @@
-"""How the constraints enter a time step: as weights of their acceleration, velocity and position.
+"""Formulation of the constraints in a time step: as weights of their acceleration, velocity and position.
 
     "index-1"       phi'' + 2 damping phi' + stiffness^2 phi = 0, Baumgarte's stabilization (1972), by default 1/tau and sqrt(2)/tau
                     with tau the step, or after a longer one what time has left of it: see `relaxed`
@@ -8,7 +8,7 @@
                     positions closed to round-off
     quasi-static    positions, as index 3
 
-Multipliers of index 3 carry round-off of 1e-16 of the scene's size over h^2, and velocities leave the constraint by O(h^2); those of
+Multipliers of index 3 carry round-off of 1e-16 of the model size over h^2, and velocities leave the constraint by O(h^2); those of
 "ggl" carry that of velocities over h.
 """
 
@@ -58,5 +58,5 @@ def constraint_levels(options: RunOptions, lengths: np.ndarray, times: np.ndarra
 
 
 def start_levels(options: RunOptions, lengths: np.ndarray) -> np.ndarray:
-    """Those of the accelerations at the start, (3,)."""
+    """Levels (3,) of the constraints at which the accelerations of the start are found."""
     return constraint_levels(options.model_copy(update={"formulation": "index-1", "quasi_static": False}), lengths[:1])[0]

@@ -37,7 +37,7 @@ ALIKE = 1e-4
 """Way up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
 zero, not the digits of the matrix."""
 FREE, TRUSTED = 0.05, 1.0
-"""A quasi-static step may end this far (a part of the scene's size, or rad) from where the step before points to, and this part of the
+"""A quasi-static step may end this far (a part of the model size, or rad) from where the step before points to, and this part of the
 way there; further off it has left the path of equilibria."""
 FADING = 0.8
 """Part of the local error before that is remembered from step to step: in an oscillation the estimate passes through zero."""
@@ -45,7 +45,7 @@ FADING = 0.8
 
 @inlined
 def begin(evaluator, plan, functions, inputs, scheme, history, memory):
-    """Auxiliary acceleration and carried terms of the first step, from the consistent start."""
+    """Set the auxiliary acceleration and the carried terms of the first step, from the consistent start."""
     memory.span[0] = 0
     memory.learnt[:] = 0
     forget_trend(memory)
@@ -61,7 +61,7 @@ def begin(evaluator, plan, functions, inputs, scheme, history, memory):
 
 @inlined
 def foresee(plan, scheme, foreseen, history, step, memory):
-    """Predicted coordinates and velocities, and a first guess of [a; lam], unless it is `foreseen`."""
+    """Predict coordinates and velocities, and make a first guess of [a; lam], unless it is `foreseen`."""
     ratio = step_ratio(scheme.h, memory.span[0])
     if ratio != 1:
         rescale_auxiliary(ratio, history.acc[step], plan.n_q, memory.aux)
@@ -78,7 +78,7 @@ def foresee(plan, scheme, foreseen, history, step, memory):
 
 @inlined
 def local_error(plan, scheme, weights, history, step, memory):
-    """Estimated error that one step made in q, a part of the scene's size or in rad: error h^2 (w_+ - w_n), see `scheme`."""
+    """Estimated error that one step made in q, a part of the model size or in rad: error h^2 (w_+ - w_n), see `scheme`."""
     h, largest, before, after = scheme.h, 0.0, history.acc[step], history.acc[step + 1]
     for i in range(plan.n_q):
         if scheme.inertia:
@@ -141,7 +141,9 @@ def integrate(
     evaluator, plan, functions, curves, curves_x, lengths, levels, scheme, weights, control, begins, first, last, history, memory,
     ggl, outcome,
 ):  # fmt: skip
-    """Steps first ... last - 1; step n goes from time n to n + 1, over lengths[n]. Stops at the first step that is not CONVERGED.
+    """Take steps first ... last - 1, where step n goes from time n to n + 1, over lengths[n].
+
+    The loop stops at the first step that is not CONVERGED.
 
     `begins` if state 0 is the consistent start; otherwise `memory` holds what the step to the first state has left. An EASY step is
     accepted, all others at which the loop stops are not. `ggl` is the memory of stabilised index 2, idle in other formulations: one loop

@@ -26,8 +26,8 @@ from toolkit.solvers.transient.step_matrix import mix, newton_matrix
 from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST, REST
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
-"""What becomes of a step. Those of a run with error control: too large a local error; so small a one that the next step may be longer;
-of quasi-static steps: an equilibrium far off the path."""
+"""Status of a step. Three belong to runs with error control or without inertia: too large a local error; so small a one that the
+next step may be longer; an equilibrium far off the path of quasi-static steps."""
 STAGNATED = 1e-7
 """Correction below which Newton is content when round-off keeps it from shrinking further."""
 SLOW = 0.2
@@ -39,12 +39,13 @@ shrink. Those of the same step are not blamed below the tolerance."""
 
 FAR = 1e-6
 """A first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual; a part of the
-scene's size (or rad)."""
+model size (or rad)."""
 STEADY = 1e-3
 """Relative change of the Jacobian by a correction up to which its factors serve for the rest of a step: a further correction by them leaves
 that part of itself, and costs what the residual costs."""
 CAREFUL = 100.0
-"""How much more they may leave in another direction than that in which the change was found: it was 20 for a boom beside a light block."""
+"""Factor by which they may leave more in another direction than that in which the change was found: it was 20 for a boom beside a
+light block."""
 FADES = 0.5
 """Part of what a correction is known to leave that is believed at least when it has left less."""
 OFTEN, SURPRISE = 20, 10.0
@@ -54,15 +55,15 @@ USUAL, WORSE = 1e-14, 100.0
 """Change by a refinement that is round-off, and how many times more than the least so far tells of a singular position: kept factors leave
 there what is not seen in the size of corrections. Four-bar linkages were off by up to 9e-7, with new factors there by 1e-8."""
 SUDDEN = 1e3
-"""How many times worse sparse factors may have become since a refinement showed how good they are: where even that leaves no more than
-NEGLIGIBLE of the expected correction, it is not refined."""
+"""Factor by which sparse factors may have become worse since a refinement showed how good they are: where even that leaves no
+more than NEGLIGIBLE of the expected correction, it is not refined."""
 GENTLE = 0.05
-"""Part of the scene's size (or rad) that nothing moves by more than in a step, so that factors hardly change until they are looked at
+"""Part of the model size (or rad) that nothing moves by more than in a step, so that factors hardly change until they are looked at
 again: a beam that turned 50 times in a step was off by 1e-11 with factors that were not refined."""
 
 
 class Control(NamedTuple):
-    """When a step is done, and whether it was a good one."""
+    """Limits by which a step is done, and by which it was a good one."""
 
     tolerance: float
     most: int  # iterations
@@ -85,7 +86,7 @@ def is_finite(vector):
 
 @inlined
 def place(scheme, memory, count, acc, q, v):
-    """Coordinates and velocities that belong to accelerations."""
+    """Compute coordinates and velocities that belong to accelerations."""
     c_q, c_v = by_acceleration(scheme)
     for i in range(count):
         q[i] = memory.q_predicted[i] + c_q * acc[i]
@@ -125,7 +126,9 @@ def left_over(control, learnt, fresh, kept, iteration, before, size):
 
 @inlined
 def allowed(control, scheme, kept):
-    """Error that a step may leave: with the exact Jacobian the tolerance, which its own quadratic convergence undercuts by far.
+    """Error that a step may leave.
+
+    With the exact Jacobian it is the tolerance, which its own quadratic convergence undercuts by far.
 
     What kept factors leave has one sign for many steps. An error e in q is one of about e / h^2 in the acceleration, which moves bodies by
     (T / h)^2 e until the end T of the run: left = allowed / T^2 bounds that. Without inertia no step inherits it, but forces are stiffness
@@ -140,7 +143,7 @@ def allowed(control, scheme, kept):
 
 @inlined
 def learn_bend(learnt, before, size):
-    """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
+    """Learn what a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
 
     It depends on their direction (by forces of joints on light bodies a thousandfold), so that less than is known is believed by half.
     """
@@ -265,7 +268,9 @@ def moves_gently(plan, scheme, weights, v):
 
 @inlined
 def solve(plan, kept, blind, memory):
-    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine.
+    """Solve for Newton's correction with kept factors, or with those of the Jacobian.
+
+    Returns -1, or the unknown that it does not determine.
 
     A `blind` one is not refined, if its factors are sparse.
     """
@@ -288,7 +293,7 @@ def solve(plan, kept, blind, memory):
 
 @inlined
 def factorize_step(plan, scheme, memory, ggl):
-    """Factors of the step's matrix, from the Jacobian; as `factorize`."""
+    """Factor the step's matrix, from the Jacobian; results as those of `factorize`."""
     if ggl.active:
         return factorize_ggl(scheme, memory, ggl)
     return factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)

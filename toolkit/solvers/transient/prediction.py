@@ -10,7 +10,7 @@ STEEP = 4.0
 
 @inlined
 def predict(scheme, q, v, acc, aux, count, q_new, v_new):
-    """Coordinates and velocities at n + 1 for a_+ = 0; also of their sensitivities, flattened."""
+    """Predict coordinates and velocities at n + 1 for a_+ = 0; also of their sensitivities, flattened."""
     h = scheme.h
     for i in range(count):
         w_new = scheme.old * acc[i] - scheme.carry * aux[i]
@@ -20,7 +20,7 @@ def predict(scheme, q, v, acc, aux, count, q_new, v_new):
 
 @inlined
 def advance_auxiliary(scheme, acc, acc_new, count, aux):
-    """w_+ in place of w_n; also of its sensitivities, flattened."""
+    """Put w_+ in place of the auxiliary acceleration w_n; also of its sensitivities, flattened."""
     for i in range(count):
         aux[i] = scheme.new * acc_new[i] + scheme.old * acc[i] - scheme.carry * aux[i]
 
@@ -36,7 +36,7 @@ def step_ratio(h, before):
 
 @inlined
 def rescale_auxiliary(ratio, acc, count, aux):
-    """w for another step length, a_n + ratio (w_n - a_n); also of its sensitivities, flattened.
+    """Rescale w for another step length, a_n + ratio (w_n - a_n); also its sensitivities, flattened.
 
     w_n - a_n = D h a' belongs to a point of the step (see `scheme`); left as it is, it would cost an order of accuracy. With the ratio 0
     the step begins anew, as the first one.

@@ -21,11 +21,12 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 OVER_ALL, OF_FORCES = 100.0, 1e-3
-"""What kept factors of modified Newton may move over a whole run, and in one equilibrium without inertia, in parts of the tolerance."""
+"""Moves, in parts of the tolerance, that kept factors of modified Newton may cause over a whole run, and in one equilibrium
+without inertia."""
 
 
 class Run(NamedTuple):
-    """What all steps of a run share, and what one leaves to the next."""
+    """Everything that all steps of a run share, and the memory of what one leaves to the next."""
 
     system: System
     options: RunOptions
@@ -40,13 +41,13 @@ class Run(NamedTuple):
 
     @property
     def largest_local_error(self) -> float | None:
-        """Largest of all steps so far, a part of the scene's size; None where the estimate is not that of the motion."""
+        """Largest local error of all steps so far, in parts of the model size; None where it is not estimated for the motion."""
         estimated = not self.options.quasi_static and self.options.scheme != "paper"  # whose accelerations lag behind
         return float(self.outcome.correction[LARGEST_ERROR]) if estimated else None
 
 
 def prepare_run(system: System, options: RunOptions | None = None) -> Run:
-    """Everything but the states; options by default the scene's own."""
+    """Run with everything but the states; options by default the scene's own."""
     options = options or system.scene.solver
     times = time_grid(options)
     lengths = step_lengths(times)
@@ -62,14 +63,17 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
 
 
 def left_by_kept(options: RunOptions) -> float:
-    """`Control.left` of a run: a part of the scene's size over time^2, without inertia a part of the scene's size."""
+    """`Control.left` of a run, in parts of the model size over time^2; without inertia in parts of the model size."""
     if options.quasi_static:
         return OF_FORCES * options.tolerance
     return OVER_ALL * options.tolerance / options.end_time**2
 
 
 def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray], begins: bool, first: int, last: int) -> None:
-    """Steps first ... last - 1 of a run, whose state 0 is the consistent start if it `begins`; the outcome tells how far they came."""
+    """Take steps first ... last - 1 of a run, whose state 0 is the consistent start if it `begins`.
+
+    The outcome tells how far they came.
+    """
     system, levels = run.system, constraint_levels(run.options, run.lengths, run.relaxation)
     system.run(
         integrate, system.evaluator, system.plan, system.functions, *curves, run.lengths, levels, run.scheme, system.weights,
@@ -78,7 +82,10 @@ def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray]
 
 
 def foreseen(run: Run, history: History, along: Solution) -> Run:
-    """The run, whose Newton begins at the states of a motion through the same times; without inertia it keeps no unknowns of the loop."""
+    """Run whose Newton begins at the states of a motion through the same times.
+
+    Without inertia it keeps no unknowns of the loop.
+    """
     if run.options.quasi_static or not np.array_equal(along.times, run.times):
         return run
     history.acc[1:] = np.hstack([along.a[1:], along.multipliers[1:]])
@@ -127,7 +134,7 @@ NEARBY = 0.05
 
 
 def failure(run: Run, q: np.ndarray, v: np.ndarray) -> Exception:
-    """The error that a failed step deserves, from the coordinates and velocities (n,) before it."""
+    """Error that a failed step deserves, from the coordinates and velocities (n,) before it."""
     step = int(run.outcome.counts[STEP])
     error = at_limit_position(run, q, float(run.times[step]), float(run.lengths[step]), failure_of_step(run))
     if isinstance(error, ConvergenceError):
@@ -136,7 +143,7 @@ def failure(run: Run, q: np.ndarray, v: np.ndarray) -> Exception:
 
 
 def at_limit_position(run: Run, q: np.ndarray, time: float, step_length: float, error: Exception) -> Exception:
-    """The error of a run at a time; or one that tells of the limit position of the mechanism, if drivers lead to it right then."""
+    """Error of a run at a time, or one that tells of the mechanism's limit position, if drivers lead to it right then."""
     system, end = run.system, run.options.end_time
     limit = limit_of_drivers(system, lambda at: system.inputs(at, LEVELS), q, (0.0, time, end))
     if limit is None or limit.place > time + max(NEARBY * end, 10 * step_length):
@@ -146,7 +153,7 @@ def at_limit_position(run: Run, q: np.ndarray, time: float, step_length: float, 
 
 
 def failure_of_step(run: Run) -> Exception:
-    """The error that a failed step deserves by what the step itself tells."""
+    """Error that a failed step deserves by what the step itself tells."""
     status, step, iterations, worst, _ = (int(count) for count in run.outcome.counts)
     name, time, tolerance = run.system.numbering.names[worst], run.times[step + 1], run.options.tolerance
     step_length = run.lengths[step]

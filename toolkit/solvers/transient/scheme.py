@@ -41,7 +41,7 @@ class Scheme(NamedTuple):
 
 @inner
 def with_step(scheme, h):
-    """The same scheme with another step length."""
+    """Coefficients of the scheme for another step length."""
     return Scheme(
         h, scheme.beta, scheme.gamma, scheme.beta_old, scheme.gamma_old, scheme.keep, scheme.new, scheme.old, scheme.carry,
         scheme.weight_inertial, scheme.weight_applied, scheme.carried_inertial, scheme.carried_applied, scheme.error, scheme.inertia,
@@ -50,7 +50,7 @@ def with_step(scheme, h):
 
 @inlined
 def by_acceleration(scheme):
-    """c_q = d q_+ / d a_+ = h^2 beta new, and c_v = d v_+ / d a_+ = h gamma new."""
+    """Derivatives c_q = d q_+ / d a_+ = h^2 beta new, and c_v = d v_+ / d a_+ = h gamma new."""
     return scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
 
 

@@ -42,7 +42,10 @@ def add_design_change(plan, terms, factor_i, factor_a, out):
 
 @inner
 def sensitivity_step(plan, scheme, history, step, fresh, memory):
-    """Total design derivatives at n + 1 from those at n, with the converged Jacobian; `fresh` if its factors are its own."""
+    """Compute total design derivatives at n + 1 from those at n, with the converged Jacobian.
+
+    `fresh` tells whether its factors are its own.
+    """
     terms = memory.terms
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
     dq, dv, dacc = history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1]
@@ -78,7 +81,10 @@ def carries(scheme):
 
 @inner
 def carry_over(plan, scheme, memory, dq, dv, dacc):
-    """The carried part of the next step's residual, and its total derivative (without it a gradient is wrong by a per cent)."""
+    """Keep the carried part of the next step's residual, and its total derivative.
+
+    Without the derivative a gradient is wrong by a per cent.
+    """
     terms = memory.terms
     c_i, c_a = scheme.carried_inertial, scheme.carried_applied
     for i in range(plan.n):

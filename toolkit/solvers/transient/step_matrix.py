@@ -6,7 +6,9 @@ from toolkit.solvers.transient.scheme import by_acceleration
 
 @inlined
 def newton_matrix(plan, scheme, terms, apart, jacobian, rest):
-    """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone.
+    """Compute d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v).
+
+    Without inertia I_acc counts for lam alone.
 
     With the terms `apart` from the factored stiffness, `rest` is the same without that; otherwise it is not touched.
     """
@@ -28,7 +30,7 @@ def newton_matrix(plan, scheme, terms, apart, jacobian, rest):
 
 @inlined
 def mix(frames, plan, scheme, ggl, memory):
-    """Where derivatives go: in space straight to the step's matrix, unless gradients or other formulations need their parts.
+    """Target of the derivatives: in space the step's matrix itself, unless gradients or other formulations need their parts.
 
     One matrix in the place of four, which are added up otherwise, is a third of what a step of many bodies reads and writes.
     """

@@ -13,7 +13,7 @@ from toolkit.system.system import System
 
 
 class History(NamedTuple):
-    """Everything at every time; q and v are padded to n, acc = [a; lam], leading d: total design derivative, last axis n_x."""
+    """States at all times; q and v are padded to n, acc = [a; lam], leading d: total design derivative, last axis n_x."""
 
     q: np.ndarray  # (n_t, n)
     v: np.ndarray
@@ -27,7 +27,7 @@ class History(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What one step leaves to the next, and scratch memory."""
+    """Memory of the step loop: what one step leaves to the next, and scratch memory."""
 
     aux: np.ndarray  # (n,) auxiliary acceleration w
     daux: np.ndarray  # (n, n_x)
@@ -68,14 +68,17 @@ late, the largest of all steps; the last correction, or what it left by estimate
 
 
 class Outcome(NamedTuple):
-    """What the loop reports."""
+    """Report of the loop on its steps."""
 
     counts: np.ndarray  # (5,) by `STATUS` and its neighbours
     correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the scene's size
 
 
 def taken_memory(system: System, apart: bool) -> Memory:
-    """Memory of the loop: that of a run which has given it back, or new; whether that may keep the factored stiffness `apart`."""
+    """Memory of the loop, one that a run has given back or a new one.
+
+    `apart` tells whether it may keep the factored stiffness apart.
+    """
     plan, weights = system.plan, system.weights[: system.n_q]
     memory = system.scratch(Memory, lambda: allocate_memory(plan, system.lu_plan, weights.copy(), system.dtype))
     _clear(tuple(part for part in memory if not isinstance(part, Work | LinearSolver)))
@@ -93,7 +96,7 @@ def _clear(part: tuple) -> None:
 
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:
-    """Memory of the loop."""
+    """New memory of the step loop."""
 
     def zeros(*shape: int) -> np.ndarray:
         return np.zeros(shape, dtype)

@@ -54,7 +54,7 @@ class Measured(NamedTuple):
         The least factor that brings any measure to its limit, or back to it.
     frame_errors
         What more floating frames change.
-    scales
+    gradient_scales
         Response -> variable -> the largest gradient in a motion, which these errors are compared with; empty without one.
     of_values
         The largest error of a value by frames, as a part of its scale.
@@ -63,7 +63,7 @@ class Measured(NamedTuple):
     verdict: Verdict
     room: float
     frame_errors: FrameErrors | None
-    scales: Slopes
+    gradient_scales: Slopes
     of_values: float = 0.0
 
     @property
@@ -89,7 +89,7 @@ def measured(result: Result, alone: bool = False) -> Measured:
     verdict, errors = result.verdict, result.weighed_frames
     if alone:
         return Measured(verdict, 0.0, errors, {})
-    return Measured(verdict, _room(_shares(result)), errors, {} if errors is None else result.scales[1], _of_values(result))
+    return Measured(verdict, _room(_shares(result)), errors, {} if errors is None else result.gradient_scales, _of_values(result))
 
 
 def _shares(result: Result) -> np.ndarray:
@@ -119,7 +119,7 @@ def _largest(errors: Iterable[float]) -> float:
 
 def _of_values(result: Result) -> float:
     """The largest error of a value by frames, as a part of its scale."""
-    errors, scales = result.weighed_frames, result.scales[0]
+    errors, scales = result.weighed_frames, result.scales
     return 0.0 if errors is None else _largest(abs(error) / scales[f] for f, error in errors.values.items() if scales[f] > 0)
 
 
@@ -184,7 +184,7 @@ class CarriedVerdicts:
         judged, mine = self.measured[m], self.found[k]
         if judged.frame_errors is None or not judged.frame_errors.gradients:
             return judged.room
-        largest = judged.frame_errors.largest(mine.gradients, mine.sizes, judged.scales)
+        largest = judged.frame_errors.largest(mine.gradients, mine.sizes, judged.gradient_scales)
         felt = UNCERTAIN * max(judged.of_values, largest)  # up to the limit this denies other doubts
         return min(judged.room, _room(np.array([largest, felt]) / LIMIT))
 
@@ -208,7 +208,7 @@ class CarriedVerdicts:
         assert carried is not None
         judged, mine = self.measured[carried.source], self.found[k]
         others = [_said_there(each, carried) for each in judged.verdict.warnings if each.code != OF_FRAMES]
-        about_gradients = doubtful_gradients(judged.frame_errors, mine.gradients, mine.sizes, judged.scales)
+        about_gradients = doubtful_gradients(judged.frame_errors, mine.gradients, mine.sizes, judged.gradient_scales)
         measures = {**judged.verdict.measures, "carried": {"design": carried.source, "distance": carried.distance}}
         return Verdict.of([*others, *about_gradients, _remark(carried)], measures)
 

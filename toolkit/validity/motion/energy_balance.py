@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.kernels.constant_kernel import ROUGH, constant_residual
+from toolkit.bodies.kernels.constant_kernel import LEFT_OUT
 from toolkit.bodies.kernels.inertia import add_drag, moving_residual
 from toolkit.equations.equations import Inputs, Plan, allocate_terms, allocate_work
-from toolkit.foundation.kernel import inner, kernel
+from toolkit.foundation.kernel import kernel
 from toolkit.markers.poses import set_frames
 from toolkit.system.solution import Solution
 
@@ -38,43 +38,39 @@ class EnergyBalance(NamedTuple):
         return float(np.abs(self.defect).max() / largest) if largest > 0 else 0.0
 
 
-@inner
-def momentum(plan, q, v, acc, terms, work):
-    """M v of all bodies in `terms.inertial`, where acc is v."""
-    plane, frames = plan.markers.plane, plan.markers.frames
-    terms.inertial[:] = 0
-    set_frames(frames, work.markers, q, v, acc)
-    constant_residual(plan.constant, q, v, acc, 1.0, ROUGH, work.halves, terms.inertial, terms.applied)
-    moving_residual(plane, frames, plan.floating, work.markers, q, v, acc, 1.0, work.floating, terms.inertial, terms.applied)
-
-
 @kernel
 def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, lam, out, acc, terms, work):
-    """T, P = -v . (A - K q) - v . phi_q^T lam, q . K q / 2 and v . D v at all times: out (n_t, 4).
+    """T, P = - v . A - v . phi_q^T lam, q . K q / 2 and v . D v at all times: out (n_t, 4).
 
-    K and D are those of flexible bodies, D with what follows their mass. A is the applied group of the residual of bodies that feel no
-    velocities but by dampers: what their velocities add, v . (M' v / 2 - f_v), is zero for every mass matrix M. At the acceleration v the
-    inertial group is M v.
+    K and D are those of flexible bodies, D with what follows their mass. A is the applied group of the residual without K q, of bodies that
+    feel no velocities but by dampers: what their velocities add, v . (M' v / 2 - f_v), is zero for every mass matrix M. `work` has the
+    care that leaves the constant part to be summed up here, and at the acceleration v the inertial group is M v.
     """
-    n_q, constant = plan.n_q, plan.constant
+    n_q, constant, plane, frames = plan.n_q, plan.constant, plan.markers.plane, plan.markers.frames
     for n in range(len(q)):
-        if inertia:
-            for i in range(plan.n):
-                acc[i] = v[n, i] if i < n_q else 0 * v[n, 0]
-            momentum(plan, q[n], v[n], acc, terms, work)
-            for i in range(n_q):
-                out[n, 0] += v[n, i] * terms.inertial[i] / 2
         for i in range(plan.n):
             acc[i] = lam[n, i]
         inputs = Inputs(curves[n], curves_x[n], 1.0, levels, False, False)
         evaluator(plan, functions, inputs, q[n], v[n], acc, False, False, terms, work)
         for i in range(n_q):
             out[n, 1] -= v[n, i] * (terms.applied[i] + terms.inertial[i])
+        for i in range(len(constant.force)):
+            out[n, 1] += v[n, i] * constant.force[i]
         for e in range(len(constant.row)):
             i, j = constant.row[e], constant.column[e]
-            out[n, 1] += v[n, i] * constant.stiffness[e] * q[n, j]
             out[n, 2] += q[n, i] * constant.stiffness[e] * q[n, j] / 2
             out[n, 3] += v[n, i] * constant.damping[e] * v[n, j]
+            if inertia:
+                out[n, 0] += v[n, i] * constant.mass[e] * v[n, j] / 2
+        out[n, 1] -= out[n, 3]
+        if inertia and len(plan.floating.frame) > 0:
+            terms.inertial[:] = 0
+            set_frames(frames, work.markers, q[n], v[n], v[n])
+            moving_residual(
+                plane, frames, plan.floating, work.markers, q[n], v[n], v[n], 1.0, work.floating, terms.inertial, terms.applied
+            )
+            for i in range(n_q):
+                out[n, 0] += v[n, i] * terms.inertial[i] / 2
         if len(plan.drag.frame) > 0:
             for i in range(plan.n):
                 acc[i] = 0
@@ -120,6 +116,8 @@ def _has_inertia(solution: Solution) -> bool:
 def _powers(solution: Solution) -> np.ndarray:
     """What `powers` finds, (n_t, 4)."""
     system, plan, n_t, inertia = solution.system, solution.system.plan, len(solution.times), _has_inertia(solution)
+    work = allocate_work(plan, system.dtype)
+    work.care[0] = LEFT_OUT
     # without inertia velocities are those of the middle of a step, which would cost an order of the work
     velocity = solution.v if inertia else np.gradient(solution.q, solution.times, axis=0, edge_order=2 if n_t > 2 else 1)
     states: np.ndarray = np.zeros((3, n_t, system.n), system.dtype)
@@ -130,8 +128,8 @@ def _powers(solution: Solution) -> np.ndarray:
     out: np.ndarray = np.zeros((n_t, 4), system.dtype)
     curves, curves_x = system.curves(solution.times)
     system.run(
-        powers, system.evaluator, plan, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
-        out, np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), allocate_work(plan, system.dtype),
+        powers, system.evaluator, system.driven, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
+        out, np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), work,
     )  # fmt: skip
     return out
 

@@ -34,7 +34,7 @@ def groups_of_elements(mesh: SolidMesh, groups: list[str]) -> dict[str, Mapping[
 
 
 def count_of_lumps(mesh: SolidMesh, members: list[np.ndarray]) -> int:
-    """Into how many lumps some elements or faces (n, n_local) fall."""
+    """Number of lumps that some elements or faces fall into."""
     return len(np.unique(lumps(len(mesh.nodes), members)[np.concatenate([each.ravel() for each in members])]))
 
 
@@ -76,7 +76,7 @@ def _refuse_apart(mesh: SolidMesh, group: str, blocks: Mapping[str, np.ndarray])
 
 
 class End(NamedTuple):
-    """Nodes that move with one point, where pieces begin, meet or end."""
+    """End of pieces: nodes that move with one point, where pieces begin, meet or end."""
 
     what: str  # for people
     nodes: np.ndarray  # numbers in the mesh
@@ -95,7 +95,7 @@ class Piece(NamedTuple):
 
 
 class CutMesh(NamedTuple):
-    """The ends in the order of the chain, the clamp first, and the pieces between them."""
+    """Mesh cut into pieces: the ends in the order of the chain, the clamp first, and the pieces between them."""
 
     named: NamedMesh
     ends: list[End]
@@ -103,7 +103,7 @@ class CutMesh(NamedTuple):
 
 
 def cut_mesh(named: NamedMesh) -> CutMesh:
-    """The chain of pieces.
+    """Mesh cut into a chain of pieces.
 
     Raises
     ------

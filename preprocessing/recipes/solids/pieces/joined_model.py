@@ -74,14 +74,14 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
 
 
 class PieceSurface(NamedTuple):
-    """Who tells what."""
+    """Surface of the body, with the piece that each of its points belongs to."""
 
     owner: np.ndarray  # (n_points,) number of the piece
     rows: list[np.ndarray]  # of every point of the surface of each piece its number among those of the body, or `LEFT_OUT`
     triangles: np.ndarray
 
     def fields(self, pieces: Sequence[Mapping[str, Any]], width: int, n_stress: int) -> dict[str, Any]:
-        """Of the reduced model: surface, pieces, and the stress points, one to each point of the surface or none."""
+        """Fields of the reduced model: surface, pieces, and stress points, one to each surface point or none."""
         surface, own = np.zeros((len(self.owner), 3, width)), np.zeros((len(self.owner), 3, 1 + SPATIAL_LOCAL))
         for k, (piece, rows) in enumerate(zip(pieces, self.rows, strict=True)):
             here, columns = rows >= 0, columns_of_piece(k)
@@ -97,7 +97,7 @@ class PieceSurface(NamedTuple):
 
 
 def piece_surface(found: PieceBodies) -> PieceSurface:
-    """The points of the surface of the uncut body, shared among the pieces."""
+    """Points of the surface of the uncut body, shared among the pieces."""
     cut, whole = found.cut, found.cut.named.boundary
     points = whole.points
     owner = np.full(len(points), LEFT_OUT)
@@ -113,7 +113,7 @@ def piece_surface(found: PieceBodies) -> PieceSurface:
 
 
 def places_of_ends(pieces: Sequence[Mapping[str, Any]]) -> Placed:
-    """The item `nodes`, (3 n_ends,): each end where the piece behind it has it, the last one where the last piece has it."""
+    """Item `nodes`, (3 n_ends,): each end where the piece behind it has it, the last one where the last piece has it."""
     places, count = [], len(pieces) + 1
     for k, piece in enumerate(pieces):
         own = {}
@@ -136,7 +136,7 @@ def numbers_of_points(cut: CutMesh) -> Iterator[tuple[str, int]]:
 
 
 def interfaces_of_ends(cut: CutMesh, nodes: np.ndarray, width: int) -> dict[str, InterfacePoint]:
-    """Their motions are coordinates of the body, or none at the clamp."""
+    """Interface points at the ends, whose motions are coordinates of the body, or none at the clamp."""
     found = {}
     for name, number in numbers_of_points(cut):
         z = np.zeros((MOTIONS, width))
@@ -148,7 +148,7 @@ def interfaces_of_ends(cut: CutMesh, nodes: np.ndarray, width: int) -> dict[str,
 
 
 def derivatives_of_points(cut: CutMesh, nodes: Placed, width: int) -> dict[str, Derivatives]:
-    """Of the places of interface points, by what moves the ends."""
+    """Derivatives of the interface points' places, by what moves the ends."""
     found = {}
     for name, number in numbers_of_points(cut):
         for slope in nodes.derivatives.values():
@@ -160,7 +160,7 @@ def derivatives_of_points(cut: CutMesh, nodes: Placed, width: int) -> dict[str, 
 
 
 COMPONENTS = 6
-"""Of stress at a point."""
+"""Number of stress components at a point."""
 
 
 def joined_model(found: PieceBodies) -> dict[str, Any]:
@@ -199,11 +199,11 @@ def _words(cut: CutMesh) -> str:
 
 
 Rows = Sequence[Mapping[str, np.ndarray]]
-"""Of every piece."""
+"""Arrays of every piece, by their names."""
 
 
 def _in_body(pieces: Sequence[Mapping[str, Any]], stress: Rows, n_stress: int) -> Placed:
-    """The invariants of the body: sums of those of the pieces on its coordinates."""
+    """Invariants of the body: sums of those of the pieces on its coordinates."""
     lengths, places = {"z": 1 + MOTIONS * len(pieces), "f": MOTIONS * len(pieces), "s": n_stress}, []
     for k, piece in enumerate(pieces):
         inv, columns = piece["invariants"], columns_of_piece(k)
@@ -214,7 +214,7 @@ def _in_body(pieces: Sequence[Mapping[str, Any]], stress: Rows, n_stress: int) -
 
 
 def _in_row(pieces: Sequence[Mapping[str, Any]], stress: Rows, n_stress: int) -> Placed:
-    """The invariants of every piece one after the other; the stress of every point once."""
+    """Invariants of every piece one after the other; the stress of every point once."""
     places = []
     for k, piece in enumerate(pieces):
         inv, own = piece["invariants"], dict[str, Placement]()

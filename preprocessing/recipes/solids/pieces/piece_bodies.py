@@ -19,7 +19,7 @@ ENDS = ("first", "second")
 
 
 class PieceBodies(NamedTuple):
-    """The uncut body, and the pieces in the order of the chain."""
+    """Uncut body, and the pieces in the order of the chain."""
 
     cut: CutMesh
     whole: DiscreteBody
@@ -27,7 +27,7 @@ class PieceBodies(NamedTuple):
 
 
 def piece_bodies(named: NamedMesh) -> PieceBodies:
-    """Cut the mesh and assemble everything.
+    """Uncut body and its pieces, cut from the mesh and assembled.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def piece_bodies(named: NamedMesh) -> PieceBodies:
 
 
 def _named(cut: CutMesh, piece: Piece) -> NamedMesh:
-    """The piece as a mesh of its own."""
+    """Piece as a mesh of its own."""
     whole, ends = cut.named, dict(zip(ENDS, (cut.ends[k] for k in piece.ends), strict=True))
     blocks = {kind: np.searchsorted(piece.nodes, each) for kind, each in piece.blocks.items()}
     mesh = SolidMesh(whole.mesh.nodes[piece.nodes], blocks, masses=piece.masses)
@@ -62,6 +62,6 @@ def _named(cut: CutMesh, piece: Piece) -> NamedMesh:
 
 
 def _on_piece(faces: BoundaryFaces, piece: Piece, mesh: SolidMesh) -> BoundaryFaces:
-    """Those faces of a surface of the body that are the piece's, in the numbers of its own mesh."""
+    """Faces of a body's surface that belong to a piece, in the numbers of the piece's own mesh."""
     own = {kind: np.searchsorted(piece.nodes, each) for kind, each in faces.between(piece.nodes).faces.items()}
     return BoundaryFaces(mesh.nodes, own)

@@ -12,18 +12,18 @@ from toolkit.reduced_model.checks.shapes import letters_of
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 
 LEFT_OUT = -1
-"""In the place of a number along an axis of what is not kept."""
+"""Number along an axis that stands for what is not kept."""
 
 
 class Placement(NamedTuple):
-    """Where every entry of an item of a piece goes among those of the target, (n,), or `LEFT_OUT`; and how many these are."""
+    """Place (n,) of every entry of a piece's item in the target, or `LEFT_OUT`, and the number of entries there."""
 
     to: np.ndarray
     size: int
 
 
 class Placed(NamedTuple):
-    """Item -> flat array, derivatives and polynomials, as far as there are any."""
+    """Arrays, derivatives and polynomials of items, by name, as far as there are any."""
 
     arrays: dict[str, np.ndarray]
     derivatives: dict[str, Derivatives]
@@ -31,7 +31,10 @@ class Placed(NamedTuple):
 
 
 def placement(array: np.ndarray, letters: str, numbers: Mapping[str, np.ndarray], lengths: Mapping[str, int]) -> Placement:
-    """Of an array whose axes have letters: `numbers` along those axes that change, and the lengths of these in the target."""
+    """Placement of an array whose axes have letters.
+
+    `numbers` are those along axes that change, and `lengths` the lengths of these axes in the target.
+    """
     along = [numbers.get(letter, np.arange(n)) for letter, n in zip(letters, array.shape, strict=True)]
     shape = tuple(lengths.get(letter, n) for letter, n in zip(letters, array.shape, strict=True))
     grids = np.meshgrid(*along, indexing="ij") if along else []
@@ -43,7 +46,7 @@ def placement(array: np.ndarray, letters: str, numbers: Mapping[str, np.ndarray]
 
 
 def in_row(number: int, size: int, count: int) -> Placement:
-    """Of an item with so many entries of the piece with a number, one piece after the other."""
+    """Placement of an item with so many entries, of the piece with a number, one piece after the other."""
     return Placement(number * size + np.arange(size), count * size)
 
 
@@ -81,14 +84,14 @@ def _item(piece: Mapping[str, Any], item: str) -> np.ndarray:
 
 
 def _moved(found: Any, to: np.ndarray) -> Any:
-    """Entries in their new places, without those that are left out."""
+    """Derivatives or polynomial with entries in their new places, without those that are left out."""
     here = to[found.entry] >= 0
     along = {name: getattr(found, name)[here] for name in ("parameter", "term") if name in vars(found)}
     return replace(found, entry=to[found.entry[here]], value=found.value[here], **along)
 
 
 def _sum(each: Sequence[Polynomial]) -> Polynomial:
-    """Of polynomials with as many factors."""
+    """Sum of polynomials, whose terms are given the same number of factors."""
     width = max(one.factor.shape[1] for one in each)
     starts = np.cumsum([0, *(len(one.factor) for one in each[:-1])])
 

@@ -8,7 +8,7 @@ from toolkit.foundation.kernel import inlined
 
 @inlined
 def add_frame_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v):
-    """Entries between the three frame coordinates."""
+    """Add the entries between the three frame coordinates."""
     frame, n, m = part.frame[b], part.n_f[b], part.mass[b]
     omega, alpha = v[frame + 2], acc[frame + 2]
     at = part.border[part.border_start[b] :]
@@ -38,7 +38,7 @@ def add_frame_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v)
 
 @inlined
 def add_border_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v):
-    """Entries between frame and elastic coordinates."""
+    """Add the entries between frame and elastic coordinates."""
     frame, n = part.frame[b], part.n_f[b]
     omega, alpha = v[frame + 2], acc[frame + 2]
     x, y = acc[frame], acc[frame + 1]
@@ -73,7 +73,7 @@ def add_border_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v
 
 @inlined
 def add_elastic_jacobian(part, b, v, acc, I_acc, I_q, A_q, A_v):
-    """Entries between elastic coordinates."""
+    """Add the entries between elastic coordinates."""
     omega, alpha = v[part.frame[b] + 2], acc[part.frame[b] + 2]
     for e in range(part.entry_start[b], part.entry_start[b + 1]):
         if part.entry_row[e] > 0 and part.entry_column[e] > 0:

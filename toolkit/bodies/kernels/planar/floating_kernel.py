@@ -55,7 +55,7 @@ class Floating(NamedTuple):
     design_gravity: np.ndarray  # (n_d, 2)
 
     def work(self, dtype: type) -> "FloatingWork":
-        """Scratch memory."""
+        """Scratch memory for the products of one block."""
         return FloatingWork(np.zeros((3, 2), dtype), np.zeros((6, 1 + int(max(self.n_f, default=0))), dtype))
 
 
@@ -74,7 +74,7 @@ def hat(vector, frame, i, leading):
 
 @inlined
 def multiply_block(part, block, q, v, acc, work):
-    """All products of one block's invariants with z^, z' and a^."""
+    """Compute all products of one block's invariants with z^, z' and a^."""
     body = part.block_body[block]
     frame, n = part.frame[body], part.n_f[body]
     c, s = np.cos(q[frame + 2]), np.sin(q[frame + 2])
@@ -103,7 +103,10 @@ def multiply_block(part, block, q, v, acc, work):
 
 @inlined
 def add_block_residual(part, block, q, v, acc, g_x, g_y, work, inertial, applied):
-    """The residual's terms of one block, for a body or for a design derivative of its invariants; g includes the load scale."""
+    """Add one block's terms of the residual, for a body or for a design derivative of its invariants.
+
+    g includes the load scale.
+    """
     body = part.block_body[block]
     frame, n, m = part.frame[body], part.n_f[body], part.mass[block]
     omega, alpha = v[frame + 2], acc[frame + 2]
@@ -126,7 +129,7 @@ def add_block_residual(part, block, q, v, acc, g_x, g_y, work, inertial, applied
 
 @inlined
 def add_elastic_residual(part, block, q, v, acc, g_x, g_y, work, inertial, applied):
-    """The elastic rows of one block."""
+    """Add one block's terms of the elastic rows."""
     body = part.block_body[block]
     frame, n = part.frame[body], part.n_f[body]
     omega, alpha = v[frame + 2], acc[frame + 2]

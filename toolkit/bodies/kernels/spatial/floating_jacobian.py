@@ -24,7 +24,7 @@ from toolkit.kinematics.spatial import second_products
 
 @inlined
 def add_moving_rows(part, frames, b, work, border, parts, I_acc, I_q, A_q, A_v):
-    """Entries of the rows r by r, beta and c, and of the mass matrix below."""
+    """Add the entries of the rows r by r, beta and c, and those of the mass matrix below."""
     n_b, n, (n0, n1, n2), (by_a, by_q, by_s, by_v) = part.turns[b], part.n_f[b], work.first, parts
     for i in range(3):
         I_acc[border[i] + i] += by_a * part.mass[b]
@@ -120,7 +120,7 @@ def fill_pairs(state, b, k, pairs):
 
 @inlined
 def add_bent_rows(part, state, b, acc, gravity, scale, work, border, parts, I_acc, I_q, A_q, A_v):
-    """Entries beta by c and c by beta."""
+    """Add the entries beta by c and c by beta."""
     n_r, n, start, pairs = part.moves[b], part.n_f[b], part.moment_start[b] + 1, work.pairs
     mass, inertial, applied, by_rate = work.lines[0, :n], work.lines[1, :n], work.lines[2, :n], work.lines[3, :n]
     by_a, by_q, by_s, by_v = parts
@@ -159,7 +159,7 @@ def add_bent_rows(part, state, b, acc, gravity, scale, work, border, parts, I_ac
 
 @inlined
 def add_bent_entries(part, b, work, parts, I_acc, I_q, A_q, A_v):
-    """Entries c by c from a list of entries."""
+    """Add the entries c by c from a list of entries."""
     by_a, by_q, by_s, by_v = parts
     for e in range(part.entry_start[b], part.entry_start[b + 1]):
         if part.entry_row[e] > 0 and part.entry_column[e] > 0:
@@ -172,7 +172,7 @@ def add_bent_entries(part, b, work, parts, I_acc, I_q, A_q, A_v):
 
 @inlined
 def add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v):
-    """The same from whole matrices."""
+    """Add the entries c by c from whole matrices."""
     n, size = 1 + part.n_f[b], part.moves[b] + part.turns[b]
     w, matrix, factors = row_length(n), part.matrix, work.sums
     for k in range(9):
@@ -185,7 +185,7 @@ def add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v):
 
 @inlined
 def add_bent_row(n, w, matrix, at, work, mass, by_acc, by_q, by_v):
-    """One row of them."""
+    """Add one row of the entries c by c from whole matrices."""
     one, two, three = work.lines[0, :w], work.lines[1, :w], work.lines[2, :w]
     one[:] = 0
     two[:] = 0
@@ -204,7 +204,7 @@ def add_bent_row(n, w, matrix, at, work, mass, by_acc, by_q, by_v):
 
 @inlined
 def add_mixed_matrices(part, b, work, border, parts, matrix):
-    """The same in one matrix, see `parts_of`."""
+    """Add the entries c by c from whole matrices to one matrix, see `parts_of`."""
     n, size, (by_a, by_q, by_s, by_v) = 1 + part.n_f[b], part.moves[b] + part.turns[b], parts
     w, factors, line = row_length(n), work.sums, work.lines[0, : row_length(n)]
     for k in range(9):

@@ -62,7 +62,7 @@ class SpatialFloating(NamedTuple):
     design_gravity: np.ndarray  # (n_d, 3)
 
     def work(self, dtype: type) -> "SpatialFloatingWork":
-        """Scratch memory."""
+        """Scratch memory for the products of one block."""
         n = filled_up(1 + int(max(self.n_f, default=0)))
         rows: list[tuple[int, ...]] = [(9, n)]
         small: list[tuple[int, ...]] = [(3, 3)]
@@ -109,7 +109,7 @@ def is_mixed(frames, work):
 
 @inlined
 def parts_of(frames, work):
-    """What those by a, q of the inertial, q and v of the applied terms are multiplied by."""
+    """Factors of the derivatives by a and q of the inertial, and by q and v of the applied terms."""
     if frames is not None:
         return work.mixed[1], work.mixed[2], work.mixed[3], work.mixed[4]
     return 1.0, 1.0, 1.0, 1.0
@@ -117,7 +117,7 @@ def parts_of(frames, work):
 
 @inlined
 def add_spatial_block(part, frames, block, acc, gravity, scale, work, inertial, applied):
-    """The residual's terms of one block, for a body or for a design derivative of its invariants."""
+    """Add one block's terms of the residual, for a body or for a design derivative of its invariants."""
     b = part.block_body[block]
     frame, n_r, n_b, n = part.frame[b], part.moves[b], part.turns[b], part.n_f[b]
     m, (n0, n1, n2) = part.mass[block], work.first
@@ -144,7 +144,7 @@ def add_spatial_block(part, frames, block, acc, gravity, scale, work, inertial, 
 
 @inlined
 def add_bent_residual(part, frames, block, b, acc, gravity, scale, work, inertial, applied):
-    """Terms of the rows c."""
+    """Add the terms of the rows c."""
     A, start = frames.A[b], part.moment_start[block] + 1
     for i in range(len(inertial)):
         inertial[i] += work.acc[0, 1 + i] + work.acc[4, 1 + i] + work.acc[8, 1 + i]
@@ -181,7 +181,7 @@ def spatial_design(part, frames, q, v, acc, scale, work, I_x, A_x):
 
 @inner
 def add_gravity_design(part, frames, b, scale, work, A_x):
-    """One body: the terms with g, with the derivative of g in its place."""
+    """Add one body's terms with g, with the derivative of g in its place."""
     frame, n_r, n_b, n = part.frame[b], part.moves[b], part.turns[b], part.n_f[b]
     for d in range(len(part.gravity_variable)):
         x, change = part.gravity_variable[d], part.design_gravity[d]

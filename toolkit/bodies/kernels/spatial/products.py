@@ -12,7 +12,7 @@ from toolkit.foundation.vectors.rows import LANES, add_to_each
 
 @inlined
 def multiply_spatial_block(part, frames, block, q, v, acc, work):
-    """All products of one block's invariants with z^, z' and a^."""
+    """Compute all products of one block's invariants with z^, z' and a^."""
     body = part.block_body[block]
     n, elastic = 1 + part.n_f[body], part.frame[body] + part.moves[body] + part.turns[body]
     for array in (work.s_q, work.s_v, work.s_acc, work.inertial, work.applied):
@@ -63,7 +63,7 @@ def first_moments(part, block, n, work):
 
 @inlined
 def row_length(n):
-    """Of a matrix of n columns, filled up."""
+    """Length of a row of a matrix of n columns, filled up to a multiple of LANES."""
     return -(-n // LANES) * LANES
 
 
@@ -78,7 +78,7 @@ def multiply_matrices(matrix, first, n, work):
 
 @inlined
 def multiply_entries(part, block, work):
-    """The same from a list of entries, which is ordered by rows."""
+    """Q[a, b] z^ and so on from a list of entries, which is ordered by rows."""
     e, last, sums = part.entry_start[block], part.entry_start[block + 1], work.sums
     while e < last:
         i = part.entry_row[e]

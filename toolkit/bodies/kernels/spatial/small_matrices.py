@@ -39,7 +39,7 @@ def product(a, b):
 
 @inlined
 def flat_product(matrix, nine):
-    """The same, the second matrix as nine numbers in a row."""
+    """<a, b>, the sum of products of all nine entries, with the second matrix as nine numbers in a row."""
     total = 0 * nine[0]
     for i in range(3):
         for j in range(3):
@@ -49,7 +49,7 @@ def flat_product(matrix, nine):
 
 @inlined
 def turned_dot(matrix, vector, other):
-    """other . (matrix vector)."""
+    """Scalar product other . (matrix vector)."""
     total = 0 * vector[0]
     for i in range(3):
         total += other[i] * (matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2])

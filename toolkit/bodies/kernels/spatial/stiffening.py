@@ -37,14 +37,14 @@ def multiply_stiffened(part, block, n, work):
 
 @inner
 def add_stiffened_residual(frames, b, work, applied):
-    """Terms of the rows c."""
+    """Add the terms of the rows c that spin stiffening brings."""
     transposed_product(frames.V[b], frames.V[b], work.pairs[0])
     add_nine_rows(work.pairs[0], -1.0, work.stiff_q, 1, applied)
 
 
 @inner
 def add_stiffened_jacobian(part, state, b, work, border, parts, I_q, A_q, A_v):
-    """Entries beta by c, c by beta and c by c; those beta by beta follow from the moments of the shapes."""
+    """Add the entries beta by c, c by beta and c by c; those beta by beta follow from the moments of the shapes."""
     n_r, n_b, n, pairs = part.moves[b], part.turns[b], part.n_f[b], work.pairs
     applied, by_rate, (_, by_q, by_s, by_v) = work.lines[0, :n], work.lines[1, :n], parts
     for k in range(n_b):

@@ -10,7 +10,7 @@ from toolkit.bodies.planar.flexible import Flexible
 
 
 class PlanarChosenFrames(ChosenFrames, Flexible):
-    """It moves in the plane."""
+    """A flexible body in the plane whose number of floating frames was chosen by runs of the scene."""
 
     kind = ""
     uncut_kind: ClassVar[type[ModelBody]] = Flexible

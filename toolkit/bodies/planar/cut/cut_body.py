@@ -12,7 +12,7 @@ from toolkit.bodies.planar.flexible import Flexible
 
 
 class PlanarCutBody(CutBody, Flexible):
-    """Its parts move and turn in the plane."""
+    """A flexible body in the plane that is cut into parts, which move and turn in the plane."""
 
     kind = ""
     uncut_kind: ClassVar[type[ModelBody]] = Flexible

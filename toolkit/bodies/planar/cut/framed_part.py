@@ -15,7 +15,7 @@ from toolkit.reduced_model.cut.planar_part import planar_part
 
 
 class PlanarFramedPart(FramedPart, Flexible):
-    """Its frame has two coordinates and an angle."""
+    """Part of a cut body in the plane, whose floating frame has two coordinates and an angle."""
 
     kind = ""
     per_node: ClassVar[int] = 3
@@ -23,11 +23,11 @@ class PlanarFramedPart(FramedPart, Flexible):
 
     @staticmethod
     def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None) -> Part:
-        """As `planar_part`."""
+        """Planar part that is assembled from elements at one design, see `planar_part`."""
         return planar_part(elements, first, last, stress_elements, shapes)
 
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
-        """The first node turns, and the last moves along the chord."""
+        """Names of the elastic coordinates: the first node only turns, and the last one turns and moves along the chord."""
         yield f"rotation of node {nodes[0]}"
         yield from (f"{axis} of node {k}" for k in nodes[1:-1] for axis in ("x", "y", "rotation"))
         yield from (f"{axis} of node {nodes[-1]}" for axis in ("displacement along the chord", "rotation"))

@@ -10,7 +10,7 @@ from toolkit.bodies.spatial.flexible import SpatialFlexible
 
 
 class SpatialChosenFrames(ChosenFrames, SpatialFlexible):
-    """It moves in space."""
+    """A flexible body in space whose number of floating frames was chosen by runs of the scene."""
 
     kind = ""
     uncut_kind: ClassVar[type[ModelBody]] = SpatialFlexible

@@ -13,7 +13,7 @@ from toolkit.bodies.spatial.flexible import SpatialFlexible
 
 
 class SpatialCutBody(CutBody, SpatialFlexible):
-    """Its parts move and turn in space."""
+    """A flexible body in space that is cut into parts, which move and turn in space."""
 
     kind = ""
     uncut_kind: ClassVar[type[ModelBody]] = SpatialFlexible
@@ -21,10 +21,10 @@ class SpatialCutBody(CutBody, SpatialFlexible):
 
     @property
     def moves(self) -> int:
-        """Those of any of its parts."""
+        """Number of coordinates of the frame's origin in each part."""
         return 3
 
     @property
     def turns(self) -> int:
-        """Those of any of its parts."""
+        """Number of coordinates of the frame's orientation in each part, those of a quaternion."""
         return QUATERNION

@@ -18,7 +18,7 @@ from toolkit.reduced_model.spatial_model import SurfaceLoad
 
 
 class SpatialFramedPart(FramedPart, SpatialFlexible):
-    """Its frame has three coordinates and a quaternion."""
+    """Part of a cut body in space, whose floating frame has three coordinates and a quaternion."""
 
     kind = ""
     per_node: ClassVar[int] = 6
@@ -26,18 +26,21 @@ class SpatialFramedPart(FramedPart, SpatialFlexible):
 
     @staticmethod
     def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None) -> Part:
-        """As `spatial_part`."""
+        """Spatial part that is assembled from elements at one design, see `spatial_part`."""
         return spatial_part(elements, first, last, stress_elements, shapes)
 
     def surface_load(self, scene: Placed, surface: str) -> SurfaceLoad:
-        """Of its own pieces."""
+        """Load of a unit pressure on the pieces of a surface that belong to this part."""
         design = scene.bodies[self.whole].design_point(scene, "elements", "piece_loads")
         part, loads = self.part(scene), PieceLoads(*(design.value(f"piece_loads.{surface}.{key}") for key in ("force", "moment")))
         assert isinstance(part, SpatialPart)
         return pressed(part, loads)
 
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
-        """The ends turn across the chord and twist against each other, and the last one moves along it."""
+        """Names of the elastic coordinates of a part that is not reduced.
+
+        Its ends turn across the chord and twist against each other, and the last one moves along it.
+        """
         across = [f"rotation {which} across the chord" for which in ("one", "two")]
         every = ["x", "y", "z", *(f"rotation about {axis}" for axis in "xyz")]
         yield from (f"{name} of node {nodes[0]}" for name in across)

@@ -1,4 +1,4 @@
-"""What happened to the bytes of an array on their way into the file, undone."""
+"""Filters of an array on its way into the file, and how they are undone."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Filters:
             raise ValueError("it is packed in a way that this program does not pack in")
 
     def undo(self, content: bytes, skipped: int, size: int, item: int) -> bytes:
-        """What a piece of an array was before.
+        """Bytes that a piece of an array was before the filters were applied.
 
         Parameters
         ----------
@@ -46,7 +46,7 @@ class Filters:
 
 
 def read_filters(message: Cursor) -> Filters:
-    """The filters of an array."""
+    """Filters of an array, from their message."""
     message.expect(2, "version of the list of filters")
     numbers = []
     for _ in range(message.number(1)):

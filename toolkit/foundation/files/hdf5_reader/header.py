@@ -18,7 +18,7 @@ _LAST_KNOWN = 0x18
 
 @dataclass(frozen=True)
 class Message:
-    """One message of a header.
+    """One message of a header: its kind, its content and its order.
 
     Parameters
     ----------
@@ -38,11 +38,11 @@ class Header:
     ordered: bool
 
     def all(self, kind: int) -> list[Message]:
-        """Messages of a kind."""
+        """Messages of a kind that the header has."""
         return [each for each in self.messages if each.kind == kind]
 
     def has(self, kind: int) -> bool:
-        """Whether there is a message of a kind."""
+        """Whether the header has a message of a kind."""
         return any(each.kind == kind for each in self.messages)
 
     def one(self, kind: int) -> Cursor:
@@ -54,7 +54,7 @@ class Header:
 
 
 def read_header(source: Source, place: int) -> Header:
-    """The header at a place of the file, with all its continuations."""
+    """Header of the object at a place of the file, with all its continuations."""
     start = Cursor(source.at(place, min(64, source.size - place) if place < source.size else 64))
     if start.take(4) != b"OHDR":
         raise OtherForm("what stands there was written by another program, in a format without checksums")

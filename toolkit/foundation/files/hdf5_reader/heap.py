@@ -42,7 +42,7 @@ class Heap:
         self._blocks = sorted(self._direct(root, 0, rows, self._start), key=lambda block: block[0]) if root != UNDEFINED else []
 
     def object(self, number: bytes) -> bytes:
-        """The object of a number."""
+        """Bytes of the object with a number."""
         cursor = Cursor(number)
         flags = cursor.number(1)
         kind = flags >> 4 & 3
@@ -71,7 +71,10 @@ class Heap:
         return self._huge[number]
 
     def _direct(self, place: int, start: int, rows: int, size: int) -> Iterator[tuple[int, bytes]]:
-        """Start within the heap and content of all direct blocks below a block of so many rows; of none: it is direct itself."""
+        """Start within the heap and content of all direct blocks below a block of so many rows.
+
+        A block of no rows is direct itself.
+        """
         if place in self._seen:
             raise ValueError("a heap leads back to itself")
         self._seen.add(place)
@@ -90,7 +93,7 @@ class Heap:
                 yield from self._direct(child, first, self._rows_of(own), own)
 
     def _rows_of(self, size: int) -> int:
-        """Rows of an indirect block that covers so many bytes; none of a block that is direct."""
+        """Number of rows of an indirect block that covers so many bytes; zero for a block that is direct."""
         return 0 if size <= self._largest else (size // (self._start * self._width)).bit_length()
 
     def _block(self, place: int, start: int, size: int) -> bytes:

@@ -19,7 +19,7 @@ from toolkit.foundation.files.hdf5_reader.types import read_shape, read_type
 SIGNATURE, OLDEST = b"\x89HDF\r\n\x1a\n", 3
 """First bytes of every HDF5 file, and behind them the number of its format, of which this is the first that has checksums."""
 FORMAT = ("v110", "v110")
-"""The same for the library, when it writes: from this version on a flipped bit is noticed and not followed."""
+"""Format for the library when it writes: from this version on a flipped bit is noticed and not followed."""
 SQUEEZED, MOST_BYTES = 1100, 2**34
 """Most that HDF5's compression makes of a byte, with a little to spare, and most that all arrays of a file can be: a file that claims
 more was never written."""
@@ -29,7 +29,10 @@ _HARD = 0
 
 @dataclass(frozen=True)
 class Link:
-    """A name in a group; the place of what it stands for is None if that lies in another file, or is found by another name."""
+    """A name in a group, with the place of its object.
+
+    The place is None if the object lies in another file, or is found by another name.
+    """
 
     name: str
     place: int | None
@@ -44,7 +47,7 @@ class Group:
 
     @cached_property
     def links(self) -> dict[str, Link]:
-        """What is in the group, in the order in which it was made if the file keeps that, by name otherwise."""
+        """Links of the group, in the order in which they were made if the file keeps that, by name otherwise."""
         info = self._header.one(LINK_INFO)
         info.expect(0, "version of a group")
         flags = info.number(1)
@@ -64,7 +67,7 @@ class Group:
 
     @cached_property
     def attributes(self) -> dict[str, bytes]:
-        """What the file holds of each attribute, in the order of `links`."""
+        """Content of each attribute as the file holds it, in the order of `links`."""
         found = [(_attribute_name(message.content), message.order, message.content) for message in self._header.all(ATTRIBUTE)]
         if self._header.has(ATTRIBUTE_INFO):
             info = self._header.one(ATTRIBUTE_INFO)
@@ -80,7 +83,10 @@ class Group:
         return _by_name(found, self._header.ordered)
 
     def attribute(self, name: str) -> str | int | float:
-        """A number, or a text of fixed length: the place where HDF5 keeps those of variable length has no checksum."""
+        """Value of an attribute: a number, or a text of fixed length.
+
+        The place where HDF5 keeps texts of variable length has no checksum.
+        """
         if name not in self.attributes:
             raise ValueError(f"it lacks the attribute {name}")
         cursor = Cursor(self.attributes[name])
@@ -120,7 +126,7 @@ class File(Group):
         self._objects[root] = self
 
     def object(self, place: int) -> Group | Array:
-        """What stands at a place of the file."""
+        """Group or array at a place of the file."""
         if place not in self._objects:
             header = read_header(self._source, place)
             self._objects[place] = (Array if header.has(LAYOUT) else Group)(self._source, header)

@@ -13,7 +13,10 @@ _WORD = 0xFFFFFFFF
 
 
 class OtherForm(ValueError):
-    """A part of the file has a form that this program never writes, though HDF5 knows it: another program may have written it."""
+    """Error of a part of the file that has a form which this program never writes, though HDF5 knows it.
+
+    Another program may have written it.
+    """
 
 
 class Source:
@@ -31,7 +34,7 @@ class Source:
         self._left = MOST_CHECKED
 
     def at(self, place: int, count: int) -> bytes:
-        """So many bytes from a place on."""
+        """Bytes of the file, so many from a place on."""
         if count > self.size or place > self.size - count:
             raise ValueError("it refers to places outside of itself")
         self._file.seek(place)
@@ -41,7 +44,7 @@ class Source:
         return found
 
     def block(self, place: int, count: int, signature: bytes = b"", hole: int | None = None) -> Cursor:
-        """A block that ends with its checksum, behind its signature.
+        """Content of a block that ends with its checksum, behind its signature.
 
         Parameters
         ----------
@@ -66,7 +69,7 @@ class Cursor:
         self.content, self.place = content, place
 
     def take(self, count: int) -> bytes:
-        """The next bytes."""
+        """Next bytes, so many."""
         end = self.place + count
         if end > len(self.content):
             raise ValueError("a structure ends too early")
@@ -75,7 +78,7 @@ class Cursor:
         return found
 
     def number(self, size: int) -> int:
-        """The next number without a sign, of so many bytes."""
+        """Next number without a sign, of so many bytes."""
         return int.from_bytes(self.take(size), "little")
 
     def expect(self, value: int, what: str) -> None:
@@ -85,12 +88,12 @@ class Cursor:
 
     @property
     def left(self) -> int:
-        """Bytes that were not read yet."""
+        """Number of bytes that were not read yet."""
         return len(self.content) - self.place
 
 
 def bytes_for(largest: int) -> int:
-    """Bytes that hold every number up to the largest one."""
+    """Number of bytes that hold every number up to the largest one."""
     return max(1, (largest.bit_length() + 7) // 8)
 
 

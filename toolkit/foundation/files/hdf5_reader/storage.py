@@ -46,7 +46,7 @@ class Array:
         self._rest = self._layout.place
 
     def _read_chunked(self, version: int) -> None:
-        """Shape of the pieces, and how they are found."""
+        """Read the shape of the pieces, and how they are found."""
         if version != 4:
             raise ValueError(ELSEWHERE)
         flags, axes, width = (self._layout.number(1) for _ in range(3))
@@ -58,17 +58,17 @@ class Array:
 
     @property
     def claimed(self) -> int:
-        """Bytes that it takes in memory, with the piece that is being unpacked; they need not be in the file."""
+        """Bytes that the array takes in memory, with the piece that is being unpacked; they need not be in the file."""
         piece = prod(self._chunk) if self._kind == _CHUNKED else 0
         return self.type.itemsize * max(prod(self.shape), piece)
 
     @property
     def stored_bytes(self) -> int:
-        """Bytes that its numbers take in the file, as they are packed."""
+        """Bytes that the array's numbers take in the file, as they are packed."""
         return sum(piece.size for piece in self._pieces)
 
     def read(self) -> np.ndarray:
-        """All its numbers; `claimed` is to be judged before."""
+        """Numbers of the whole array; `claimed` is to be judged before."""
         if self._kind == _CHUNKED:
             return self._assembled()
         if self._filters.numbers or sum(piece.size for piece in self._pieces) != self.type.itemsize * prod(self.shape):
@@ -96,7 +96,7 @@ class Array:
 
     @cached_property
     def _pieces(self) -> list[Piece]:
-        """Parts of the array in the order of their corners."""
+        """Pieces of the array in the order of their corners."""
         if self._kind == _COMPACT:
             return [Piece(0, len(self._compact))]
         rest = Cursor(self._layout.content, self._rest)
@@ -123,7 +123,7 @@ class Array:
             raise ValueError(ELSEWHERE)
 
     def _listed(self, place: int, count: int, size: int) -> Iterator[Piece]:
-        """Pieces by a list, whose long form has pages with a checksum each."""
+        """Pieces of the array by a list, whose long form has pages with a checksum each."""
         if place == UNDEFINED:
             raise ValueError(ELSEWHERE)
         header = self._source.block(place, 28, b"FAHD")

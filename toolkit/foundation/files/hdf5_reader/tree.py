@@ -12,7 +12,7 @@ _AROUND = 10  # bytes of a node besides its records: signature, version, kind, c
 
 
 class Tree:
-    """The records of a tree, found once.
+    """Records of a tree, found once.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Tree:
             raise ValueError(f"a tree has {len(self.records)} instead of {total} records")
 
     def _sizes(self, node: int, depth: int) -> list[tuple[int, int]]:
-        """For each level above the leaves, bytes of a child's number of records and of that of all below it."""
+        """Bytes of a child's number of records and of the number of all records below it, for each level above the leaves."""
         most = (node - _AROUND) // self._size
         width, below, all_below = bytes_for(most), 0, most
         found = []

@@ -23,7 +23,7 @@ _SCALAR, _SIMPLE = 0, 1
 
 
 def read_type(message: Cursor) -> np.dtype:
-    """The type of an array; ValueError if it is not one of numbers of at most 8 bytes or texts."""
+    """Type of an array; ValueError if it is not one of numbers of at most 8 bytes or texts."""
     kind, bits, size = message.number(1) & 0x0F, message.number(3), message.number(4)
     if kind == _TEXT and size:
         return np.dtype(f"S{size}")

@@ -16,7 +16,7 @@ from toolkit.foundation.kernel import inlined
 
 @inlined
 def add_pair(i, k, p, q, pose, h_z, h_zz, h_zww):
-    """One product of vectors: its derivatives are added, its value is returned."""
+    """Value of one product of vectors; its derivatives are added."""
     if i == 6:
         return add_square(p, pose[0], h_z, h_zz) if k == 6 else add_slide(k, p, q, pose, h_z, h_zz, h_zww)
     if k % 3 == 0:
@@ -28,7 +28,7 @@ def add_pair(i, k, p, q, pose, h_z, h_zz, h_zww):
 
 @inlined
 def add_square(p, z, h_z, h_zz):
-    """p d . d."""
+    """Value of the product p d . d; its derivatives are added."""
     total = 0 * z[0]
     for c in range(2):
         d = z[c] - z[3 + c]
@@ -44,7 +44,7 @@ def add_square(p, z, h_z, h_zz):
 
 @inlined
 def add_slide(k, p, q, pose, h_z, h_zz, h_zww):
-    """d . e, see `add_offset`."""
+    """Value of the product d . e; its derivatives are added, see `add_offset`."""
     of, x, y = 2 * (k // 3), pose[0, 0] - pose[0, 3], pose[0, 1] - pose[0, 4]
     c, s = pose[4, of], pose[4, of + 1]
     e_x, e_y, w = c * p - s * q, s * p + c * q, pose[1, k]
@@ -67,7 +67,7 @@ def add_slide(k, p, q, pose, h_z, h_zz, h_zww):
 
 @inlined
 def add_positions(i, k, p, z, h_z, h_zz):
-    """p X_i . X_k."""
+    """Value of the product p X_i . X_k; its derivatives are added."""
     for c in range(2):
         h_z[i + c] += p * z[k + c]
         h_z[k + c] += p * z[i + c]
@@ -78,7 +78,7 @@ def add_positions(i, k, p, z, h_z, h_zz):
 
 @inlined
 def add_offset(i, k, p, q, pose, h_z, h_zz, h_zww):
-    """X_i . e with e = A_k (p, q), e' = J e, e'' = -e; J = [[0,-1],[1,0]]."""
+    """Value of X_i . e with e = A_k (p, q), e' = J e, e'' = -e, J = [[0,-1],[1,0]]; its derivatives are added."""
     of, x, y = 2 * (k // 3), pose[0, i], pose[0, i + 1]
     c, s = pose[4, of], pose[4, of + 1]
     e_x, e_y, w = c * p - s * q, s * p + c * q, pose[1, k]
@@ -99,7 +99,7 @@ def add_offset(i, k, p, q, pose, h_z, h_zz, h_zww):
 
 @inlined
 def add_turn(i, k, p, q, pose, h_z, h_zz, h_zww):
-    """p cos + q sin of z_i - z_k."""
+    """Value of p cos + q sin of z_i - z_k; its derivatives are added."""
     of, of_k = 2 * (i // 3), 2 * (k // 3)
     c, s, c_k, s_k = pose[4, of], pose[4, of + 1], pose[4, of_k], pose[4, of_k + 1]
     c, s = c * c_k + s * s_k, s * c_k - c * s_k
@@ -117,7 +117,7 @@ def add_turn(i, k, p, q, pose, h_z, h_zz, h_zww):
 
 @inlined
 def evaluate_form(joints, form, pose, slope, h_zz, h_zww):
-    """One form: its derivatives are filled, its value is returned; without pairs it has first ones only."""
+    """Value of one form; its derivatives are filled, without pairs only the first ones."""
     h_z = slope[0]
     for k in range(6):
         h_z[k] = 0
@@ -138,7 +138,7 @@ def evaluate_form(joints, form, pose, slope, h_zz, h_zww):
 
 @inlined
 def contract(pose, h_zz, h_zww, slope):
-    """The products of h_zz that all directions share."""
+    """Compute the products of h_zz that all directions share."""
     for k in range(6):
         rates, accelerations, centripetal = 0 * h_zww[k], 0 * h_zww[k], h_zww[k]
         for c in range(6):

@@ -39,6 +39,6 @@ def joint_design(joints, j, markers, state, acc, curve_variable, curve_index, cu
 
 @inlined
 def add_forces(joints, j, markers, state, work, x, I_x):
-    """What a change of g_z^T lam adds on both markers."""
+    """Add to both markers what a change of g_z^T lam brings."""
     for side in range(2):
         add_force(markers, state, joints.of[j, side], work.force[1, 3 * side : 3 * side + 3], 1.0, I_x[:, x])

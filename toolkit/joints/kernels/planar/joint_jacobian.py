@@ -47,8 +47,10 @@ def direction_force(first, y, work):
 
 @inlined
 def translation(joints, j, k, column, n, by_row, by_column, levels, work, I_acc, A_q, A_v):
-    """What `direction_rows` comes to for coordinate number `column` of the joint, which moves nothing but number k of the poses, where
-    rows are linear in these."""
+    """Derivatives of linear constraint rows by coordinate number `column` of the joint, which moves number k of the poses alone.
+
+    They are what `direction_rows` comes to.
+    """
     rows = joints.of[j, N_ROWS]
     for i in range(rows):
         g = work.slope[i, 0, k]

@@ -38,7 +38,7 @@ def evaluate_planar_joint(functions, joints, j, state, acc, work):
 
 @inlined
 def flat_joint(joints, j, acc, work):
-    """A joint whose rows are linear in the poses."""
+    """Evaluate a joint whose rows are linear in the poses."""
     form = joints.of[j, FORM]
     for k in range(6):
         work.force[0, k] = 0
@@ -57,7 +57,7 @@ def flat_joint(joints, j, acc, work):
 
 @inner
 def curved_joint(functions, joints, j, acc, work):
-    """A joint with products of vectors or with laws."""
+    """Evaluate a joint with products of vectors or with laws."""
     pose, form = work.pose, joints.of[j, FORM]
     for side in range(2):
         if joints.of[j, TURNED + side]:
@@ -77,7 +77,7 @@ def curved_joint(functions, joints, j, acc, work):
 
 @inlined
 def plain_row(joints, i, form, lam, work):
-    """A row that is a form."""
+    """Evaluate a row that is a form."""
     h_zww, h_zz = work.forms[0, 4], work.forms[0, 5:]
     work.row[PHI, i] = evaluate_form(joints, form, work.pose, work.slope[i], h_zz, h_zww)
     if joints.start[form, 1] < joints.start[form + 1, 0]:
@@ -88,7 +88,7 @@ def plain_row(joints, i, form, lam, work):
 
 @inlined
 def add_stiffness(factor, h_zz, stiffness):
-    """stiffness += factor h_zz."""
+    """Add factor h_zz to the stiffness of the joint."""
     for k in range(6):
         for c in range(6):
             stiffness[k, c] += factor * h_zz[k, c]
@@ -96,7 +96,7 @@ def add_stiffness(factor, h_zz, stiffness):
 
 @inner
 def composed_row(functions, joints, j, i, form, lam, work):
-    """A row that is a law of forms."""
+    """Evaluate a row that is a law of forms."""
     n = joints.of[j, LAW + 1 + 2 * i]
     carried = 1 if joints.of[j, LAW + 2 * i] == PROFILE else 0
     for f in range(n - carried):
@@ -138,7 +138,7 @@ def change_number(joints, j, d, lam, levels, work):
 
 @inlined
 def joint_residual(joints, j, markers, state, curves, levels, work, inertial, applied):
-    """Constraint rows, and constraint forces on both bodies."""
+    """Add the constraint rows, and the constraint forces on both bodies."""
     row, k2, k1, k0 = joints.of[j, FIRST_ROW], levels[0], levels[1], levels[2]
     for i in range(joints.of[j, N_ROWS]):
         rows_a, total, rate = 0 * work.pose[0, 0], 0 * work.pose[0, 0], 0 * work.pose[0, 0]

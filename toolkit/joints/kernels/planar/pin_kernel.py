@@ -11,14 +11,14 @@ from toolkit.markers.planar.marker_kernel import known_turn
 
 @inlined
 def pin_rows(joints, j, state, rows):
-    """r_a - r_b."""
+    """Compute the rows r_a - r_b of a pin."""
     for i in range(2):
         rows[i] = state.y[joints.of[j, 0], i] - state.y[joints.of[j, 1], i]
 
 
 @inlined
 def add_pin(joints, j, markers, state, acc, levels, inertial, applied):
-    """Constraint rows, and constraint forces on both bodies."""
+    """Add the constraint rows of a pin, and its constraint forces on both bodies."""
     a, b, row = joints.of[j, 0], joints.of[j, 1], joints.of[j, FIRST_ROW]
     for i in range(2):
         position, rate = state.y[a, i] - state.y[b, i], state.rate[a, i] - state.rate[b, i]
@@ -31,7 +31,7 @@ def add_pin(joints, j, markers, state, acc, levels, inertial, applied):
 
 @inlined
 def pull(markers, state, m, x, y, inertial):
-    """The force (x, y) on a marker, as `add_force`."""
+    """Add a force (x, y) on a marker, as `add_force`."""
     first, frame = markers.start[m], markers.frame[m]
     if frame >= 0:
         inertial[frame] += x

@@ -60,7 +60,7 @@ def direction_force(joints, j, side, y, acc, work):
 
 @inner
 def form_force(joints, form, factor, side, y, out):
-    """out += factor h_zz in a direction of one marker's pose."""
+    """Add factor h_zz in a direction of one marker's pose to `out`."""
     for e in range(joints.start[form, 1], joints.start[form + 1, 0], 2):
         i, j, value = joints.place[e], joints.place[e + 1], factor * joints.value[e]
         for c in range(3):
@@ -72,6 +72,6 @@ def form_force(joints, form, factor, side, y, out):
 
 @inner
 def add_both(joints, j, markers, state, force, residual):
-    """residual += B^T force, on both markers."""
+    """Add B^T force to the residual, on both markers."""
     add_spatial_force(markers, state, joints.of[j, 0], force[:12], 1.0, residual)
     add_spatial_force(markers, state, joints.of[j, 1], force[12:], 1.0, residual)

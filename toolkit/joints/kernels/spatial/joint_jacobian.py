@@ -28,7 +28,7 @@ def direction_row(joints, j, i, side, y, rate, acceleration, centripetal, work):
 
 @inlined
 def linear_row(joints, form, side, y, rate, acceleration, centripetal):
-    """The same of a row without products, such as those of a ball joint."""
+    """Derivatives of a constraint row without products, such as those of a ball joint, in one direction of one marker."""
     inertial, total, velocity, position = 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0]
     for e in range(joints.start[form, 0] + 1, joints.start[form, 1]):
         if joints.place[e] // 12 == side:
@@ -84,7 +84,7 @@ def spatial_joint_jacobian(joints, j, markers, state, levels, acc, work, parts, 
 
 @inner
 def add_pairs(joints, j, form, factor, markers, state, position, n, n_a, I_q):
-    """factor B^T h_zz B of one form."""
+    """Add factor B^T h_zz B of one form."""
     for e in range(joints.start[form, 1], joints.start[form + 1, 0], 2):
         value = factor * joints.value[e]
         side, other = joints.place[e] // 4, joints.place[e + 1] // 4
@@ -103,7 +103,7 @@ def add_pairs(joints, j, form, factor, markers, state, position, n, n_a, I_q):
 
 @inner
 def slope_along(i, f, side, y, work):
-    """h_z y of one form of a law, for a direction y of one marker's pose."""
+    """Derivative h_z y of one form of a law, for a direction y of one marker's pose."""
     slope = 0 * work.pose[0, 0]
     for c in range(12):
         slope += work.composed[i, f, GRADIENT + 12 * side + c] * y[c]
@@ -112,7 +112,7 @@ def slope_along(i, f, side, y, work):
 
 @inner
 def add_bend(joints, j, i, lam, markers, state, work, position, n, n_a, I_q):
-    """lam B^T (sum of g_hh h_z h_z^T) B of a law."""
+    """Add lam B^T (sum of g_hh h_z h_z^T) B of a law."""
     forms = joints.of[j, LAW + 1 + 2 * i]
     for side in range(2):
         m = joints.of[j, side]

@@ -35,7 +35,7 @@ def add_pair(value, i, j, source, target):
 
 @inlined
 def evaluate_form(joints, form, pose, slope):
-    """One form: its derivatives are filled, its value is returned."""
+    """Value of one form; its derivatives are filled."""
     slope[:, :] = 0
     first, pairs, last = joints.start[form, 0], joints.start[form, 1], joints.start[form + 1, 0]
     total = joints.value[first] + 0 * pose[0, 0]
@@ -49,7 +49,7 @@ def evaluate_form(joints, form, pose, slope):
 
 @inlined
 def add_product(i, k, factor, pose, slope):
-    """factor X_i . X_k: its derivatives are added, its value is returned."""
+    """Value of factor X_i . X_k; its derivatives are added."""
     for direction in range(4):
         add_pair(factor, i, k, pose[direction], slope[direction])
     return factor * dot_pair(pose[0], i, pose[0], k)
@@ -57,7 +57,7 @@ def add_product(i, k, factor, pose, slope):
 
 @kernel
 def evaluate_spatial_joint(functions, joints, j, state, acc, work):
-    """All rows of one joint with their derivatives at the poses of the two markers, and its force g_z^T lam."""
+    """Compute all rows of one joint with their derivatives at the poses of the two markers, and its force g_z^T lam."""
     pose = work.pose
     for side in range(2):
         m = joints.of[j, side]
@@ -80,7 +80,7 @@ def evaluate_spatial_joint(functions, joints, j, state, acc, work):
 
 @inner
 def composed_row(functions, joints, j, i, form, work):
-    """A row that is a law of forms."""
+    """Evaluate a row that is a law of forms."""
     n = joints.of[j, LAW + 1 + 2 * i]
     carried = 1 if joints.of[j, LAW + 2 * i] == PROFILE else 0
     for f in range(n - carried):
@@ -111,7 +111,7 @@ def change_spatial_number(joints, j, d, lam, levels, work):
 
 @inner
 def spatial_joint_residual(joints, j, markers, state, curves, levels, work, inertial, applied):
-    """Constraint rows, and constraint forces on both bodies."""
+    """Add the constraint rows, and the constraint forces on both bodies."""
     k2, k1, k0 = levels[0], levels[1], levels[2]
     for i in range(joints.of[j, N_ROWS]):
         growth, total, rate, target = 0 * work.pose[0, 0], 0 * work.pose[0, 0], 0 * work.pose[0, 0], 0 * work.pose[0, 0]

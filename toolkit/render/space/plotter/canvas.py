@@ -14,7 +14,10 @@ from toolkit.foundation.files.replaced_file import replaced
 
 @contextmanager
 def canvas(path: Path, width: int, height: int, panels: int) -> Iterator[Any]:
-    """A plotter whose renderer 0 is the white sheet, the last one for a legend, the others panels; written at the end, in one stroke."""
+    """Plotter whose renderer 0 is the white sheet, the last one for a legend, the others panels.
+
+    It is written at the end, in one stroke.
+    """
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=[width, height], shape=(1, panels + 2), border=False)
     try:
         plotter.subplot(0, 0)

@@ -32,14 +32,14 @@ def overview_places(count: int, width: int, foot: int, aspect: float) -> tuple[l
 
 
 def head_line(pane: SpatialPanel, title: str) -> None:
-    """A title above the panel."""
+    """Write a title above the panel."""
     pane.plotter.subplot(0, 0)
     above = np.array([pane.place[0], pane.place[1] + pane.place[3] + 0.7 * pane.letter])
     letter(pane.plotter, title.replace("-", MINUS), above, pane.letter, INK, ("left", "bottom"))
 
 
 def color_bar(plotter: Any, actor: Any, title: str, letters: int) -> None:
-    """The colours of an actor at the lower left of the picture."""
+    """Draw the colours of an actor at the lower left of the picture."""
     plotter.subplot(0, 0)
     width, height = plotter.window_size
     bar = plotter.add_scalar_bar(
@@ -55,7 +55,7 @@ def color_bar(plotter: Any, actor: Any, title: str, letters: int) -> None:
 
 
 def explain(plotter: Any, meanings: Sequence[tuple[str, str]], left: float, letters: int) -> None:
-    """Words in their colours at the lower edge of the picture, from a pixel on."""
+    """Write words in their colours at the lower edge of the picture, from a pixel on."""
     plotter.subplot(0, 0)
     for k, (text, color) in enumerate(reversed(meanings)):
         letter(plotter, text, np.array([left, (0.8 + 1.3 * k) * letters]), letters, color, _LEFT)

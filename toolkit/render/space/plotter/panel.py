@@ -21,7 +21,7 @@ _PAPER, _GRID = 200, 4
 
 @dataclass(frozen=True)
 class SpatialPanel:
-    """What a camera sees, shown in a rectangle of pixels of the canvas by renderer `number` of the plotter."""
+    """Rectangle of pixels of the canvas that shows a camera's view, by renderer `number` of the plotter."""
 
     plotter: Any
     number: int
@@ -88,7 +88,7 @@ class SpatialPanel:
         prop.background_color, prop.background_opacity = "white", 0.6
 
     def covered(self) -> np.ndarray:
-        """Where something is drawn, (n, 2) in pixels of the panel: one place for every small square that is not white."""
+        """Places (n, 2) in pixels of the panel where something is drawn: one for every small square that is not white."""
         left, bottom, wide, high = self.place
         self.plotter.render()
         image = self.plotter.screenshot(return_img=True)[::-1][bottom : bottom + high, left : left + wide]
@@ -97,7 +97,7 @@ class SpatialPanel:
         return _GRID * np.column_stack([x, y]) + _GRID / 2.0
 
     def compass(self, gravity: np.ndarray | None) -> None:
-        """The directions of the axes, and of gravity, below the panel on the right."""
+        """Draw the directions of the axes, and of gravity, below the panel on the right."""
         self.plotter.subplot(0, 0)
         left, bottom, wide, _ = self.place
         origin = np.array([left + wide - 4.0 * self.letter, bottom - 4.5 * self.letter])
@@ -111,7 +111,7 @@ class SpatialPanel:
             letter(self.plotter, name, origin + beyond, self.letter, color)
 
     def scale_bar(self, unit: str) -> None:
-        """A round length below the panel on the left; in perspective there is no one scale."""
+        """Draw a round length below the panel on the left; in perspective there is no one scale."""
         self.plotter.subplot(0, 0)
         left, bottom, wide, _ = self.place
         height = bottom - 1.3 * self.letter

@@ -16,7 +16,7 @@ TRUSTED = 1e-10
 
 @dataclass(frozen=True)
 class Bordered:
-    """[A, f; b^T, c], which is factored once."""
+    """A bordered matrix [A, f; b^T, c], which is factored once."""
 
     matrix: StaticArray  # A (n, n)
     column: np.ndarray  # f (n,)
@@ -36,7 +36,7 @@ class Bordered:
 
     @cached_property
     def _dense_factors(self) -> tuple[np.ndarray, np.ndarray, int]:
-        """Of the whole, transposed as LAPACK wants it, with pivots; not 0 if it is singular."""
+        """Factors of the whole matrix, transposed as LAPACK wants it, with pivots, and a number not 0 if it is singular."""
         n = len(self.column)
         full = np.empty((n + 1, n + 1))
         full[:n, :n], full[:n, n], full[n, :n], full[n, n] = self.matrix, self.column, self.row, self.corner
@@ -45,14 +45,14 @@ class Bordered:
 
     @cached_property
     def _sparse_factors(self) -> scipy.sparse.linalg.SuperLU | None:
-        """Of A alone; None if it is exactly singular."""
+        """Sparse factors of A alone; None if it is exactly singular."""
         try:
             return scipy.sparse.linalg.splu(scipy.sparse.csc_array(self.matrix))
         except RuntimeError:
             return None
 
     def _by_the_matrix_alone(self, rhs: np.ndarray) -> np.ndarray | None:
-        """Refined once; None where A alone is too near to singular."""
+        """Solution by factors of A alone, refined once; None where A alone is too near to singular."""
         n, factors = len(self.column), self._sparse_factors
         if factors is None:
             return None
@@ -71,7 +71,7 @@ class Bordered:
         return found + change if good else None
 
     def _by_sparse_factors(self, rhs: np.ndarray) -> np.ndarray | None:
-        """Of the whole, which takes longer."""
+        """Solution by sparse factors of the whole matrix, which takes longer; None if it is exactly singular."""
         whole = scipy.sparse.block_array([[self.matrix, self.column[:, None]], [self.row[None], np.array([[self.corner]])]])
         try:
             found: np.ndarray = scipy.sparse.linalg.splu(scipy.sparse.csc_array(whole)).solve(rhs)

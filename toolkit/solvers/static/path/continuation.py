@@ -23,14 +23,15 @@ from toolkit.system.static_path import LimitPoint, StaticPath
 from toolkit.system.system import System
 
 NEAR = 1e-6
-"""How far, in parts of the scene's size (or rad), Newton may move a point of the path that is under the full load to round-off."""
+"""Distance, in parts of the model size (or rad), that Newton may move a point of the path that is under the full load to
+round-off."""
 
 LEVEL = 1e-6
 """Part of the path's way by which the load grows at least; its square is the part of the load by which a limit point is missed."""
 
 
 class Arrival(NamedTuple):
-    """The equilibrium under the full load, the path from the first one, and what it cost."""
+    """Equilibrium under the full load, with the path from the first one, and what it cost."""
 
     state: Equilibrium
     path: StaticPath
@@ -40,7 +41,7 @@ class Arrival(NamedTuple):
 
 @dataclass
 class Trail:
-    """What was met on the path so far: points z (n + 1,), limit points, unstable equilibria under the full load."""
+    """Record of the path so far: points z (n + 1,), limit points, unstable equilibria under the full load."""
 
     points: list[np.ndarray]
     limits: list[LimitPoint] = field(default_factory=list)
@@ -48,7 +49,7 @@ class Trail:
     iterations: int = 0
 
     def path(self, n_q: int) -> StaticPath:
-        """The points so far."""
+        """Path of equilibria through the points so far."""
         points = np.array(self.points)
         return StaticPath(points[:, -1], points[:, :n_q], points[:, n_q:-1], tuple(self.limits), self.unstable)
 
@@ -97,7 +98,7 @@ def to_full_load(
 
 
 def _stable_end(equations: PathEquations, trail: Trail, place: Place) -> Equilibrium | None:
-    """A point of the path under the full load, to round-off, if it is stable."""
+    """Point of the path under the full load, to round-off, if it is stable."""
     system, options = equations.system, equations.options
     q, acc = equations.padded(place.z)
     try:
@@ -118,7 +119,7 @@ def _stable_end(equations: PathEquations, trail: Trail, place: Place) -> Equilib
 
 
 def _add_limit(system: System, trail: Trail, place: Place, past_limits: bool) -> None:
-    """The last point is a limit point; the first one is refused if nobody asked to pass it."""
+    """Add the last point as a limit point; the first one is refused if nobody asked to pass it."""
     trail.limits.append(LimitPoint(float(place.z[-1]), system.most_moved(place.slope), len(trail.points) - 1))
     if not past_limits:
         raise _end_of_path(trail.limits[0])
@@ -176,7 +177,7 @@ def _no_arrival(options: RunOptions, trail: Trail) -> ConvergenceError:
 
 
 def bifurcation(system: System, factor: float, motion: np.ndarray) -> BifurcationError:
-    """Of critical load and motion (n,).
+    """Error of a bifurcation at a critical load, with the motion (n,) that loses its stiffness.
 
     At a limit point the stiffness vanishes against a motion on which the load does work, so that the load turns back. Where it vanishes
     while the load goes on, the load does no work on the motion: other branches of equilibria begin there.

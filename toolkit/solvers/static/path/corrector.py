@@ -31,7 +31,7 @@ class Crossing(NamedTuple):
     high: float  # of the row b
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """x (n + 1,) of [A, f; b^T] x = rhs.
+        """Solution x (n + 1,) of [A, f; b^T] x = rhs.
 
         Raises
         ------
@@ -45,12 +45,12 @@ class Crossing(NamedTuple):
         return _joined(scale * found[:n], found[n] / self.wide)
 
     def ahead(self) -> np.ndarray:
-        """The direction t (n + 1,) of the path, [A, f; b^T] t = [0; 1]; errors as `solve`."""
+        """Direction t (n + 1,) of the path, [A, f; b^T] t = [0; 1]; errors as `solve`."""
         return self.solve(_joined(np.zeros(len(self.scale)), 1.0))
 
 
 def _joined(many: np.ndarray, last: float) -> np.ndarray:
-    """[many; last] (n + 1,), sooner than numpy's `append` for the few of a small scene."""
+    """Vector [many; last] (n + 1,), sooner than numpy's `append` for the few of a small scene."""
     found = np.empty(len(many) + 1)
     found[:-1], found[-1] = many, last
     return found
@@ -68,12 +68,12 @@ class Corrected(NamedTuple):
 def correct(
     equations: PathEquations, border: np.ndarray, predicted: np.ndarray, allowed: float, exact: bool = False
 ) -> Corrected:
-    """The equilibrium in the plane across the path through a predicted point.
+    """Equilibrium in the plane across the path through a predicted point.
 
         residual(z) = 0,   b^T (z - z_predicted) = 0,   z = [q; lam; factor]
 
     With b along the path this is pseudo-arc-length continuation (Keller 1977; as Riks 1979), whose matrix [K, residual_f; b^T] is regular
-    at limit points too. Newton may move the point by `allowed` parts of the scene's size, rad or the load. It stops where the next
+    at limit points too. Newton may move the point by `allowed` parts of the model size, rad or the load. It stops where the next
     correction would be below the tolerance, if `exact` at round-off; the matrix is that of the point before the last correction.
 
     Raises
@@ -98,7 +98,10 @@ def correct(
 
 
 def crossed(equations: PathEquations, matrix: StaticArray, load: np.ndarray, border: np.ndarray) -> Crossing:
-    """Of a plane with normal `border` (n + 1,), where the static matrix A (n, n) and d residual / d factor f (n,) are known."""
+    """Crossing of the path and a plane with normal `border` (n + 1,).
+
+    The static matrix A (n, n) and d residual / d factor f (n,) are known there.
+    """
     n, scale = equations.n, equations.scale
     column, row, corner = scale * load, border[:n] * scale, border[n]
     wide = max(np.abs(column).max(initial=0), abs(corner)) or 1.0
@@ -108,7 +111,7 @@ def crossed(equations: PathEquations, matrix: StaticArray, load: np.ndarray, bor
 
 
 def first_point(equations: PathEquations, z: np.ndarray) -> PathPoint:
-    """The equilibrium z = [q; lam; factor] as the beginning of a path on which the factor grows."""
+    """Equilibrium z = [q; lam; factor] as the beginning of a path on which the factor grows."""
     equations.begin(z)
     residual, matrix = equations.linearised(z)
     border = _joined(np.zeros(equations.n), 1.0)
@@ -117,7 +120,7 @@ def first_point(equations: PathEquations, z: np.ndarray) -> PathPoint:
 
 
 def complete(equations: PathEquations, found: Corrected, known: PathPoint | None) -> PathPoint:
-    """The point with the direction of the path and its stability; `known` is a point near by."""
+    """Point with the direction of the path and its stability; `known` is a point near by."""
     system, direction = equations.system, found.crossing.ahead()
     saddle = factorised(system, found.matrix, equations.scale, found.crossing.bordered.matrix)
     soft = softest(saddle, free_count(system), system.n_b, known.soft if known else None)
@@ -127,7 +130,7 @@ def complete(equations: PathEquations, found: Corrected, known: PathPoint | None
 
 
 def measure(equations: PathEquations, change: np.ndarray) -> float:
-    """Largest change of a coordinate or of the load factor in [q; lam; factor], in parts of the scene's size, rad, or the load."""
+    """Largest change of a coordinate or of the load factor in [q; lam; factor], in parts of the model size, rad, or the load."""
     n_b = equations.system.n_b
     moved = np.abs(equations.system.weights[:n_b] * change[:n_b])
     return max(float(moved.max(initial=0)), abs(float(change[-1])))

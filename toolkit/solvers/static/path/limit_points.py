@@ -1,4 +1,4 @@
-"""Where along the path of equilibria the load turns back, or reaches a given value."""
+"""Points of the path of equilibria where the load turns back, or reaches a given value."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FULL = 1 - 1e-12
 
 
 class Place(NamedTuple):
-    """A point z of the path by its distance from the beginning of an arc, across its planes, and dz by that distance."""
+    """Point z of the path by its distance from the beginning of an arc, across its planes, and dz by that distance."""
 
     length: float
     z: np.ndarray
@@ -28,18 +28,18 @@ class Place(NamedTuple):
 
     @property
     def loaded(self) -> bool:
-        """Whether it bears the full load, or more."""
+        """Whether the point bears the full load, or more."""
         return bool(self.z[-1] >= FULL)
 
 
 def ends(arc: Arc) -> tuple[Place, Place]:
-    """Both ends of an arc."""
+    """Places at both ends of an arc."""
     cubic = arc.cubic
     return Place(0.0, cubic.begin, cubic.begin_slope), Place(arc.length, cubic.end, cubic.end_slope)
 
 
 def limit_point(equations: PathEquations, arc: Arc) -> Place | None:
-    """The point of an arc where the load turns back, if there is one; about that of an arc that is too short to look into."""
+    """Place of an arc where the load turns back, None without one; about that of an arc that is too short to look into."""
     if not arc.turns:
         return None
     if arc.branching:
@@ -48,7 +48,7 @@ def limit_point(equations: PathEquations, arc: Arc) -> Place | None:
 
 
 def full_load(equations: PathEquations, arc: Arc, first: Place, last: Place) -> Place | None:
-    """The point between two places of an arc where the load factor is one, if they lie on both sides of it."""
+    """Place between two of an arc where the load factor is one, if they lie on both sides of it."""
     if first.loaded == last.loaded:
         return None
     near = [place for place in (first, last) if abs(place.z[-1] - 1) <= 1 - FULL]
@@ -79,7 +79,7 @@ def _where(equations: PathEquations, arc: Arc, first: Place, last: Place, vanish
 
 
 def _place(equations: PathEquations, arc: Arc, length: float) -> Place:
-    """A point of the path at a distance across the planes of an arc, to round-off."""
+    """Place on the path at a distance across the planes of an arc, to round-off."""
     cubic = arc.cubic
     allowed = ALLOWED * measure(equations, cubic.end - cubic.begin)
     point: Corrected = correct(equations, arc.border, cubic.at(length), allowed, exact=True)

@@ -28,7 +28,7 @@ from toolkit.system.system import System
 
 
 def next_limit_point(system: System, options: RunOptions, begin: np.ndarray, up_to: float) -> np.ndarray:
-    """The first limit point z = [q; lam; factor] on the path of equilibria beyond a stable one.
+    """First limit point z = [q; lam; factor] on the path of equilibria beyond a stable one.
 
     Raises
     ------
@@ -57,7 +57,9 @@ def next_limit_point(system: System, options: RunOptions, begin: np.ndarray, up_
 
 
 def factor_of_limit_point(system: System, options: RunOptions, z: np.ndarray) -> tuple[Any, np.ndarray]:
-    """Load factor at a limit point z (n + 1,), which is that of the real parts of the system's numbers, and its design derivatives (n_x,).
+    """Load factor at a limit point z (n + 1,) and its design derivatives (n_x,).
+
+    The limit point is that of the real parts of the system's numbers.
 
     Of a system with a complex step the factor follows that step.
     """

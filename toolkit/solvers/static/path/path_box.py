@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 SMALLEST, PART = 1e-7, 1e-2
-"""Least extent of a coordinate that counts, in parts of the scene's size (or rad), and in parts of that of the one that moves most."""
+"""Least extent of a coordinate that counts, in parts of the model size (or rad), and in parts of that of the one that moves most."""
 
 
 @dataclass(frozen=True)
 class Box:
-    """Lowest and highest values of z = [q; lam; factor] so far (n + 1,), and the weights of the coordinates (n_q,)."""
+    """Box that a path has filled: lowest and highest z = [q; lam; factor] (n + 1,), and the weights of coordinates (n_q,)."""
 
     low: np.ndarray
     high: np.ndarray
@@ -20,11 +20,11 @@ class Box:
 
     @classmethod
     def around(cls, z: np.ndarray, weights: np.ndarray) -> Box:
-        """The box of one point."""
+        """Box that holds one point alone."""
         return cls(z, z, weights)
 
     def with_point(self, z: np.ndarray) -> Box:
-        """The box that holds one point more."""
+        """Box that holds one point more."""
         return Box(np.minimum(self.low, z), np.maximum(self.high, z), self.weights)
 
     def measure(self, change: np.ndarray) -> float:
@@ -44,7 +44,10 @@ class Box:
 
 
 def parts(change: np.ndarray, extent: np.ndarray) -> np.ndarray:
-    """Largest part of a box that changes of weighted coordinates (..., n_q) make up, or of the scene's size (or rad) where it is larger."""
+    """Largest part of a box that changes of weighted coordinates (..., n_q) make up.
+
+    Where the model size (or rad) is larger than the box, it is compared with that.
+    """
     least = np.clip(PART * extent.max(axis=-1, initial=0, keepdims=True), SMALLEST, PART)
     found: np.ndarray = (np.abs(change) / np.clip(extent, least, 1.0)).max(axis=-1, initial=0)
     return found

@@ -13,7 +13,10 @@ from toolkit.system.system import System
 
 
 class PathEquations:
-    """Of a scene under what acts. Of a complex step the path is that of its real design: real parts alone decide where it goes."""
+    """Equations of a path of equilibria of a scene under what acts.
+
+    Of a complex step the path is that of its real design: real parts alone decide where it goes.
+    """
 
     def __init__(self, system: System, options: RunOptions, acting: Acting) -> None:
         self.system, self.options, self.acting = system, options, acting
@@ -34,12 +37,12 @@ class PathEquations:
         return np.real(terms.inertial + terms.applied), static_array(self.system, terms)
 
     def load(self, z: np.ndarray, residual: np.ndarray) -> np.ndarray:
-        """d residual / d factor (n,) where the residual is known."""
+        """Derivative d residual / d factor (n,) where the residual is known."""
         terms = self._terms(z, self.acting.more(float(z[-1])), linearize=False)
         return np.real(terms.inertial + terms.applied) - residual + self._driven_rows(float(z[-1]))
 
     def padded(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """q padded to n, and [0; lam], of the system's type."""
+        """Coordinates q padded to n, and [0; lam], of the system's type."""
         found: np.ndarray = np.zeros((2, self.n), self.system.dtype)
         found[0, : self.n_q], found[1, self.n_q :] = z[: self.n_q], z[self.n_q : self.n]
         return found[0], found[1]
@@ -49,7 +52,7 @@ class PathEquations:
         return self.system.evaluate(inputs, q, self._rest, acc, linearize=linearize)
 
     def _driven_rows(self, factor: float) -> np.ndarray:
-        """- df / d factor in the last row of every driver."""
+        """Derivatives - df / d factor in the last row of every driver."""
         rows = np.zeros(self.n)
         if len(self._drivers):
             rows[self._driven] = -self.acting.driven(factor)[self._drivers]

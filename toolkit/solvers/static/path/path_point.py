@@ -11,7 +11,7 @@ from toolkit.solvers.static.stability.softness import Softness
 
 @dataclass(frozen=True)
 class PathPoint:
-    """An equilibrium z = [q; lam; factor] (n + 1,), and what is known there.
+    """An equilibrium z = [q; lam; factor] (n + 1,) on a path, with its direction and its stability.
 
     direction : dz along the path, of any length (n + 1,)
     negative : number of negative stiffnesses against motions that the joints allow
@@ -27,10 +27,10 @@ class PathPoint:
 
     @property
     def factor(self) -> float:
-        """Load factor."""
+        """Load factor of the point."""
         return float(self.z[-1])
 
     @property
     def rate(self) -> float:
-        """d factor along the direction, whose sign changes at a limit point."""
+        """Change d factor along the direction, whose sign changes at a limit point."""
         return float(self.direction[-1])

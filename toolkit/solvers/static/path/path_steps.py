@@ -25,7 +25,10 @@ from toolkit.solvers.static.path.path_point import PathPoint
 
 
 class Cubic(NamedTuple):
-    """z(p) with z(0), z'(0), z(length), z'(length) given, each (n,) (Hermite's interpolation); good a little beyond its ends too."""
+    """A cubic z(p) with z(0), z'(0), z(length), z'(length) given, each (n,) (Hermite's interpolation).
+
+    It is good a little beyond its ends too.
+    """
 
     begin: np.ndarray
     begin_slope: np.ndarray
@@ -34,14 +37,14 @@ class Cubic(NamedTuple):
     length: float
 
     def at(self, p: float) -> np.ndarray:
-        """z(p)."""
+        """Value z(p) of the cubic."""
         x = p / self.length
         values = (1 + 2 * x) * (1 - x) ** 2 * self.begin + x**2 * (3 - 2 * x) * self.end
         found: np.ndarray = values + self.length * x * (1 - x) * ((1 - x) * self.begin_slope - x * self.end_slope)
         return found
 
     def slope(self, p: float) -> np.ndarray:
-        """z'(p)."""
+        """Slope z'(p) of the cubic."""
         x = p / self.length
         found: np.ndarray = (
             6 * x * (1 - x) * (self.end - self.begin) / self.length
@@ -86,13 +89,13 @@ class Arc(NamedTuple):
 
     @property
     def cubic(self) -> Cubic:
-        """What lies between."""
+        """Cubic between the two ends of the step."""
         first, last = (point.direction / (self.border @ point.direction) for point in (self.begin, self.end))
         return Cubic(self.begin.z, first, self.end.z, last, self.length)
 
     @property
     def turns(self) -> bool:
-        """Whether the load turns back."""
+        """Whether the load turns back within the step."""
         cubic = self.cubic
         return bool((cubic.begin_slope[-1] > 0) != (cubic.end_slope[-1] > 0))
 
@@ -107,7 +110,10 @@ class Plan(NamedTuple):
 
 
 class _TooLong(ConvergenceError):
-    """A step that does not show what lies in it: the part of its length that is to be tried, and how far it ends from its prediction."""
+    """A step that does not show what lies in it.
+
+    It holds the part of its length that is to be tried, and how far the step ends from its prediction.
+    """
 
     def __init__(self, why: str, part: float = USUAL, error: float = 0.0) -> None:
         super().__init__(why)
@@ -153,7 +159,7 @@ def _step(
     length: float = np.inf,
     doubtful: bool = False,
 ) -> Arc:
-    """The longest step that is accepted: at most `length`, and at most a part `most` of the load; the one before may be doubtful."""
+    """Longest step that is accepted: at most `length`, and at most a part `most` of the load; the one before may be doubtful."""
     while True:
         plan = _plan(box, begin, before, most, length)
         try:
@@ -167,7 +173,10 @@ def _step(
 
 
 def _plan(box: Box, begin: PathPoint, before: Arc | None, most: float, length: float) -> Plan:
-    """The next step: of given length by the metric of the box, or to the full load where that is near and grows well."""
+    """Plan of the next step.
+
+    It has the given length by the metric of the box, or leads to the full load where that is near and grows well.
+    """
     direction = begin.direction
     if before is None:
         box = box.with_point(begin.z + most / abs(begin.rate) * direction)
@@ -188,7 +197,7 @@ def _plan(box: Box, begin: PathPoint, before: Arc | None, most: float, length: f
 
 
 def _attempt(equations: PathEquations, box: Box, begin: PathPoint, before: Arc | None, plan: Plan) -> Arc:
-    """One step.
+    """Result of one step along the path.
 
     Raises
     ------
@@ -217,7 +226,7 @@ def _attempt(equations: PathEquations, box: Box, begin: PathPoint, before: Arc |
 
 
 def _known(border: np.ndarray, before: Arc | None) -> Cubic | None:
-    """The last step as a cubic of the distance across the planes of the next one."""
+    """Last step as a cubic of the distance across the planes of the next one."""
     if before is None:
         return None
     slopes = [point.direction / (border @ point.direction) for point in (before.begin, before.end)]
@@ -227,12 +236,18 @@ def _known(border: np.ndarray, before: Arc | None) -> Cubic | None:
 
 
 def _growth(error: float) -> float:
-    """Of the next step, whose error is to be half of what is allowed; errors go as the fourth power of a step."""
+    """Factor of the next step's length, which makes its error half of what is allowed.
+
+    Errors go as the fourth power of a step.
+    """
     return float(np.clip((PREDICTED / 2 / max(error, 1e-300)) ** 0.25, USUAL, GROWTH))
 
 
 def _check_directions(box: Box, arc: Arc, known: Cubic | None) -> None:
-    """The direction at the end is the predicted one; the first step is what its two directions say; neither turns far."""
+    """Check that the direction at the end is the predicted one, and that it does not turn far.
+
+    The first step has to be what its two directions say.
+    """
     cubic = arc.cubic
     if known is None:
         error = box.measure(cubic.end - cubic.begin - arc.length / 2 * (cubic.begin_slope + cubic.end_slope))
@@ -254,7 +269,10 @@ def _stability_fits(arc: Arc) -> bool:
 
 
 def _check_between(box: Box, arc: Arc, error: float) -> None:
-    """No two limit points, and no stiffness that vanishes and comes back, between the ends as they show themselves there."""
+    """Check that no two limit points, and no stiffness that vanishes and comes back, lie between the ends.
+
+    They are looked for by what the ends show.
+    """
     if arc.turns or arc.part < RESOLVED:
         return
     cubic = arc.cubic

@@ -1,1 +1,1 @@
-"""How stable an equilibrium is, and how far from losing its stability."""
+"""Stability of an equilibrium, and how far it is from losing its stability."""

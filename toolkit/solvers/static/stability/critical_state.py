@@ -1,4 +1,4 @@
-"""How far an equilibrium is from a critical state, a limit point or bifurcation, where its stiffness against some motion vanishes."""
+"""Distance of an equilibrium from a critical state, a limit point or bifurcation, where a stiffness against a motion vanishes."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ NEAREST = 1e-6
 """Gradients of a state whose softest stiffness vanishes within this part of the load are refused. They grow as 1 / sqrt(distance), and
 they hold for changes that are small against the distance: nobody knows a load, or sets it, to so many digits."""
 REACH = 1e-4
-"""Part of the scene's size (or rad) over which the change of the stiffness is taken: a thousandth of it is told from
+"""Part of the model size (or rad) over which the change of the stiffness is taken: a thousandth of it is told from
 round-off."""
 SHIFT = 1e-10
 """Part of the largest stiffness that makes a singular matrix regular."""
 ITERATIONS = 8
-"""Of the inverse iteration: a stiffness that vanishes a million times sooner than others is found in two."""
+"""Iterations of the inverse iteration: a stiffness that vanishes a million times sooner than others is found in two."""
 
 
 def is_stable(system: System, options: RunOptions, state: Equilibrium, factor: float) -> bool:
@@ -73,7 +73,7 @@ def refuse_gradients_of_critical(system: System, options: RunOptions, state: Equ
 
 
 def load_to_critical(system: System, options: RunOptions, state: Equilibrium) -> tuple[float, np.ndarray]:
-    """Part of the load until the softest stiffness k vanishes, from its rate along the tangent t of the path; and the soft motion (n,).
+    """Part of the load until the softest stiffness k vanishes, by its rate along the path's tangent t, and the soft motion (n,).
 
         distance = |k / (dk/dfactor)|,   K phi + phi_q^T mu = k W phi,   phi_q phi = 0,   W = diag(w^2)
 
@@ -95,7 +95,7 @@ def load_to_critical(system: System, options: RunOptions, state: Equilibrium) ->
 
 
 def soft_motion(system: System, options: RunOptions, state: Equilibrium, factor: float) -> np.ndarray:
-    """The motion (n,) against which the stiffness is nearest to zero."""
+    """Motion (n,) against which the stiffness is nearest to zero."""
     return softest_motion(system, _matrix(system, options, state.q, state.acc, factor))[1]
 
 
@@ -123,7 +123,7 @@ def softest_motion(system: System, matrix: StaticArray) -> tuple[float, np.ndarr
 
 
 def _solution(matrix: StaticArray, metric: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
-    """x -> A^-1 (metric x); None if A is singular to the last digit."""
+    """Function x -> A^-1 (metric x); None if A is singular to the last digit."""
     if isinstance(matrix, np.ndarray):
         try:
             inverse = np.linalg.solve(matrix, np.diag(metric))

@@ -1,4 +1,4 @@
-"""Whether the static matrices of many states are positive, told by the little in which they differ.
+"""Test whether the static matrices of many states are positive, by the little in which they differ.
 
 Most of a stiffness is that of bodies in their own frames, the same in all states. With the coordinates N among which it is, and which no
 joint holds, and all others S, the matrix K + r J^T J, see `sparse_saddle`, is positive definite if and only if
@@ -40,7 +40,7 @@ class StaticEntries(NamedTuple):
         return cls(np.repeat(np.arange(system.n), np.diff(system.plan.indptr)), system.plan.indices, values)
 
     def added(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray) -> StaticEntries:
-        """The same with others (k, l) added, each at another place, that may be at known places or at new ones."""
+        """Entries with others (k, l) added, each at another place, that may be at known places or at new ones."""
         at, known = self._at(rows, columns)
         summed = self.values.copy()
         summed[:, at[known]] += values[:, known]
@@ -49,7 +49,7 @@ class StaticEntries(NamedTuple):
         )
 
     def _at(self, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Which entries those at some places are, (l,), and whether they are known at all."""
+        """Numbers (l,) of the entries at some places, and whether these places are known at all."""
         n = int(max(self.columns.max(), self.rows.max(), columns.max(), rows.max())) + 1
         places, wanted = self.rows * n + self.columns, rows * n + columns
         order = np.argsort(places)
@@ -57,13 +57,13 @@ class StaticEntries(NamedTuple):
         return at, places[at] == wanted
 
     def asymmetry(self) -> np.ndarray:
-        """How far entries are at most from those across the diagonal, (k,)."""
+        """Largest difference (k,) of entries from those across the diagonal."""
         at, known = self._at(self.columns, self.rows)
         found: np.ndarray = np.abs(self.values - np.where(known, self.values[:, at], 0.0)).max(axis=1, initial=0.0)
         return found
 
     def block(self, rows: np.ndarray, columns: np.ndarray, states: slice = slice(None)) -> np.ndarray:
-        """Some rows and columns of the matrices of some states, (k, rows, columns)."""
+        """Blocks (k, rows, columns) of the matrices of some states."""
         count = int(max(self.rows.max(), self.columns.max(), rows.max(initial=0), columns.max(initial=0))) + 1
         row, column = np.full((2, count), -1)
         row[rows], column[columns] = np.arange(len(rows)), np.arange(len(columns))
@@ -100,7 +100,7 @@ def are_positive(system: System, static: StaticEntries) -> bool:
 
 
 def _in_comparable_sizes(system: System, static: StaticEntries) -> StaticEntries:
-    """D A D of all matrices, with D as of `saddle.balance`."""
+    """Entries of D A D for all matrices, with D as of `saddle.balance`."""
     (rows, columns, values), n_b = static, system.n_b
     scale = np.append(1 / system.weights[:n_b], np.ones(system.n - n_b))
     values = values * (scale[rows] * scale[columns])
@@ -113,8 +113,10 @@ def _in_comparable_sizes(system: System, static: StaticEntries) -> StaticEntries
 
 
 def _differing(n_b: int, static: StaticEntries) -> np.ndarray:
-    """Which coordinates (n_b,) joints hold, or the stiffness between which and others is not the same in all states: as few as leave
-    only what is, by the next one that has most of the other entries."""
+    """Which coordinates (n_b,) joints hold, or have a stiffness with others that is not the same in all states.
+
+    They are as few as leave only what is the same, chosen one by one as the one that has most of the other entries.
+    """
     rows, columns, values = static
     held = np.zeros(n_b, bool)
     held[rows[(rows < n_b) & (columns >= n_b)]] = True

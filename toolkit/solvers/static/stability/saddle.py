@@ -19,8 +19,9 @@ REAL = 1e-9
 
 
 class Saddle(NamedTuple):
-    """S = D A D = L T L^T (symmetric; large and stable ones sparse) or P L U, D = diag(1/w) for coordinates; for multipliers such that all
-    entries are comparable.
+    """Factors of S = D A D: L T L^T (symmetric; large and stable ones sparse) or P L U.
+
+    D = diag(1/w) for coordinates; for multipliers it is such that all entries are comparable.
 
     `negative` is the number of motions that the joints allow against which the stiffness is negative.
     """
@@ -32,7 +33,7 @@ class Saddle(NamedTuple):
     negative: int
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """A^-1 rhs; rhs (n,) or (n, columns)."""
+        """Solution A^-1 rhs; rhs (n,) or (n, columns)."""
         scaled = (self.scale * rhs.T).T
         if isinstance(self.factors, SparseFactors):
             found = self.factors.solve(scaled)
@@ -44,7 +45,7 @@ class Saddle(NamedTuple):
 
 
 def balance(system: System, matrix: StaticArray) -> np.ndarray:
-    """The diagonal of D (n,)."""
+    """Diagonal of the scaling D, (n,)."""
     n_b, scale = system.n_b, np.ones(system.n)
     scale[:n_b] = 1 / system.weights[:n_b]
     scaled = scaled_by(matrix, scale)
@@ -55,7 +56,10 @@ def balance(system: System, matrix: StaticArray) -> np.ndarray:
 
 
 def balanced(system: System, matrix: StaticArray, scale: np.ndarray) -> StaticArray:
-    """D A D; the columns of redundant constraints that were left out, whose forces are zero, are left out too."""
+    """Scaled matrix D A D.
+
+    The columns of redundant constraints that were left out, whose forces are zero, are left out too.
+    """
     found, dropped = scaled_by(matrix, scale), system.plan.dropped
     if isinstance(found, np.ndarray):
         for row in dropped:
@@ -114,18 +118,21 @@ def is_positive(system: System, matrix: np.ndarray) -> bool:
 
 
 def free_count(system: System) -> int:
-    """How many independent motions the joints allow."""
+    """Number of independent motions that the joints allow."""
     return 2 * system.n_b + len(system.plan.dropped) - system.n
 
 
 def _negative_pivots(factors: np.ndarray, pivots: np.ndarray) -> int:
-    """Of T (Sylvester's law of inertia); its blocks of two, which LAPACK marks by negative numbers, have one negative eigenvalue each."""
+    """Number of negative eigenvalues of T (Sylvester's law of inertia).
+
+    Its blocks of two, which LAPACK marks by negative numbers, have one negative eigenvalue each.
+    """
     single = pivots > 0
     return int(np.count_nonzero(factors.diagonal()[single] < 0) + np.count_nonzero(~single) // 2)
 
 
 def _negative_eigenvalues(n_b: int, scaled: np.ndarray) -> int:
-    """Real negative eigenvalues of Z^T K Z with an orthonormal basis Z of the motions that the joints allow.
+    """Number of real negative eigenvalues of Z^T K Z with an orthonormal basis Z of the motions that the joints allow.
 
     There are none where the symmetric part is positive definite. Complex ones (flutter) are no matter of statics.
     """

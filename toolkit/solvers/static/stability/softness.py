@@ -12,7 +12,7 @@ from toolkit.solvers.static.stability.saddle import Saddle
 COUNT = 2
 """Motions that are watched: the softest one may be overtaken by another."""
 ITERATIONS, AGAIN = 6, 2
-"""Of the inverse iteration, from anywhere and from the motions of a point near by."""
+"""Iterations of the inverse iteration, from anywhere and from the motions of a point near by."""
 
 
 class Softness(NamedTuple):
@@ -27,14 +27,16 @@ class Softness(NamedTuple):
     motions: np.ndarray
 
     def change(self, difference: np.ndarray) -> np.ndarray:
-        """Of the values (m,) with the static matrix (n, n)."""
+        """Changes of the stiffnesses (m,) with a difference of the static matrix (n, n)."""
         found: np.ndarray = (self.motions * (difference @ self.motions)).sum(axis=0)
         return found
 
 
 def softest(saddle: Saddle, n_free: int, n_b: int, known: Softness | None = None) -> Softness:
-    """By inverse iteration of a block with Rayleigh's quotients, from those of a point near by if it has as many; none if the matrix is
-    not symmetric."""
+    """Softest stiffnesses, by inverse iteration of a block with Rayleigh's quotients; none if the matrix is not symmetric.
+
+    The iteration begins with those of a point near by if it has as many.
+    """
     n, count = len(saddle.scale), min(COUNT, n_free) if saddle.symmetric else 0
     nothing = Softness(np.zeros(0), np.zeros((n, 0)))
     if not count:
@@ -54,7 +56,7 @@ def softest(saddle: Saddle, n_free: int, n_b: int, known: Softness | None = None
 
 
 def _orthonormal(block: np.ndarray) -> np.ndarray:
-    """Columns (n, m) as orthonormal ones; by LAPACK itself, because to prepare its call takes longer than these few columns."""
+    """Columns (n, m) made orthonormal, by LAPACK itself: to prepare its call takes longer than these few columns."""
     factors, scales, _, _ = scipy.linalg.lapack.dgeqrf(block)
     found: np.ndarray = scipy.linalg.lapack.dorgqr(factors, scales)[0]
     return found

@@ -22,7 +22,7 @@ them are signs and first digits. Skins of 1500 and 2000 elements leave some 1e-5
 
 
 class SparseFactors(NamedTuple):
-    """Of a stable matrix."""
+    """Sparse factors of a stable symmetric matrix, with the matrix."""
 
     matrix: scipy.sparse.csc_array
     factors: scipy.sparse.linalg.SuperLU

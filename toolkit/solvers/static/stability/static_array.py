@@ -13,26 +13,26 @@ from toolkit.solvers.static.equilibrium import static_matrix
 from toolkit.system.system import System
 
 StaticArray: TypeAlias = "np.ndarray | scipy.sparse.csr_array"
-"""Of shape (n, n)."""
+"""Static matrix as a dense or sparse array of shape (n, n)."""
 
 
 def static_array(system: System, terms: Terms) -> StaticArray:
-    """The real part of the static matrix where terms are known, (n, n)."""
+    """Real part of the static matrix where terms are known, (n, n)."""
     return whole_array(system, np.real(static_matrix(system, terms)))
 
 
 def whole_array(system: System, values: np.ndarray) -> StaticArray:
-    """Values on the common pattern, (n, n)."""
+    """Array (n, n) of values on the common pattern."""
     return system.matrix(values) if system.n >= MANY else system.dense(values)
 
 
 def as_dense(matrix: StaticArray) -> np.ndarray:
-    """The same with all its zeros."""
+    """Dense array of a matrix, with all its zeros."""
     return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
 
 
 def scaled_by(matrix: StaticArray, scale: np.ndarray) -> StaticArray:
-    """D A D with D = diag(scale)."""
+    """Scaled matrix D A D with D = diag(scale)."""
     if isinstance(matrix, np.ndarray):
         found: np.ndarray = matrix * scale
         found *= scale[:, None]
@@ -41,6 +41,6 @@ def scaled_by(matrix: StaticArray, scale: np.ndarray) -> StaticArray:
 
 
 def largest_entry(matrix: StaticArray) -> float:
-    """The largest size of an entry; what is not finite is handed on."""
+    """Largest size of an entry; what is not finite is handed on."""
     entries = matrix if isinstance(matrix, np.ndarray) else matrix.data
     return float(np.abs(entries).max(initial=0))

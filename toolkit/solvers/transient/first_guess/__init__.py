@@ -1,1 +1,1 @@
-"""Where Newton begins: the motion of the last steps, continued."""
+"""First guess from which Newton begins: the motion of the last steps, continued."""

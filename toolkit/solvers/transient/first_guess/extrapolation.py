@@ -17,13 +17,13 @@ made; what the last refinement changed in parts of the correction, 0 if unknown,
 and the least change so far; see `newton`. For how many steps multiples of differences will still be fitted, or minus the number of steps
 that would have needed it; and whether the next guess is made of those."""
 NEGLIGIBLE = 1e-15
-"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist
+"""Part of the model size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist
 of."""
 WANTED, PATIENCE = 10, 20
 """Steps that need multiples before they are fitted, as a short run does not get back what that costs; and steps for which they are fitted
 after the last that needed it."""
 SMOOTH = 1e-4
-"""Part of the scene's size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
+"""Part of the model size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
 solutions, and the one next to the last state is meant. Nor is a fitted one this far from that of the best order."""
 BETTER = 0.5
 """Part of the miss of one order that the next has to undercut: round-off alone is no trend, its differences grow with the order."""
@@ -31,7 +31,10 @@ BETTER = 0.5
 
 @inlined
 def forget_trend(memory):
-    """As at the start of a run, and where the way of the last steps has misled Newton."""
+    """Forget the trend of the last steps, as at the start of a run.
+
+    That is also done where the last steps have misled Newton.
+    """
     memory.trend[:] = 0
     memory.learnt[ORDER], memory.learnt[EXPECTED], memory.learnt[FITTING], memory.learnt[FITTED] = 0, 0, 0, 0
     forget_fit(memory)
@@ -39,7 +42,7 @@ def forget_trend(memory):
 
 @inlined
 def guess(plan, ratio, memory, before, acc):
-    """First guess of [a; lam] in `acc`, from those of the step `before`; `ratio` of the lengths of both steps."""
+    """Put a first guess of [a; lam] into `acc`, from those of the step `before`; `ratio` is that of the lengths of both steps."""
     trend, order, power = memory.trend, int(memory.learnt[ORDER]), ratio
     if ratio != 1:
         memory.learnt[EXPECTED], memory.learnt[FITTING], memory.learnt[FITTED] = 0, 0, 0
@@ -58,7 +61,7 @@ def guess(plan, ratio, memory, before, acc):
 
 @inlined
 def learn_trend(plan, scheme, weights, before, acc, memory):
-    """Differences behind an accepted step, and the order that would have been best for it."""
+    """Take up the differences behind an accepted step, and the order that would have been best for it."""
     (c_q, _), trend, change, learnt = by_acceleration(scheme), memory.trend, memory.guess, memory.learnt
     lowest = max(int(learnt[ORDER]) - 1, 0)
     order, best = 0, 0.0

@@ -4,7 +4,7 @@ With the backward differences d1, d2, ... behind a step the change of [a; lam] i
 of a few frequencies has constants c with which this is exact, however large they are in a step; a polynomial has c = 1. The c of the
 next step are those of the least squares
 
-    minimise  sum over steps n of  FADING^-n |change_n - sum_k c_k d_k,n|^2,   each coordinate in parts of the scene's size.
+    minimise  sum over steps n of  FADING^-n |change_n - sum_k c_k d_k,n|^2,   each coordinate in parts of the model size.
 
 The polynomials of `extrapolation` take less time; so this is done as long as they miss by what costs a further correction.
 """
@@ -19,14 +19,16 @@ HIGHEST = 6
 which one correction leaves nothing; a beam that vibrates by 0.7 rad in a step is missed by 5e-6 by every polynomial, and by 5e-6, 1e-7
 and 5e-8 where 3, 4 and 6 differences are fitted."""
 FADING = 0.5
-"""What a step's misses count for in parts of those of the step after it."""
+"""Weight of a step's misses, in parts of that of the step after it."""
 RIDGE = 1e-13
 """Part of its own square that holds a multiple at zero where differences depend on each other to round-off."""
 
 
 @inner
 def fit_trend(n_q, scale, weights, change, memory):
-    """Learn from an accepted step, whose `change` (n,) of [a; lam] is known; returns by how much the multiples before it missed that.
+    """Learn from an accepted step, whose `change` (n,) of [a; lam] is known.
+
+    Returns by how much the multiples before it missed that.
 
     `memory.trend` are the differences behind the step before.
     """
@@ -79,7 +81,7 @@ def solve_fit(sums, root, fitted):
 
 @inner
 def beside(n_q, scale, weights, order, memory):
-    """How far the next guess by the multiples is from that of a polynomial of some order."""
+    """Distance of the next guess by the multiples from that of a polynomial of some order."""
     largest = 0.0
     for i in range(n_q):
         apart = 0.0
@@ -91,6 +93,6 @@ def beside(n_q, scale, weights, order, memory):
 
 @inner
 def forget_fit(memory):
-    """As if no step had been seen."""
+    """Forget the fit of the last steps, as if no step had been seen."""
     memory.fitted[:] = 0
     memory.fit_sums[:] = 0

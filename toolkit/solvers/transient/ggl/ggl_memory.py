@@ -1,4 +1,7 @@
-"""What the steps of stabilised index 2 share; in other formulations a record of the same type, so that the step loop is compiled once."""
+"""Memory of the steps of stabilised index 2.
+
+In other formulations it is a record of the same type, so that the step loop is compiled once.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,10 @@ from toolkit.solvers.transient.ggl.ggl_pattern import GglPattern, ggl_pattern
 
 
 class Ggl(NamedTuple):
-    """What never changes, and scratch memory; n_all = n + n_lam unknowns [a; lam; eta]. No step leaves anything to the next."""
+    """Constant arrays and scratch memory of stabilised index 2, with n_all = n + n_lam unknowns [a; lam; eta].
+
+    No step leaves anything to the next.
+    """
 
     active: bool  # whether it is the formulation of the run; nothing else counts otherwise
     pattern: GglPattern
@@ -37,7 +43,7 @@ class Ggl(NamedTuple):
 
 
 def allocate_ggl(plan: Plan, weights: np.ndarray, dtype: type) -> Ggl:
-    """Analysed pattern and memory."""
+    """Analysed pattern and memory of stabilised index 2."""
 
     def zeros(*shape: int) -> np.ndarray:
         return np.zeros(shape, dtype)
@@ -65,7 +71,10 @@ def allocate_ggl(plan: Plan, weights: np.ndarray, dtype: type) -> Ggl:
 
 @cache
 def idle_ggl(dtype: type) -> Any:
-    """That of runs in other formulations, as compiled code takes it if it does: of one coordinate and one multiplier."""
+    """Memory of stabilised index 2 for runs in other formulations, of one coordinate and one multiplier.
+
+    It is as compiled code takes it, where the run is compiled.
+    """
     plan: Any = SimpleNamespace(n_q=1, n=2, n_x=2, indptr=np.arange(3), indices=np.arange(2))
     found = allocate_ggl(plan, np.ones(2), dtype)._replace(active=False)
     return in_memory(found) if dtype is float else found

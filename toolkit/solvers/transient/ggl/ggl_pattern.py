@@ -1,4 +1,4 @@
-"""Where the numbers of a stabilised index-2 step go: the sparsity pattern of its matrix, made once per run.
+"""Places of the numbers of a stabilised index-2 step: the sparsity pattern of its matrix, made once per run.
 
 Unknowns are [a; lam; eta], rows those of coordinates, velocity constraints and position constraints (see `ggl_step`):
 
@@ -41,7 +41,7 @@ class GglPattern(NamedTuple):
 
 
 def ggl_pattern(indptr: np.ndarray, indices: np.ndarray, n_q: int) -> GglPattern:
-    """Extend a pattern (n + 1,), (n_entries,) of n_q coordinates and their multipliers by the multipliers eta."""
+    """Pattern of n_q coordinates and their multipliers, (n + 1,) and (n_entries,), extended by the multipliers eta."""
     n = len(indptr) - 1
     rows, columns = np.repeat(np.arange(n), np.diff(indptr)), np.asarray(indices, np.int64)
     lower = np.flatnonzero((rows >= n_q) & (columns < n_q))

@@ -23,13 +23,13 @@ from toolkit.solvers.transient.step_memory import AT_FAULT, LAST
 
 @inner
 def positions(inputs, ggl):
-    """Inputs for the joints' own positions and forces."""
+    """Inputs of the equations for the joints' own positions and forces."""
     return Inputs(inputs.curves, inputs.curves_x, inputs.scale, ggl.levels, inputs.inertia, True)
 
 
 @inner
 def begin_ggl(evaluator, plan, functions, inputs, q, v, acc, memory, ggl):
-    """S at the known state, and eta = 0."""
+    """Compute S at the known state, and set eta = 0."""
     evaluator(plan, functions, positions(inputs, ggl), q, v, acc, True, False, ggl.terms, memory.work)
     pattern = ggl.pattern
     for k in range(len(pattern.row)):
@@ -39,7 +39,7 @@ def begin_ggl(evaluator, plan, functions, inputs, q, v, acc, memory, ggl):
 
 @inner
 def ggl_matrix(scheme, memory, ggl):
-    """Matrix of the step from the base matrix in `memory.jacobian` and its terms (see `ggl_pattern`)."""
+    """Compute the matrix of the step from the base matrix in `memory.jacobian` and its terms (see `ggl_pattern`)."""
     c_q, c_v = by_acceleration(scheme)
     pattern, values, terms, S = ggl.pattern, ggl.jacobian, memory.terms, ggl.S
     bent, closing = pattern.bent, pattern.closing
@@ -56,14 +56,16 @@ def ggl_matrix(scheme, memory, ggl):
 
 @inner
 def factorize_ggl(scheme, memory, ggl):
-    """Factors of the step's matrix, as `factorize`."""
+    """Factor the step's matrix; results as those of `factorize`."""
     ggl_matrix(scheme, memory, ggl)
     return factorize(ggl.solver, ggl.pattern.indptr, ggl.pattern.indices, ggl.jacobian)
 
 
 @inner
 def solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memory, ggl):
-    """Newton's correction of [a; lam; eta], its first part in `memory.correction`; with kept factors, or those of `memory.jacobian`.
+    """Solve for Newton's correction of [a; lam; eta], whose first part goes to `memory.correction`.
+
+    The factors are kept ones, or those of `memory.jacobian`.
 
     Returns -1, or the unknown that the equations do not determine (for eta the multiplier of the same joint).
     """
@@ -90,7 +92,7 @@ def solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memor
 
 @inner
 def correct_ggl(plan, scheme, weights, ggl, q, outcome):
-    """Subtract eta's correction, after that of [a; lam]; the size of the whole one goes to `outcome`."""
+    """Subtract eta's correction, after that of [a; lam]; the size of the whole correction goes to `outcome`."""
     (c_q, _), pattern = by_acceleration(scheme), ggl.pattern
     ggl.moved[:] = 0
     for k in range(len(pattern.row)):
@@ -106,7 +108,7 @@ def correct_ggl(plan, scheme, weights, ggl, q, outcome):
 
 @inner
 def ggl_sensitivity_step(evaluator, plan, functions, inputs, scheme, history, step, fresh, memory, ggl):
-    """As `staggered.sensitivity_step`: total design derivatives at n + 1 from those at n, with the converged Jacobian.
+    """Compute total design derivatives at n + 1 from those at n, with the converged Jacobian, as `staggered.sensitivity_step`.
 
     At fixed unknowns q_+ moves with the prediction and with c_q d(S eta); the rows of positions are differentiated like the others.
     """

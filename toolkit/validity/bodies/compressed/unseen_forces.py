@@ -9,7 +9,8 @@ whole scene, should be z + d:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ from toolkit.validity.bodies.compressed.forces_at_points import forces_at_points
 from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening, stiffening
 from toolkit.validity.bodies.compressed.yielding_scene import yielding
 from toolkit.validity.bodies.cut.more_frames import divided
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants
+from toolkit.validity.bodies.deformation import LIMIT, instants_of
 
 LOOKED_AT = 24
 """Instants, evenly spread over the motion, among which the largest force along a body is looked for."""
@@ -52,8 +53,24 @@ def unseen_forces(
         From numbers of instants (n_t,) to axial forces (n_t, n_e) by weight and inertia that it does not show.
     """
     law = stiffening(solution.system.placed, body)
-    found = [] if law is None else [_at(solution, body, law, *each) for each in _states(solution, body, law, missing, by_mass)]
-    known = [each for each in found if each is not None]
+    if law is not None:
+        states = [(n, as_dense(law.of_axial(axial))) for n, axial in _states(solution, body, law, missing, by_mass)]
+        yield from doubts_of_unseen(solution, body, states, partial(_distances, law))
+
+
+def doubts_of_unseen(
+    solution: Solution, body: str, states: Iterable[tuple[int, np.ndarray]], distances: Callable[[np.ndarray], np.ndarray]
+) -> Iterator[Caution]:
+    """A doubt about the worst of some states of one body.
+
+    Parameters
+    ----------
+    states
+        Numbers of states, and the geometric stiffness G (n_f, n_f) there that no equation knows.
+    distances
+        From elastic coordinates (n_t, n_f) to the largest displacements (n_t,).
+    """
+    known = [found for n, stiffness in states if (found := _at(solution, body, n, stiffness, distances)) is not None]
     if known:
         worst = known[first_largest(np.array([min(np.abs(each.off), MANY) for each in known]))]
         if not np.abs(worst.off) <= LIMIT:
@@ -79,29 +96,31 @@ def _states(
             yield int(instants[k]), axial[k]
 
 
-def _at(solution: Solution, body: str, law: Stiffening, n: int, axial: np.ndarray) -> Unseen | None:
+def _at(
+    solution: Solution, body: str, n: int, stiffness: np.ndarray, distances: Callable[[np.ndarray], np.ndarray]
+) -> Unseen | None:
     where, yields = elastic_coordinates(solution, body), yielding(solution, n)
     elastic = np.real(solution.q[:, where])
-    largest = elastic[largest_instants(elastic)]
-    z = max(largest, key=lambda each: _farthest(law, each))
-    size = _farthest(law, z)
+    largest = elastic[instants_of(solution, body)]
+    z = largest[first_largest(distances(largest))]
+    size = float(distances(z[None])[0])
     if yields is None or not size > 0:
         return None
     unit = np.zeros((solution.system.n_q, elastic.shape[1]))
     unit[where] = np.eye(elastic.shape[1])
     compliance = np.stack([yields(each)[where] for each in unit.T], axis=1)
-    added = compliance @ as_dense(law.of_axial(axial))
+    added = compliance @ stiffness
     softened = -np.linalg.eigvals(added).real
     load = float(softened.max() if softened.max() > -softened.min() else softened.min())
     if load >= 1:
         return Unseen(float(solution.times[n]), load, np.inf)
     change = -np.linalg.solve(np.eye(len(added)) + added, added @ z)
-    part = _farthest(law, change) / size
+    part = float(distances(change[None])[0]) / size
     return Unseen(float(solution.times[n]), load, part if load > 0 else -part)
 
 
-def _farthest(law: Stiffening, elastic: np.ndarray) -> float:
-    return float(law.behind.distances(law.behind.displacements(elastic[None])).max())
+def _distances(law: Stiffening, elastic: np.ndarray) -> np.ndarray:
+    return np.array([law.behind.distances(law.behind.displacements(each[None])).max() for each in elastic])
 
 
 def _told(solution: Solution, body: str, found: Unseen) -> str:

@@ -90,7 +90,7 @@ class PulledLines(PulledBody):
         return np.zeros_like(self.body_stiffness)
 
 
-class _Shown(NamedTuple):
+class Shown(NamedTuple):
     """The surface of a body in space, or its outline in the plane."""
 
     places: np.ndarray  # (n, d)
@@ -98,12 +98,20 @@ class _Shown(NamedTuple):
     edges: np.ndarray  # (n_edges, 2)
 
 
+class Edges(NamedTuple):
+    """Edges beside a line."""
+
+    places: np.ndarray  # x (n,) of their middles, in parts of the line
+    weights: np.ndarray  # (n,) of their lengths, which make one
+    slopes: np.ndarray  # s (n, d, n_f)
+
+
 def pulled_lines(solution: Solution, body: str) -> PulledLines | None:
     """The lines of a body; None where it shows no edges, or no line in it has a length."""
     design = design_point(solution.system.placed, body, "surface", "outline", "interfaces")
     key = (PulledLines, tuple(used_interfaces(solution.system.placed, body)))
     if key not in design.kept:
-        shown = _shown(design)
+        shown = shown_of(design)
         lines = () if shown is None else tuple(_lines(solution, body, design, shown))
         stiffness = np.real(design.value("stiffness"))
         design.kept[key] = PulledLines(lines, stiffness, shown.shapes) if lines and shown else None
@@ -111,7 +119,7 @@ def pulled_lines(solution: Solution, body: str) -> PulledLines | None:
     return found
 
 
-def _shown(design: DesignPoint) -> _Shown | None:
+def shown_of(design: DesignPoint) -> Shown | None:
     surface, outline = design.model.surface, design.model.outline
     if surface is not None:
         sides = np.concatenate([surface.triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])])
@@ -121,24 +129,24 @@ def _shown(design: DesignPoint) -> _Shown | None:
     else:
         return None
     position = np.real(design.value("surface.position" if surface is not None else "outline.position"))
-    return _Shown(position[:, :, 0], position[:, :, 1:], edges) if len(edges) else None
+    return Shown(position[:, :, 0], position[:, :, 1:], edges) if len(edges) else None
 
 
-def _lines(solution: Solution, body: str, design: DesignPoint, shown: _Shown) -> Iterator[Line]:
+def _lines(solution: Solution, body: str, design: DesignPoint, shown: Shown) -> Iterator[Line]:
     """The longest line that ends at a point, or those from end to end."""
     stiffness, still = np.real(design.value("stiffness")), still_points(shown.places, shown.shapes)
     ends = [(motion, start) for _, start, motion in lines_between(solution, body, still)]
-    seen = [each for each in ends if _compliance(stiffness, each[0], each[0][:, 0]) > 0]
+    seen = [each for each in ends if compliance_along(stiffness, each[0], each[0][:, 0]) > 0]
     if seen:
         motion, start = max(seen, key=lambda each: float(np.linalg.norm(each[0][:, 0])))
-        yield from _line(shown, start, motion[:, 0], motion[:, 1:], 1 / _compliance(stiffness, motion, motion[:, 0]))
+        yield from _line(shown, start, motion[:, 0], motion[:, 1:], 1 / compliance_along(stiffness, motion, motion[:, 0]))
     elif still is not None:
         found = list(_held_around(solution, body, design, shown, still))
         factor = PLATE if len(found) > 1 else 1.0
         yield from (each._replace(stretching=factor * each.stretching) for each in found)
 
 
-def _held_around(solution: Solution, body: str, design: DesignPoint, shown: _Shown, still: np.ndarray) -> Iterator[Line]:
+def _held_around(solution: Solution, body: str, design: DesignPoint, shown: Shown, still: np.ndarray) -> Iterator[Line]:
     """From end to end of what holds the body, through the point that is nearest to its middle."""
     middle, stiffness = still.mean(axis=0), np.real(design.value("stiffness"))
     motions = [np.real(design.interface(name).here[0]) for name in used_interfaces(solution.system.placed, body)]
@@ -152,14 +160,14 @@ def _held_around(solution: Solution, body: str, design: DesignPoint, shown: _Sho
     parts = (axes @ (motion[:, 0] - middle) - low) / np.where(extent > 0, extent, 1.0)
     for k, axis in enumerate(axes):
         away = np.linalg.norm(motion[:, 0] - middle - axis * (axis @ (motion[:, 0] - middle)))
-        compliance = _compliance(stiffness, motion, axis)
+        compliance = compliance_along(stiffness, motion, axis)
         if extent[k] > WIDE * extent.max() and 0 < parts[k] < 1 and away < extent[k] / 2 and compliance > 0:
             part = float(parts[k])
             held = np.zeros((len(axis), len(stiffness)))
             yield from _line(shown, middle + axis * low[k], axis * extent[k], held, part * (1 - part) / compliance)
 
 
-def _compliance(stiffness: np.ndarray, motion: np.ndarray, side: np.ndarray) -> float:
+def compliance_along(stiffness: np.ndarray, motion: np.ndarray, side: np.ndarray) -> float:
     """c_a of a point along a side; zero where the basis does not see it."""
     along = side / np.linalg.norm(side)
     row, moved = along @ motion[:, 1:], motion[:, 1:]
@@ -168,8 +176,17 @@ def _compliance(stiffness: np.ndarray, motion: np.ndarray, side: np.ndarray) -> 
     return found if found > SEEN * largest else 0.0
 
 
-def _line(shown: _Shown, start: np.ndarray, side: np.ndarray, moved: np.ndarray, stretching: float) -> Iterator[Line]:
+def _line(shown: Shown, start: np.ndarray, side: np.ndarray, moved: np.ndarray, stretching: float) -> Iterator[Line]:
     """With the edges beside it; none where no edge goes along it."""
+    found = edges_beside(shown, start, side)
+    if found is not None:
+        flat = (found.slopes * np.sqrt(found.weights)[:, None, None]).reshape(-1, found.slopes.shape[2])
+        length = float(np.linalg.norm(side))
+        yield Line(side / length @ moved, stretching, length * (flat.T @ flat))
+
+
+def edges_beside(shown: Shown, start: np.ndarray, side: np.ndarray) -> Edges | None:
+    """Those of a surface that go along a line; None without any."""
     length = float(np.linalg.norm(side))
     along = side / length
     first, last = shown.edges.T
@@ -177,10 +194,8 @@ def _line(shown: _Shown, start: np.ndarray, side: np.ndarray, moved: np.ndarray,
     ahead = (shown.places[last] - shown.places[first]) @ along
     place = ((shown.places[last] + shown.places[first]) / 2 - start) @ along / length
     beside = (np.abs(ahead) > ALONG * lengths) & (place > 0) & (place < 1)
-    if beside.any():
-        weights = np.abs(ahead[beside]) / np.abs(ahead[beside]).sum()
-        slopes = (shown.shapes[last[beside]] - shown.shapes[first[beside]]) / ahead[beside, None, None]
-        slopes = slopes - along[None, :, None] * np.einsum("d,edf->ef", along, slopes)[:, None]
-        slopes = slopes * np.sqrt(weights)[:, None, None]
-        flat = slopes.reshape(-1, slopes.shape[2])
-        yield Line(along @ moved, stretching, length * (flat.T @ flat))
+    if not beside.any():
+        return None
+    weights = np.abs(ahead[beside]) / np.abs(ahead[beside]).sum()
+    slopes = (shown.shapes[last[beside]] - shown.shapes[first[beside]]) / ahead[beside, None, None]
+    return Edges(place[beside], weights, slopes - along[None, :, None] * np.einsum("d,edf->ef", along, slopes)[:, None])
