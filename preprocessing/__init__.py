@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from preprocessing.elements.section import Section
-    from preprocessing.projects.linkage.new_linkage import new_linkage
+    from preprocessing.projects.new_linkage import new_linkage
     from preprocessing.projects.solid.new_solid import new_solid
     from preprocessing.projects.wing.new_wing import new_wing
     from preprocessing.recipes.build_model import build, save
@@ -32,7 +32,7 @@ if _SPEC is None or _SPEC.origin is None or Path(_SPEC.origin).resolve().parent 
 _PLACES = {
     "Section": "preprocessing.elements.section",
     "build": "preprocessing.recipes.build_model",
-    "new_linkage": "preprocessing.projects.linkage.new_linkage",
+    "new_linkage": "preprocessing.projects.new_linkage",
     "new_solid": "preprocessing.projects.solid.new_solid",
     "new_wing": "preprocessing.projects.wing.new_wing",
     "polygon_beam": "preprocessing.recipes.frame.polygon_beam",

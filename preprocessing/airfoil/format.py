@@ -139,7 +139,7 @@ def _count_line(loop: Loop) -> tuple[int, int] | None:
 
 
 def _without_numeric_title(loop: Loop) -> Loop:
-    """A title such as "63 412" reads like a row; whole numbers that dwarf all coordinates give it away."""
+    """Loop without a title such as "63 412" that reads like a row; whole numbers that dwarf all coordinates give it away."""
     first, rest = loop.points[0], loop.points[1:]
     if len(rest) and not loop.name and np.all(first == np.round(first)) and first.max() > 1.5 >= np.abs(rest).max():
         name = f"{first[0]:g} {first[1]:g}"
@@ -149,7 +149,7 @@ def _without_numeric_title(loop: Loop) -> Loop:
 
 
 def _joined(loop: Loop, counts: tuple[int, int], where: str) -> Loop:
-    """One loop from an upper and a lower block that both start at the leading edge, whose row is kept once."""
+    """Loop from an upper and a lower block that both start at the leading edge, whose row is kept once."""
     upper, lower = counts
     if upper + lower != len(loop.points):
         raise InputError(
@@ -186,7 +186,7 @@ def _oriented_from_tail(loop: Loop) -> Loop:
 
 
 def _turned(loop: Loop) -> Loop:
-    """A loop that starts at the leading edge, turned to start at the trailing edge (whose row then stands at both ends)."""
+    """Loop turned to start at the trailing edge, whose row then stands at both ends, from one that starts at the leading edge."""
     x = loop.points[:, 0]
     tail, n = int(np.argmax(x)), len(x)
     closed = int(np.all(loop.points[0] == loop.points[-1]))

@@ -19,9 +19,9 @@ MATERIAL: dict[str, dict[str, int]] = {
     "stiffness": {"youngs_modulus": 1},
     "stress": {"youngs_modulus": 1},
 }
-"""By which quantity of the material, to which power, a kind of contribution is multiplied."""
+"""Quantities of the material, with their powers, that multiply each kind of contribution."""
 DAMPING = {"mass": "damping_mass", "constant mass": "damping_mass", "stiffness": "damping_stiffness"}
-"""By which quantity it enters the damping D = a M + c K."""
+"""Quantity by which each kind of contribution enters the damping D = a M + c K."""
 
 
 @dataclass(frozen=True)

@@ -42,4 +42,4 @@ def antisymmetric(matrix: Any) -> Any:
 
 
 PARTS = {"symmetric": symmetric, "antisymmetric": antisymmetric, "whole": lambda matrix: matrix}
-"""What of a product is an invariant, by the words of `preprocessing.elements.space.Form`."""
+"""Parts of a product that are an invariant, by the words of `preprocessing.elements.space.Form`."""

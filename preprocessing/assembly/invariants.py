@@ -79,7 +79,7 @@ def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: Any, d_z: A
 
 
 Product = Callable[[Any], np.ndarray]
-"""Of a matrix with shapes on both sides."""
+"""Product of a matrix with shapes on both sides."""
 
 
 def _items(matrices: Matrices, z: np.ndarray, of_mass: Product, of_stiffness: Product) -> dict[str, np.ndarray]:

@@ -21,7 +21,7 @@ _WHY_NOT = {
 
 @dataclass(frozen=True)
 class BasisChoice:
-    """A basis before it is computed; `count`, `frequency` and `static_error` are three ways to say how many modes."""
+    """Choice of a basis before it is computed; `count`, `frequency` and `static_error` are three ways to set how many modes."""
 
     kind: str
     boundary: str = "clamped"  # of eigenmodes: held with the body's frame, or free about mean axes

@@ -121,7 +121,7 @@ class Done:
 
 
 def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remarks: Remarks) -> Done:
-    """Build a reduced model, unless it is there; what its material makes one ask belongs to it in both cases."""
+    """Build a reduced model, unless it exists; cautions about its material belong to it in both cases."""
     recipe = read_recipe(path)
     refuse_output(output, path, recipe.inputs, wanted := recipe.hash(values), wish.overwrite)
     if wish.picture:

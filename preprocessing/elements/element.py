@@ -72,7 +72,7 @@ class Coordinates:
         return matrix[: self.nodal, : self.nodal] if self.hidden else matrix
 
     def undeformed(self, z: Any) -> Any:
-        """Z (nodal, 1 + n_f), its first column the undeformed shape, with the rows of the hidden coordinates; sparse as Z is."""
+        """Matrix Z (nodal, 1 + n_f), the undeformed shape first, with the rows of the hidden coordinates; sparse as Z is."""
         return _below(z, *[np.eye(1, z.shape[1], dtype=z.dtype)] * self.hidden)
 
     def displacement(self, d_z: Any) -> Any:

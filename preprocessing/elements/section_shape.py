@@ -30,7 +30,7 @@ SERIES = {0: 1 / 3, 1: -0.21008296, 5: 0.02589027, 7: -0.00856364}
 
 
 class Fibre(NamedTuple):
-    """A place of the section whose stress is told, and where it is drawn."""
+    """Fibre of a section whose stress the model gives: its place and its side."""
 
     second: Terms  # y_2
     third: Terms  # y_3

@@ -35,7 +35,7 @@ class Form(NamedTuple):
 
 
 Spin = tuple[tuple[Pair, float], ...]
-"""Of one product of angular velocities: the M_ab whose symmetric parts make its centrifugal forces, and their weights."""
+"""Product of angular velocities: the M_ab whose symmetric parts make its centrifugal forces, and their weights."""
 
 
 @dataclass(frozen=True)

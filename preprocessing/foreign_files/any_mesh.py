@@ -22,7 +22,7 @@ from toolkit.foundation.errors import InputError
 
 REMEDY = "Export the mesh as gmsh .msh, VTK .vtu or Abaqus .inp."
 HARMLESS = {"tags of string type": "Names of markers of SU2 are not read: choose nodes by boxes, or export gmsh .msh."}
-"""What meshio warns of and the body does without -> the remark on it."""
+"""Remark on each warning of meshio about something that the body does without."""
 
 LACKING = {"wedge15": 3, "pyramid13": 3, "hexahedron24": 3}
 """Dimension of the kinds that meshio 5.3.5 has no dimension of."""

@@ -9,6 +9,6 @@ SPATIAL = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "hexa
 LOWER = {"vertex": 1, "line": 2, "line3": 3}
 """Kinds that serve to name groups only; in space those of the plane too."""
 SOLID = ("tetra", "hexahedron", "wedge", "pyramid")
-"""What the names of spatial kinds begin with."""
+"""Beginnings of the names of spatial kinds."""
 KNOWN = {**LOWER, **PLANE, **SPATIAL}
 """All of which meshes may consist."""

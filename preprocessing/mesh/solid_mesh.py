@@ -83,7 +83,7 @@ def translations(n_nodes: int, dimension: int) -> np.ndarray:
 
 
 PLANES = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
-"""From which axis to which one every unit rotation turns; in space they are those about x, y and z."""
+"""Axes from which and to which every unit rotation turns; in space the rotations are those about x, y and z."""
 
 
 def rotations(arms: np.ndarray) -> np.ndarray:

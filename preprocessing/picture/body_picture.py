@@ -63,7 +63,7 @@ OWN = "ffrf-toolkit"
 DOTS, SIZE = 150, (11.0, 6.4)
 """Dots per inch, and inches, of a picture."""
 LIST = 0.665
-"""Where the list begins, in parts of the width."""
+"""Place where the list begins, in parts of the width."""
 ROOM_FOR_LIST = 385.0
 """Height of the list in points of type."""
 FEW_TRIANGLES = 6000

@@ -40,7 +40,7 @@ def wing(
 @app.command()
 def linkage(folder: Folder, units: Annotated[str, typer.Option()] = "mm-t-s", as_json: AsJson = False) -> None:
     """Write the files of a new linkage and say what to do with them."""
-    from preprocessing.projects.linkage.new_linkage import new_linkage
+    from preprocessing.projects.new_linkage import new_linkage
 
     following = (f"ffrf simulate {folder}/scene.toml", f"ffrf sensitivity {folder}/scene.toml")
     _tell(lambda: new_linkage(folder, units), following, as_json)

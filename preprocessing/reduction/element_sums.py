@@ -21,7 +21,7 @@ from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 
 KINDS: dict[int, Any] = {2: Elements, 3: SpatialElements}
-"""By the dimension of space."""
+"""Class of elements by the dimension of space."""
 PLACES = ("nodes", "connectivity", "held")
 """Fields that are no sums."""
 

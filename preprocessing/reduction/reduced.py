@@ -129,7 +129,7 @@ def pulls(nodes: np.ndarray) -> np.ndarray:
 
 
 RICHER = ("invariants", "derivatives", "affine", "interfaces", "spin")
-"""What a model holds of its richer basis; of a skin the shape too."""
+"""Parts of a model that hold its richer basis; of a skin the shape too."""
 
 
 @dataclass(frozen=True)

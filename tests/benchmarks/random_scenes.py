@@ -133,8 +133,16 @@ class Judged:
 
     @property
     def judged(self) -> set[str]:
-        """Codes of the doubts that the references can judge."""
-        return set(self.codes) - UNJUDGED - (frozenset() if self.model_known else MODEL)
+        """Codes of the doubts that the references can judge: not of derivatives that the finer runs disagree about themselves."""
+        slopes = frozenset() if self._known_slopes_doubted else frozenset({"gradient-steps"})
+        return set(self.codes) - UNJUDGED - slopes - (frozenset() if self.model_known else MODEL)
+
+    @property
+    def _known_slopes_doubted(self) -> bool:
+        """Whether one of the derivatives is known that are told to be off by the length of the steps."""
+        told = self.measures.get("estimated_error", {}).get("gradients", {})
+        off = {f"{name} by {x}" for name, errors_by in told.items() for x, error in errors_by.items() if not error <= GRADIENT}
+        return bool(off & set(self.gradients))
 
     @property
     def doubted(self) -> bool:
@@ -311,7 +319,8 @@ def summary(all_found: list[Judged]) -> str:
     return "\n".join(
         [
             ", ".join(f"{len(items)} {name}" for name, items in of.items()),
-            f"wrong without a doubt: {len(silent)} {[each.seed for each in silent]}",
+            f"wrong without a doubt about values: {len(silent)} {[each.seed for each in silent]}, "
+            f"trusted of these {[each.seed for each in silent if not each.codes]}",
             f"right with a doubt: {len(alarmed)} of {len(of['right'])} {[each.seed for each in alarmed]}, {dict(codes)}",
             f"gradients off without a doubt, values right: {len(slopes)} {[each.seed for each in slopes]}",
             f"crashed: {[each.seed for each in of['crashed']]}",

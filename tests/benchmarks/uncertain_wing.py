@@ -22,7 +22,7 @@ import numpy as np
 from toolkit.studies.designs.design_work import DesignJob, DesignWork
 from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
+from toolkit.studies.uncertainty.find_uncertainty import find_uncertainty
 from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
 STUDY = Path(__file__).parents[2] / "models" / "morphing_wing" / "study.toml"
@@ -61,7 +61,7 @@ def main(rows: int) -> None:
     """Print errors of mean, sigma and indices, and what the result says of its own error."""
     study = read_study(STUDY)
     wing = uncertain_study(study.model_copy(update={"constraints": {}}))
-    found, n = found_uncertainty(wing), len(wing.joint.marginals)
+    found, n = find_uncertainty(wing), len(wing.joint.marginals)
     work = DesignWork(wing.problem, solve_design(wing.problem, 0, wing.designs[0], None))
     one, other = np.random.default_rng(20261123).random((2, rows, n))
     points = np.stack([one, other, *(np.where(np.arange(n) == k, other, one) for k in range(n))], axis=1)

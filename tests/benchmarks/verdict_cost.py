@@ -12,7 +12,7 @@ import argparse
 import statistics
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import wraps
 from inspect import isfunction
 from pathlib import Path
@@ -45,12 +45,11 @@ COUNTS = 0.01
 
 
 class Cost(NamedTuple):
-    """Medians in s of a run and of its verdict, and of every check in it; what the verdict says."""
+    """Medians in s of a run, of its verdict and, as far as these were looked at, of every check in it."""
 
     run: float
     verdict: float
     checks: dict[str, float]
-    verdict_codes: tuple[str, ...]
 
     @property
     def ratio(self) -> float:
@@ -58,24 +57,24 @@ class Cost(NamedTuple):
         return self.verdict / self.run
 
 
-def cost(analyse: Callable[[], Run], repeats: int = REPEATS) -> Cost:
-    """What a run of an analysis costs, and to judge it."""
+def cost(analyse: Callable[[], Run], repeats: int = REPEATS, profile: bool = False) -> Cost:
+    """What a run of an analysis costs, and to judge it; with a `profile` what its checks do, which takes a little time too."""
     runs: list[float] = []
     verdicts: list[float] = []
     checks: dict[str, list[float]] = {}
-    for k in range(repeats + 1):
+    for _ in range(repeats + 1):
         begun = time.process_time()
         run = analyse()
-        judged = time.process_time()
-        with timed_checks() as found:
-            codes = run.verdict.codes
-        if k:
-            runs.append(judged - begun)
-            verdicts.append(time.process_time() - judged)
-            for name, spent in found.items():
-                checks.setdefault(name, []).append(spent)
-    medians = {name: statistics.median(spent) for name, spent in checks.items()}
-    return Cost(statistics.median(runs), statistics.median(verdicts), medians, tuple(codes))
+        runs.append(time.process_time() - begun)
+        watch: AbstractContextManager[dict[str, float]] = timed_checks() if profile else nullcontext({})
+        with watch as found:
+            begun = time.process_time()
+            _ = run.verdict
+            verdicts.append(time.process_time() - begun)
+        for name, spent in found.items():
+            checks.setdefault(name, []).append(spent)
+    medians = {name: statistics.median(spent[1:] or spent) for name, spent in checks.items()}
+    return Cost(statistics.median(runs[1:]), statistics.median(verdicts[1:]), medians)
 
 
 @contextmanager
@@ -138,7 +137,7 @@ class _Clock:
             yield found
 
 
-def costs(model: str, repeats: int = REPEATS) -> dict[str, Cost]:
+def costs(model: str, repeats: int = REPEATS, profile: bool = False) -> dict[str, Cost]:
     """Command -> cost, of those that work for a model."""
     scene = read_scene(MODELS / model / "scene.toml")
     compiled: Model = toolkit.compile(scene, variables=list(scene.design))
@@ -147,7 +146,7 @@ def costs(model: str, repeats: int = REPEATS) -> dict[str, Cost]:
         if gradients and not scene.design:
             continue
         try:
-            found[command] = cost(lambda: compiled.run(kind, gradients=gradients), repeats)  # noqa: B023
+            found[command] = cost(lambda: compiled.run(kind, gradients=gradients), repeats, profile)  # noqa: B023
         except ToolkitError:
             continue  # it has no such analysis
     return found
@@ -162,15 +161,21 @@ def main() -> None:
     options = parser.parse_args()
     names = options.models or sorted(each.parent.name for each in MODELS.glob("*/scene.toml"))
     print("| model | command | run, ms | verdict, ms | verdict / run |\n|---|---|---|---|---|")
-    ratios = []
+    ratios: dict[str, list[float]] = {}
     for name in names:
-        for command, each in costs(name, options.repeats).items():
-            ratios.append(each.ratio)
+        for command, each in costs(name, options.repeats, options.profile).items():
+            ratios.setdefault(command, []).append(each.ratio)
             print(f"| {name} | {command} | {1e3 * each.run:.2f} | {1e3 * each.verdict:.2f} | {each.ratio:.2f} |", flush=True)
-            for check, spent in sorted(each.checks.items(), key=lambda pair: -pair[1]) if options.profile else ():
+            for check, spent in sorted(each.checks.items(), key=lambda pair: -pair[1]):
                 if spent > COUNTS * each.verdict:
                     print(f"    {1e3 * spent:8.2f} ms  {spent / each.run:5.2f} runs  {check}")
-    print(f"\nmedian {statistics.median(ratios):.2f}, largest {max(ratios):.2f}")
+    every = {"all": [each for found in ratios.values() for each in found], **ratios}
+    print(
+        "\n"
+        + "\n".join(
+            f"{command}: median {statistics.median(each):.2f}, largest {max(each):.2f}" for command, each in every.items()
+        )
+    )
 
 
 if __name__ == "__main__":

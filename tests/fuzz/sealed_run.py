@@ -6,8 +6,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from tests.foundation.test_fuzz_hdf5 import judged
 from tests.fuzz.good_files import PREPARED, batch
-from tests.test_fuzz_hdf5 import judged
 
 PIECE = 500  # files of one process, whose time is bounded
 

@@ -85,7 +85,8 @@ def kinetic_energy(beams: Beams, points: list[tuple[float, float]], q, v, transl
     """
     ratios, weights = np.polynomial.legendre.leggauss(8)
     mesh, energy = beams.discrete.element, 0.0
-    shape, turn = mesh.beams.shape, mesh.beams.rotation
+    beams_of_mesh = mesh.elements(np.arange(len(mesh.connectivity)))
+    shape, turn = beams_of_mesh.shape, beams_of_mesh.rotation
     area = beams.shape.values(beams.values)["area"]
     for k, (one, two) in enumerate(mesh.connectivity):
         dofs, along = mesh.dofs[k, :12], mesh.nodes[two] - mesh.nodes[one]

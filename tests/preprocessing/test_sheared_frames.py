@@ -15,7 +15,9 @@ from tests.models.timoshenko import cantilever_frequency
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import save
+from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.corotational.comparison import compare_with_corotational, compared
 
 E, NU, T, B = 2e11, 0.3, 0.1, 0.05
 SHEAR = 5 / 6 / (2 * (1 + NU))
@@ -93,6 +95,23 @@ def test_elements_behind_a_model_know_their_shear(cantilever):
     found = chain(cantilever[0], "beam").made_of
     np.testing.assert_allclose(found.bending_stiffness[:, 0], E * B * T**3 / 12, rtol=1e-12)
     np.testing.assert_allclose(found.shear_stiffness, SHEAR * E * B * T, rtol=1e-12)
+
+
+def test_elements_that_turn_are_sheared_as_those_of_the_body(tmp_path):
+    """Under the same forces they are the scene with a frame to every element, and the linear stress at the clamp is M t / 2 I."""
+    save(build(written(tmp_path, elements=6, ends=([0.0, 0.0], [1.0, 0.0]))), tmp_path / "frame.h5")
+    bent = SCENE.replace("[0.0, 1000.0]", "[0.0, 4e6]")
+    (tmp_path / "scene.toml").write_text(bent)
+    (tmp_path / "turning.toml").write_text(bent.replace('frame = "grounded"', 'frame = "grounded", frames = 6'))
+    solution = solve(prepare(ffrf.read_scene(tmp_path / "scene.toml")), "static")
+    found = compare_with_corotational(solution, "beam")
+    turning = ffrf.compile(ffrf.read_scene(tmp_path / "turning.toml")).statics()
+    behind, tip = chain(solution.system.scene, "beam"), 4  # the named nodes are the first ones
+    u = behind.displacements(np.real(solution.q[-1:]))[0]
+    turned = compared(behind, solution.system.scene.model("frame.h5", "stress").stress, u, u).corotational
+    assert u[tip] > 2 * turning.values["down"]  # it bends far
+    assert turned[tip] == pytest.approx(turning.values["down"], rel=1e-8)  # both solvers stop at 1e-10 of the size
+    assert found.stress == pytest.approx(4e6 * T / 2 / (B * T**3 / 12), rel=1e-8)
 
 
 def test_both_planes_of_a_beam_in_space_are_sheared(tmp_path):

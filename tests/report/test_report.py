@@ -32,9 +32,9 @@ from toolkit.render.pictures import file_names
 from toolkit.report.figures.catalogue import _scale, monitor_curves
 from toolkit.report.figures.stress_sensitivity import color_range, stress_sensitivity
 from toolkit.report.material import JUDGES, PATIENCE, Material, judge
-from toolkit.report.motion.sections import viewer_data
 from toolkit.report.own_folder import begin, refuse_foreign_files
 from toolkit.report.page import typeset
+from toolkit.report.sections import viewer_data
 from toolkit.report.tables import cost_table, gradient_table
 from toolkit.report.write import write_report
 from toolkit.results.collect import collect

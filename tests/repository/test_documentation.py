@@ -52,6 +52,28 @@ BANNED = {
     "into so many parts": "the number of parts",
 }
 """Phrase that a stranger would not look for -> what is written instead."""
+POINTING = {
+    "As",
+    "At",
+    "By",
+    "For",
+    "From",
+    "In",
+    "It",
+    "Its",
+    "Of",
+    "On",
+    "That",
+    "Their",
+    "These",
+    "Those",
+    "To",
+    "Whose",
+    "With",
+}
+"""First words of docstrings that point at a class or a folder around them instead of saying what something is."""
+LATER = ("toolkit.sensitivity", "toolkit.studies", "toolkit.validity")
+"""Rooms whose docstrings still do."""
 TREES = {name: tree(path) for half in ("toolkit", "preprocessing") for name, path in modules(half).items()}
 """Syntax of every module by its dotted name."""
 
@@ -317,4 +339,16 @@ def test_no_text_has_a_phrase_that_nobody_would_look_for():
         if phrase in path.read_text(encoding="utf-8")
     ]
     assert len(files) > 500
+    assert found == []
+
+
+def test_the_first_line_of_every_docstring_can_be_read_alone():
+    found = [
+        f"{name}.{node.name}: {text.splitlines()[0]}"
+        for name, module in TREES.items()
+        if not name.startswith(LATER)
+        for node in ast.walk(module)
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and (text := ast.get_docstring(node))
+        if text.split()[0].rstrip(",") in POINTING
+    ]
     assert found == []

@@ -32,8 +32,8 @@ from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.start.continued import continued_start
-from toolkit.studies.stability.catalogue import unit_map
 from toolkit.studies.stability.physics_maps import speed_map
+from toolkit.studies.stability.study import unit_map
 
 HALF, STEP = 0.6, 0.01
 NUMBERS = {

@@ -25,8 +25,8 @@ from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.solvers.transient.first_guess.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
-from toolkit.solvers.transient.first_guess.fitted_trend import HIGHEST, fit_trend
+from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
+from toolkit.solvers.transient.fitted_trend import HIGHEST, fit_trend
 from toolkit.solvers.transient.newton import SINGULAR
 from toolkit.solvers.transient.run import Run, allocate_history, failure_of_step, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha

@@ -66,7 +66,8 @@ def total(frame: Frame, motion: Motion) -> Total:
     place = r + A (x + u + e + th x e),   velocity = r' + A (omega x (x + u + e + th x e) + u' + th' x e)
     """
     mesh, displaced, rates = frame.elements.element, frame.z[:, 1:] @ motion.q, frame.z[:, 1:] @ motion.v
-    shape, turn = mesh.beams.shape, mesh.beams.rotation
+    beams_of_mesh = mesh.elements(np.arange(len(mesh.connectivity)))
+    shape, turn = beams_of_mesh.shape, beams_of_mesh.rotation
     ratios, weights = np.polynomial.legendre.leggauss(8)
     energy, linear, angular = 0.0, np.zeros(3), np.zeros(3)
     for k, (one, two) in enumerate(mesh.connectivity):

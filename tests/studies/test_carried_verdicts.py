@@ -32,6 +32,7 @@ tip = {{ type = "displacement", body = "beam", point = "tip", component = "y" }}
 end_time = 1.0
 step = 0.1
 """
+WING = BEAM.parents[1] / "morphing_wing" / "scene.toml"
 NOTHING = Indicators(np.zeros(0), np.zeros(0))
 
 
@@ -121,6 +122,19 @@ def test_a_beam_that_bends_ever_farther_is_doubted_as_its_single_runs_are(cantil
         assert all(own[code] / 2 < part < 2 * own[code] for code, part in told.items())
     assert len({doubts_of(each.verdict) for each in singles}) == 3
     assert f"designs[{carried[-1].verdict.measures['carried']['design']}]" in str(carried[-1].verdict)
+
+
+def test_motions_of_a_wing_carry_what_is_told_of_values_gradients_and_steps():
+    """A motion with peaks between steps, doubted for its deformation and for gradients whose signs are not known."""
+    wing = ffrf.compile(ffrf.read_scene(WING), variables=["t_w", "x_A"])
+    designs = [{"t_w": 1.5 * (1 + part)} for part in (0.0, 1e-4, 3e-4, 5e-4)]
+    found, singles = (wing.map(designs, gradients=True, judged=judged) for judged in (True, "each"))
+    assert ["carried-verdict" in each.verdict.codes for each in found] == [False, True, True, False]
+    for each, single in zip(found, singles, strict=True):
+        assert {*each.verdict.codes} - {"carried-verdict"} == {*single.verdict.codes} != set()
+        assert doubts_of(each.verdict) == doubts_of(single.verdict)
+        told, own = (verdict.measures["estimated_error"]["responses"] for verdict in (each.verdict, single.verdict))
+        assert told == pytest.approx(own, rel=0.1, abs=1e-4)
 
 
 def doubts_of(verdict: Verdict) -> frozenset[str]:

@@ -11,7 +11,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.sweep.sweep import sweep_problem, swept
+from toolkit.studies.sweep.sweep import run_sweep, sweep_problem
 from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
 LOADS, SPRINGS = (-40.0, -10.0), (-200.0, 300.0)
@@ -68,7 +68,7 @@ def test_an_optimum_keeps_a_limit_on_the_norm_of_a_gradient_and_says_how_exact_i
 
 def test_a_sweep_has_norms_without_gradients_too(tmp_path):
     text = SLOPE + '[sweep]\npoints = "sobol"\ncount = 4\ngradients = false\nresponses = ["gradient of rise"]\n'
-    found = swept(sweep_problem(read_study(write_truss(tmp_path, text))))
+    found = run_sweep(sweep_problem(read_study(write_truss(tmp_path, text))))
     wanted = [norm(-load, STIFFNESS + k).real for load, k in found.designs]
     assert found.values("gradient of rise") == pytest.approx(wanted, rel=1e-9)
 

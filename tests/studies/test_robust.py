@@ -19,7 +19,7 @@ from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.problem import Problem
 from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.sweep.sweep import sweep_problem, swept
+from toolkit.studies.sweep.sweep import run_sweep, sweep_problem
 
 LOAD = '"loads.push.force.y"'
 SPRINGS = '["loads.left.stiffness", "loads.right.stiffness"]'
@@ -133,7 +133,7 @@ def test_weighted_responses_of_cases_are_robust_together(tmp_path):
 
 def test_a_sweep_of_a_robust_study_has_its_means_and_deviations(tmp_path):
     text = ROBUST + "[sweep]\nlevels = 2\n"
-    found = swept(sweep_problem(read_study(write_truss(tmp_path, text.replace("-60.0", "-20.0")))))
+    found = run_sweep(sweep_problem(read_study(write_truss(tmp_path, text.replace("-60.0", "-20.0")))))
     first = force_slope(height(10.0))
     slopes = np.array([1 / first, (HEIGHT - height(10.0, 1001.0)) - (HEIGHT - height(10.0))])
     linear = float(np.hypot(slopes[0] * SIGMAS[0], slopes[1] * SIGMAS[1]))

@@ -13,8 +13,7 @@ from toolkit.studies.optimization.program import Values
 from toolkit.studies.optimization.promise import promised
 from toolkit.studies.optimization.search.curvature import LONGEST
 from toolkit.studies.optimization.search.cuts import Cuts
-from toolkit.studies.optimization.search.end_rule import LITTLE, EndRule
-from toolkit.studies.optimization.search.renewal import MANY, REACHES, Renewal
+from toolkit.studies.optimization.search.search import LITTLE, MANY, REACHES, EndRule, Renewal
 from toolkit.studies.study.search_options import Search as SearchOptions
 
 

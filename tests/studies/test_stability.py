@@ -33,7 +33,6 @@ from toolkit.responses.motion import Displacement, Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare
-from toolkit.studies.stability.catalogue import MAPS, maps_of
 from toolkit.studies.stability.cell_outcome import CellOutcome, Ending
 from toolkit.studies.stability.cell_run import created_energy, run_cell
 from toolkit.studies.stability.classifier import CLASSES, CellClass, Limits, gradient_class, run_class
@@ -43,7 +42,7 @@ from toolkit.studies.stability.map_result import Cell, MapResult
 from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map, thickness_map
 from toolkit.studies.stability.record import record_of
 from toolkit.studies.stability.solver_maps import baumgarte_map, refined
-from toolkit.studies.stability.study import stability
+from toolkit.studies.stability.study import MAPS, maps_of, stability
 
 PENDULUM = WING.parents[1] / "pendulum" / "scene.toml"
 BEAM = WING.parents[1] / "rotating_beam" / "scene.toml"

@@ -79,7 +79,7 @@ def told_compilation(dimension: int, quiet: bool = False) -> Iterator[CompileWat
 
 
 EXPECTED = {2: (220, 26), 3: (270, 38)}
-"""How many functions are compiled at most, and in how many seconds, by the dimension of space.
+"""Largest numbers of functions compiled, and of seconds it takes, by the dimension of space.
 
 Measured by `python -m tests.benchmarks.first_run`, in processor time of a free core, which of a busy one is two fifths more: in the plane
 212 functions in 20 s for a motion in any formulation, which an equilibrium shares, and 14 in 2 s for its adjoint; in space 261 in 30 s, and

@@ -72,7 +72,7 @@ def rehearse_everything(space: Space) -> None:
 
 
 def pendulum_like(scene: Scene) -> Scene:
-    """A hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
+    """Hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
     judged = [*scene.responses.values(), *(getattr(each, "of", None) for each in scene.responses.values())]
     forced = any(isinstance(each, JointForce) for each in judged)
     coiled = any(isinstance(load, Load) and load.turn for load in scene.loads.values())
@@ -91,7 +91,7 @@ def _small(space: Space, formulation: Formulation, forced: bool, coiled: bool) -
 
 
 ENDS: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
-"""Of the rod."""
+"""Fields of the rod of the smallest scene."""
 
 
 def _planar(_coiled: bool) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.studies.engine.executor import Executor
 from toolkit.studies.study.study_file import Study
-from toolkit.studies.sweep.sweep import sweep_problem, swept
+from toolkit.studies.sweep.sweep import run_sweep, sweep_problem
 from toolkit.studies.sweep.swept import Swept
-from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
+from toolkit.studies.uncertainty.find_uncertainty import find_uncertainty
 from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
@@ -67,7 +67,7 @@ def sweep(
     """
     executor, folder = Executor(processes, threads, dask), made_folder(output)
     with study_of(study) as described:
-        return swept(sweep_problem(described, scene), folder, executor, progress)
+        return run_sweep(sweep_problem(described, scene), folder, executor, progress)
 
 
 def uncertainty(
@@ -121,4 +121,4 @@ def uncertainty(
     """
     executor, folder = Executor(processes, threads, dask), made_folder(output)
     with study_of(study) as described:
-        return found_uncertainty(uncertain_study(described, scene), folder, executor, progress)
+        return find_uncertainty(uncertain_study(described, scene), folder, executor, progress)

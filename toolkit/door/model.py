@@ -35,7 +35,7 @@ FREE = Caution(
     "motions.",
     doubt=False,
 )
-"""What is said of the modes of bodies that float."""
+"""Caution about the modes of bodies that float."""
 
 
 def compile_model(scene: Scene, variables: Sequence[str] = ()) -> Model:

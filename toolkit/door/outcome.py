@@ -55,7 +55,7 @@ each. Others are solved again where it is to be measured."""
 
 
 class Task(NamedTuple):
-    """A design by its number, whether its verdict is to be measured, and whether it could be carried to no other one."""
+    """Design with its number, whether its verdict is to be measured, and whether that could be carried to no other one."""
 
     number: int
     numbers: Mapping[str, float]
@@ -134,7 +134,7 @@ def outcomes(
 
 
 class _Rounds:
-    """Designs of a map: all are solved once, and those that no verdict can be carried to are solved again to be judged.
+    """Rounds of solving the designs of a map: once all, then again those that no verdict can be carried to.
 
     Parameters
     ----------
@@ -152,12 +152,12 @@ class _Rounds:
         self.verdicts: CarriedVerdicts | None = None
 
     def first(self) -> dict[int, Task]:
-        """All designs, with those to be judged in any case."""
+        """Tasks of all designs, with those to be judged in any case."""
         judged = apart(self.written)
         return {k: Task(k, each, k in judged, not judged.get(k, True)) for k, each in enumerate(self.designs)}
 
     def take(self, k: int, solved: Solved) -> None:
-        """Keep what became of a design; of one that was solved before, its verdict."""
+        """Store a solved design; of one that was solved before, its verdict."""
         if self.verdicts is None:
             self.found[k] = solved
         elif solved.measured is not None:
@@ -167,7 +167,7 @@ class _Rounds:
             self.verdicts.forget(k)
 
     def more(self) -> dict[int, Task]:
-        """Designs to be judged next."""
+        """Tasks of designs to be judged next."""
         if not self.written:
             return {}
         if self.verdicts is None:
@@ -179,7 +179,7 @@ class _Rounds:
         return {k: Task(k, self.designs[k], True) for k in self.verdicts.wanted()}
 
     def outcomes(self) -> list[Outcome]:
-        """Those of all designs in their order."""
+        """Outcomes of all designs in their order."""
         known = {} if self.verdicts is None else {k: self.verdicts.verdict(k) for k in self.verdicts.found}
         found = {k: each.outcome for k, each in sorted(self.found.items())}
         return [replace(each, verdict=known[k]) if k in known else each for k, each in found.items()]

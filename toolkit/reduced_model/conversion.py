@@ -39,7 +39,7 @@ ITEMS: dict[str, Dimension] = {
     "element": NONE, "end": NONE, "fibre": NONE, "edges": NONE, "stress": NONE, "modulus": NONE, "triangles": NONE, "lines": NONE,
     "force": LENGTH.power(2), "moment": LENGTH.power(3),
 }  # fmt: skip
-"""Of every array, for elastic coordinates that are pure numbers; the rows of `recovery` are lengths and angles in turn."""
+"""Dimension of every array, for elastic coordinates that are numbers; rows of `recovery` are lengths and angles in turn."""
 CANCELLED = 1e-9
 """Sum of motions in parts of their magnitudes that round-off leaves of a sum that is zero."""
 POLYNOMIALS = ("position", "rotation")

@@ -82,7 +82,7 @@ SPATIAL_PARTS: dict[str, Any] = {
     "elements": SpatialElements,
     "richer_invariants": SpatialInvariants,
 }
-"""What they hold in space instead."""
+"""Classes of the parts in space, where they differ from those in the plane."""
 _NAMED = "derivatives affine interfaces surface_loads element_derivatives element_affine piece_loads section_derivatives section_affine"
 NAMED = (*_NAMED.split(), "richer_derivatives", "richer_affine", "richer_interfaces", "richer_surface_loads")
 

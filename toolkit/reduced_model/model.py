@@ -57,7 +57,7 @@ class Invariants:
 
 @dataclass(frozen=True)
 class InterfacePoint:
-    """A point where joints and loads may grip, as polynomials of its arc length s along the body.
+    """Point where joints and loads may act, as polynomials of its arc length s along the body.
 
         Z_P(s) = sum_k position[k] (s - arc_length)^k        position of the point: Z_P [1; q_f]
         T_P(s) = sum_k rotation[k] (s - arc_length)^k        its rotation: T_P [1; q_f]
@@ -101,7 +101,7 @@ def place_parameter(interface: str) -> str:
 
 @dataclass(frozen=True)
 class StressPoints:
-    """Where each row of the stress operator is: element number, its end (0 or 1), the fibre (+1 outer, -1 inner)."""
+    """Stress point of each row of the stress operator: element number, its end (0 or 1), the fibre (+1 outer, -1 inner)."""
 
     element: np.ndarray  # (n_stress,)
     end: np.ndarray  # (n_stress,)

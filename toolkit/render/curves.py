@@ -15,19 +15,19 @@ from toolkit.render.sheet import WIDE, sheet, style
 from toolkit.system.solution import Solution
 
 Panels = list[tuple[str, str, dict[str, np.ndarray]]]
-"""Of each panel what it shows, the quantity that this is, and name -> values over time."""
+"""Panels of a figure: title, physical quantity, and values over time by name."""
 SEEN = 1e-9
 """A rotation in rad, or a way in parts of the scene's size, below which curves are zero: round-off."""
 EVEN = 1e-6
 """A change that no curve shows, in parts of the values."""
 HIDDEN = 1e-3
-"""Of the largest value of a panel: what a line hides."""
+"""Part of the largest value of a panel that the width of a line hides."""
 _ROWS, _LETTERS = 9, 28
 """Names below each other beside a panel, and letters of one in a line."""
 
 
 def draw_panels(solution: Solution, panels: Panels) -> Figure:
-    """A panel per quantity, each in a unit in which its numbers are short."""
+    """Draw a panel per quantity, each in a unit in which its numbers are short."""
     scene, units = solution.system.scene, solution.system.scene.units
     seen = {"angle": SEEN, "length": SEEN * scene.size}
     with sheet(0.8 + 2.6 * len(panels), len(panels), width=WIDE, sharex=True) as (figure, axes):
@@ -75,7 +75,7 @@ def told(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def merged(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The same curves, each drawn once: those that coincide, to a thousandth of the largest value, which a line hides, share a name."""
+    """Curves drawn once each: those that coincide, to a thousandth of the largest value, which a line hides, share a name."""
     near = HIDDEN * max(np.abs(values).max() for values in curves.values())
     groups: list[list[str]] = []
     for name, values in curves.items():

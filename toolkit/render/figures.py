@@ -48,4 +48,4 @@ def _spatial(solution: Solution) -> Figure:
 
 
 _FIGURES: dict[object, Callable[[Solution], Figure]] = {PLANE: _planar, SPACE: _spatial}
-"""Of a scene in the plane, and in space."""
+"""Figure of a solution in the plane, and in space."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 MINUS = "\N{MINUS SIGN}"
-"""As axes write it."""
+"""Minus sign as axes write it."""
 
 
 def round_up(value: float) -> float:

@@ -43,7 +43,7 @@ def _settings() -> Iterator[None]:
 
 
 class Sheet(Figure):
-    """A figure that every notebook shows: matplotlib's own are shown where a notebook was told of matplotlib before."""
+    """Figure that every notebook shows; matplotlib's own are shown where the notebook has enabled matplotlib before."""
 
     def _repr_png_(self) -> bytes:
         return written(self, "png", self.dpi)

@@ -41,7 +41,7 @@ def monitor(solution: Solution) -> Monitors:
 
 
 def drift(solution: Solution) -> np.ndarray:
-    """Largest violation of any joint at every time, (n_t,)."""
+    """Largest constraint violation of any joint at every time, (n_t,)."""
     system = solution.system
     curves, _ = system.curves(solution.times)
     work, rest, found = allocate_work(system.plan, system.dtype), np.zeros(system.n), np.zeros((len(solution.times), 4))

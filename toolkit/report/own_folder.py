@@ -10,7 +10,7 @@ from toolkit.render.pictures import file_names
 
 PAGE, KEPT = "report.html", "results.h5"
 NAMES = (PAGE, KEPT, "numbers.json", "figures", "tables")
-"""What a report writes there, beside pictures of scenes in space."""
+"""Names of what a report writes into its folder, beside pictures of scenes in space."""
 BEGUN = "<!DOCTYPE html>\n<p>This report was begun and has not been finished.</p>\n"
 
 

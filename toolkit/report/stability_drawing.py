@@ -18,7 +18,7 @@ from toolkit.studies.stability.map_limits import Of, verdicts
 from toolkit.studies.stability.map_result import MapResult, StabilityResult
 
 COLORS = ("#5ab4ac", "#f6e8c3", "#e69f00", "#b2450f", "#bdbdbd", "#ffffff")
-"""From light and cool to dark and warm: told apart by all kinds of colour vision, and in grey."""
+"""Colours from light and cool to dark and warm: told apart by all kinds of colour vision, and in grey."""
 LETTERS = ("", "i", "d", "F", "r", "")
 DARK = ("failed",)
 ROW, STRIP = 0.17, 0.30
@@ -28,7 +28,7 @@ AROUND = 0.72
 
 
 def stability_drawing(study: StabilityResult, name: str) -> Drawing:
-    """One row of panels per map; without variables only the motion."""
+    """Drawing with one row of panels per map; without variables only the motion."""
     sides: tuple[Of, ...] = ("run", "gradient") if study.design else ("run",)
     heights = [_height(each) for each in study.maps]
     with sheet(

@@ -24,7 +24,7 @@ _JUDGES = {
     "central-difference": "The central difference uses steps of 1e-5 of the value.",
     "complex-step": "The complex step is exact to round-off.",
 }
-"""What the methods are that gradients are compared with."""
+"""Sentences on the methods that gradients are compared with."""
 
 
 @dataclass(frozen=True)

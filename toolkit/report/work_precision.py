@@ -22,7 +22,7 @@ Point = tuple[float, float]
 
 
 def work_precision(found: Tradeoff) -> Drawing:
-    """One panel for the responses, one for their gradients if these have budgets: largest error over the median time.
+    """Drawing of largest error over median time: a panel for responses, and one for gradients if these have budgets.
 
     Where budgets differ, errors are drawn in units of them. At least one setting has to have worked.
     """
@@ -85,7 +85,7 @@ def _panel(panel: Axes, found: Tradeoff, series: dict[str, list[JudgedSetting]],
 
 
 def _points(panel: Axes, found: Tradeoff, series: dict[str, list[JudgedSetting]], named: list[str], derived: bool) -> None:
-    """A dotted line joins settings that differ in their steps alone, from the coarsest to the finest."""
+    """Draw settings as points; a dotted line joins those that differ in their steps alone, from coarsest to finest."""
     rest = "other settings"
     for name in sorted(series, key=lambda name: name in named):  # colours above grey
         look = {"color": "0.75", "marker": "."}
@@ -128,7 +128,7 @@ def _limits(panel: Axes, found: Tradeoff, derived: bool) -> None:
 
 
 def _window(panel: Axes, points: Sequence[Point], budget: float) -> None:
-    """Room for the points and the budget, and times that are read as numbers."""
+    """Set limits with room for the points and the budget, and ticks of times that are read as numbers."""
     times, errors = zip(*points, strict=True)
     seen = [error for error in errors if math.isfinite(error)] + [budget]
     panel.set_ylim(min(seen) / 4, 4 * max(seen))

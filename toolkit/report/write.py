@@ -12,9 +12,9 @@ from toolkit.report import page
 from toolkit.report.drawing import Drawing
 from toolkit.report.figures.catalogue import FIGURES_IN
 from toolkit.report.material import Material, Progress
-from toolkit.report.motion.sections import motion_sections
 from toolkit.report.own_folder import PAGE, begin, refuse_foreign_files
 from toolkit.report.page import Section
+from toolkit.report.sections import motion_sections
 from toolkit.report.tables import Table, all_tables
 from toolkit.results.results_file import save_results
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import Constant
+from toolkit.equations.equations import Inputs
 from toolkit.linear.factored_matrix import strain_rows
 from toolkit.responses.instant import Instant
 from toolkit.responses.response import Partials
@@ -38,9 +42,17 @@ class KineticEnergy(Energy):
 
     def at(self, solution: Solution, step: int) -> Partials:
         """Kinetic energy at a step, and its derivatives by q, v and the design."""
-        system, pad, counts = solution.system, np.zeros(solution.system.n - solution.system.n_q), self.counted(solution)
+        return self.instants(solution)(step)
+
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """Function that gives the kinetic energy and its derivatives at a step."""
+        inputs = solution.system.inputs(solution.times[0], np.zeros(3))  # no curve matters to inertia
+        return partial(self._at, solution, self.counted(solution), inputs)
+
+    def _at(self, solution: Solution, counts: np.ndarray, inputs: Inputs, step: int) -> Partials:
+        system, pad = solution.system, np.zeros(solution.system.n - solution.system.n_q)
         q, v = np.concatenate([solution.q[step], pad]), np.concatenate([np.where(counts, solution.v[step], 0), pad])
-        terms = system.evaluate(system.inputs(solution.times[step], np.zeros(3)), q, np.zeros_like(q), v, design=True)
+        terms = system.evaluate(inputs, q, np.zeros_like(q), v, design=True)
         n_q, value_q = system.n_q, np.zeros(system.n, np.result_type(v, terms.I_q))
         np.add.at(value_q, system.plan.indices, np.repeat(v, np.diff(system.plan.indptr)) * terms.I_q / 2)
         by_v = np.where(counts, terms.inertial[:n_q], 0)

@@ -65,7 +65,7 @@ def _elastic(solution: Solution) -> float:
 
 
 def _largest(solution: Solution) -> tuple[float, float, float]:
-    """Largest rate, acceleration and force of a joint in a motion, in parts of the scene's size."""
+    """Largest rate, acceleration and joint force in a motion, in parts of the model size."""
     if _largest not in solution.known:
         n_q, weights = solution.system.n_q, solution.system.weights
         pairs = (solution.v, weights[:n_q]), (solution.a, weights[:n_q]), (solution.multipliers, 1 / weights[n_q:])

@@ -30,14 +30,14 @@ class Partials(NamedTuple):
 
 
 STATES = ("q", "v", "a", "multipliers")
-"""What a value can depend on, by the names in `Partials` and in a solution."""
+"""States that a value can depend on, by the names in `Partials` and in a solution."""
 
 
 class Response(Registered):
     """Base of all responses; a new one is one subclass with `partials`."""
 
     quantity: ClassVar[str] = "none"
-    """What it is, for its unit: a key of `toolkit.foundation.units`."""
+    """Name of the quantity, for its unit: a key of `toolkit.foundation.units`."""
 
     @property
     def needs_motion(self) -> bool:

@@ -80,7 +80,7 @@ def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple
 
 
 def _gaps_at(solution: Solution, body: str, step: int) -> tuple[np.ndarray, np.ndarray]:
-    """`gaps` at one step, remembered of the last ones: several responses look at the same shape."""
+    """Gap vectors at one step, as `gaps`; the last ones are stored, as several responses use the same shape."""
     kept: dict[int, tuple[np.ndarray, np.ndarray]] = solution.known.setdefault((gaps, body), {})
     if step not in kept:
         if len(kept) >= KEPT:
@@ -128,13 +128,16 @@ def _moved_shapes(solution: Solution, body: str) -> Iterator[tuple[int, Scene, n
 
 
 def shape_error(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """`distances` in the last state: (n_k,) and (n_k, n_x)."""
+    """Distances to the target in the last state, (n_k,), and their design derivatives (n_k, n_x), as `distances`."""
     error, change = distances(solution, body, slice(-1, None))
     return error[0], change[0]
 
 
 def shape_error_history(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """`distances` at every time: (n_t, n_k) and (n_t, n_k, n_x); without a target there are no nodes."""
+    """Distances to the target at every time, (n_t, n_k), and their design derivatives (n_t, n_k, n_x), as `distances`.
+
+    Without a target there are no nodes.
+    """
     scene = solution.system.scene
     if scene.model(flexible_body(scene, body).model, "shape").shape is None:
         return np.zeros((len(solution.times), 0)), np.zeros((len(solution.times), 0, solution.system.n_x))

@@ -184,8 +184,7 @@ class Result:
     def verdict(self) -> Verdict:
         """Whether values and gradients can be trusted, and why not; found out when it is first asked for, at the price of half a run, and
         of one with more floating frames where there are gradients of bodies that deform far, with more shapes where bases are frozen."""
-        found = self._verdict
-        errors = self._errors_of_doubted(framed_doubts(found.warnings))
+        found, errors = self._verdict, self.weighed_frames
         if self.gradients and self.solution.system.n_x and (errors is None or most_pulled(self.solution) not in errors.frames):
             found = Verdict.of([*found.warnings, *steep_joints(self.solution)], found.measures)
         if self.basis_errors is not None:
@@ -194,22 +193,26 @@ class Result:
         if errors is None:
             return found
         sizes = variable_sizes(self.solution.system.scene, self)
-        scales: Mapping[str, float] = {f: abs(value) for f, value in self.values.items()}
-        slopes = self.gradient_scales
-        if moving(self.solution):
-            scales = self._answers.scales
+        scales, slopes = self.scales, self.gradient_scales
         weighed = unless_frames_deny(found.warnings, self.solution, errors, scales, self.gradients, sizes, slopes)
         doubts = (*doubtful_values(errors, scales), *doubtful_gradients(errors, self.gradients, sizes, slopes))
         record = errors.record(self.gradients, sizes, slopes)
         return Verdict.of([*weighed, *doubts], {**found.measures, "geometric_error": record})
 
-    def _errors_of_doubted(self, bodies: set[str]) -> FrameErrors | None:
-        """Errors by the number of frames, with doubted bodies among those that are given more."""
+    @property
+    def scales(self) -> Mapping[str, float]:
+        """Response -> the largest value in a motion, which errors by frames are compared with; without a motion its value."""
+        return self._answers.scales if moving(self.solution) else {f: abs(value) for f, value in self.values.items()}
+
+    @cached_property
+    def weighed_frames(self) -> FrameErrors | None:
+        """Errors by the number of frames, with bodies that are doubted among those that are given more."""
+        bodies = framed_doubts(self._verdict.warnings)
         if self.reframed is None or not self.gradients or bodies <= set(bodies_with_more(self.solution)):
             return self.frame_errors
         return frame_errors(self.solution, self.values, self.gradients, self.reframed, bodies)
 
-    @property
+    @cached_property
     def _verdict(self) -> Verdict:
         """The same without what frames do to gradients."""
         if self.repeat is None or not moving(self.solution) or not self.values:

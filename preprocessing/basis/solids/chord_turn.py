@@ -37,7 +37,9 @@ def chord_turn(chord: Chord, names: Sequence[str], ties: Mapping[str, Tie]) -> n
 
 
 def supported(stiffness: sparse.csr_array, rows: Sequence[sparse.csr_array]) -> sparse.csr_array:
-    """K + s B^T B of a body that nothing holds, for the point with the fewest nodes among the `rows` B that are held besides.
+    """Stiffness K + s B^T B of a free body, supported at the point with the fewest nodes.
+
+    B are the rows of that point, among the `rows` that are held besides.
 
     Where B u is given, that changes nothing but the forces on B.
     """

@@ -18,7 +18,7 @@ from toolkit.foundation.mode_shapes import told_apart
 SMALL = 300
 """Coordinates up to which all modes are computed with dense matrices."""
 CONVERGED, PATIENCE = 1e-11, 500
-"""Of the conjugate gradients for derivatives: relative residual, and steps; the round-off of the factors is smaller by some 1e-3."""
+"""Relative residual and steps of the conjugate gradients for derivatives; the factors' round-off is smaller by some 1e-3."""
 
 
 class System(Protocol):

@@ -47,7 +47,7 @@ class BeamPatch:
 
     @property
     def polynomials(self) -> SectionShape:
-        """Of its section; numbers where shear deforms it."""
+        """Polynomials of the section of an element; numbers where shear deforms it."""
         return self.shape.fixed(self.sheared.dimensions) if self.sheared else self.shape
 
     @property
@@ -58,7 +58,7 @@ class BeamPatch:
 
 
 class Beam(LineElement):
-    """What beams of the plane and of space share; a kind states its sections and makes its `BeamElements`."""
+    """Base of beams in the plane and in space; a kind states its sections and makes its `BeamElements`."""
 
     ends_first: ClassVar[bool]
     """Order of the stress points of an element: both ends of a fibre follow each other, or all fibres of an end."""
@@ -66,25 +66,20 @@ class Beam(LineElement):
     @property
     @abstractmethod
     def sections(self) -> Sequence[BeamPatch]:
-        """Every section, and the elements of it."""
+        """Sections of the beams, each with its elements."""
 
     @abstractmethod
     def elements(self, numbers: np.ndarray) -> BeamElements:
-        """Some of the elements."""
+        """Beam elements with the given numbers."""
 
     @property
     def planes(self) -> int:
-        """In which the beams bend: one, or two in space."""
+        """Number of planes in which the beams bend: one, or two in space."""
         return self.space.dimension - 1
 
     @cached_property
-    def beams(self) -> BeamElements:
-        """The elements that contribute."""
-        return self.elements(self.contributing)
-
-    @cached_property
     def phi(self) -> np.ndarray | None:
-        """Phi of deflections in every plane of every element, (n_e, planes); None without shear."""
+        """Shear parameters Phi of deflections in every plane of every element, (n_e, planes); None without shear."""
         if not any(each.sheared for each in self.sections):
             return None
         lengths = length(self.ends)
@@ -106,7 +101,7 @@ class Beam(LineElement):
 
     @property
     def stress_points(self) -> StressPoints:
-        """Element by element, both ends of every fibre."""
+        """Stress points element by element, at both ends of every fibre."""
         found = np.zeros((3, int(self.first_rows[-1])), int)
         for each in self.sections:
             for number, fibre in enumerate(each.shape.fibres):
@@ -115,7 +110,7 @@ class Beam(LineElement):
         return StressPoints(*found)
 
     def _rows(self, each: BeamPatch, elements: np.ndarray, number: int) -> np.ndarray:
-        """Numbers of the stress rows at both ends of one of the fibres of some elements, (n, 2)."""
+        """Numbers of the stress rows at both ends of one fibre of some elements, (n, 2)."""
         own = [number, len(each.shape.fibres) + number] if self.ends_first else [2 * number, 2 * number + 1]
         rows: np.ndarray = self.first_rows[elements, None] + own
         return rows
@@ -125,23 +120,24 @@ class Beam(LineElement):
         return self.dofs[element, : 2 * self.per_node], own.shape[0], own.rotation[0]
 
     def contributions(self) -> Iterator[Contribution]:
+        beams = self.elements(self.contributing)  # not kept: their blocks are as large as all that is made of them
         for each in self.sections:
             elements, here = self.of_patch(each.patch)
             if len(elements):
-                yield from self._inertial(each, elements, here)
-                yield from self._elastic(each, elements, here)
-                yield from self._stress(each, elements, here)
+                yield from self._inertial(each, beams, elements, here)
+                yield from self._elastic(each, beams, elements, here)
+                yield from self._stress(each, beams, elements, here)
 
-    def _inertial(self, each: BeamPatch, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
+    def _inertial(self, each: BeamPatch, beams: BeamElements, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
         shape = each.polynomials
-        yield Contribution("mass", each.patch, shape.area, self.component_masses(elements, self.beams.component_mass[here]))
+        yield Contribution("mass", each.patch, shape.area, self.component_masses(elements, beams.component_mass[here]))
         for plane, terms in enumerate((shape.spread_2, shape.spread_3)):
             if terms:
-                blocks = self.beams.rotary_mass[plane][here]
+                blocks = beams.rotary_mass[plane][here]
                 yield Contribution("mass", each.patch, terms, self.component_masses(elements, blocks))
 
-    def _elastic(self, each: BeamPatch, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
-        shape, beams, factor = each.polynomials, self.beams, each.modulus_factor
+    def _elastic(self, each: BeamPatch, beams: BeamElements, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
+        shape, factor = each.polynomials, each.modulus_factor
         stiff: list[tuple[Terms, Any, np.ndarray]] = [(shape.area, factor, beams.stretching)]
         stiff += [(terms, factor, rows) for terms, rows in zip((shape.bending_2, shape.bending_3), beams.bending, strict=False)]
         if shape.torsion:
@@ -151,13 +147,13 @@ class Beam(LineElement):
         for terms, each_factor, rows in stiff:
             yield squared(each.patch, terms, self.placed_rows(elements, np.sqrt(each_factor) * rows[here]))
 
-    def _stress(self, each: BeamPatch, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
-        """The strain at all fibres, and the curvatures at both ends of each."""
+    def _stress(self, each: BeamPatch, beams: BeamElements, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
+        """Contributions to the stress: strain at all fibres, and the curvatures at both ends of each."""
         fibres, factor, count = each.polynomials.fibres, each.modulus_factor, int(self.first_rows[-1])
         every = self.first_rows[elements, None] + np.arange(2 * len(fibres))
-        strain = factor * np.repeat(self.beams.strain[here][:, None, :], 2 * len(fibres), axis=1)
+        strain = factor * np.repeat(beams.strain[here][:, None, :], 2 * len(fibres), axis=1)
         yield Contribution("stress", each.patch, ONE, self.placed_rows(elements, strain, every, count))
-        bent = [-factor * curvature[here] for curvature in self.beams.curvature]
+        bent = [-factor * curvature[here] for curvature in beams.curvature]
         for number, fibre in enumerate(fibres):
             rows = self._rows(each, elements, number)
             for terms, blocks in zip((fibre.second, fibre.third), bent, strict=False):
@@ -181,13 +177,17 @@ class Beam(LineElement):
                     yield from section_terms("fibre_distance", patch, rows, distance, 1.0, column)
 
     def tensions(self) -> Iterator[Tension]:
-        """The normal force on the slopes of the centre line; in space also its stress on how fibres turn when the section twists."""
-        slopes, strain = np.concatenate(self.beams.turning, axis=1), self.beams.strain
+        """Stiffening by the normal force, on the slopes of the centre line; in space also on fibres that turn in torsion.
+
+        Of those it is the stress of the normal force that acts on how they turn when the section twists.
+        """
+        beams = self.elements(self.contributing)
+        slopes = np.concatenate(beams.turning, axis=1)
         for each in self.sections:
             (elements, here), shape = self.of_patch(each.patch), each.polynomials
-            twisting = [(terms, self.beams.torsion) for terms in (shape.bending_2, shape.bending_3) if shape.torsion]
+            twisting = [(terms, beams.torsion) for terms in (shape.bending_2, shape.bending_3) if shape.torsion]
             for terms, rows in ((shape.area, slopes), *twisting):
-                yield Tension(each.patch, elements, terms, each.modulus_factor * strain[here], rows[here])
+                yield Tension(each.patch, elements, terms, each.modulus_factor * beams.strain[here], rows[here])
 
     def changing(self) -> Self:
         found = self.stepped
@@ -199,7 +199,7 @@ class Beam(LineElement):
 
 @dataclass(frozen=True, eq=False)
 class SpatialBeam(Beam):
-    """Displacements along and rotations about x, y and z at both ends."""
+    """Spatial beams with displacements along and rotations about x, y and z at both ends."""
 
     orientation: np.ndarray  # (n_e, 3), the e_3 of each section before it is made normal to its element
     patches: Sequence[BeamPatch]
@@ -208,7 +208,7 @@ class SpatialBeam(Beam):
 
     @property
     def hidden(self) -> int:
-        """One coordinate for the offset of points from the centre line."""
+        """Number of hidden coordinates: one for the offset of points from the centre line."""
         return 1
 
     @property
@@ -231,7 +231,10 @@ class SpatialBeam(Beam):
 
 @dataclass(frozen=True, eq=False)
 class PlanarBeam(Beam):
-    """Displacements x, y and the rotation at both ends, of rectangles: thickness in the plane, width across it."""
+    """Planar beams with displacements x, y and the rotation at both ends.
+
+    Their sections are rectangles: thickness in the plane, width across it.
+    """
 
     patches: Sequence[Patch]
     modulus_factor: Any = 1.0  # 1, or 1 / (1 - nu^2) in plane strain; may carry a complex step
@@ -242,7 +245,7 @@ class PlanarBeam(Beam):
 
     @property
     def hidden(self) -> int:
-        """One coordinate for the offset of points from the centre line, where the section has rotary inertia."""
+        """Number of hidden coordinates: one for the offset of points from the centre line, where there is rotary inertia."""
         return int(self.rotary_inertia)
 
     @cached_property

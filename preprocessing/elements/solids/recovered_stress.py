@@ -37,7 +37,7 @@ STRAIGHT = {
 }  # fmt: skip
 """Shape functions of the corners."""
 ROUNDS = 3
-"""How often a patch may grow."""
+"""Number of times that a patch may grow."""
 UNTOLD = 1e-6
 """Part of the largest eigenvalue of a patch's normal matrix below which its points leave a term open."""
 

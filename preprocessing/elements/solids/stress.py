@@ -28,7 +28,7 @@ COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 MIDDLE_OF_EDGE = (np.array([[0.5]]), np.ones(1))
 
 Rows = tuple[Any, Any]
-"""Those for lambda and for mu, sparse (n_stress, n)."""
+"""Stress rows for lambda and for mu, sparse (n_stress, n)."""
 
 
 def stress_rows(

@@ -18,7 +18,7 @@ from skfem.element import ElementH1
 from skfem.refdom import RefWedge
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]], float)
-"""Those of the reference wedge, in the order of mesh files and of scikit-fem."""
+"""Corners of the reference wedge, in the order of mesh files and of scikit-fem."""
 EDGES = ((0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5), (0, 3), (1, 4), (2, 5))
 """Corners of every edge, in the order of the nodes in their middles, which is the same in mesh files and in scikit-fem."""
 SLOPES = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])

@@ -21,7 +21,7 @@ Group = tuple[str, Elements]
 
 
 KINDS = {"NSET": "node_sets", "SURFACE": "surfaces", "ELSET": "element_sets"}
-"""What names the groups -> where a part has them."""
+"""Attribute of a part that holds its groups, by the keyword that names these."""
 
 
 class Groups:

@@ -11,7 +11,7 @@ import numpy as np
 NUMBER = re.compile(rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 """A number after `D` of Fortran's exponents became `E`."""
 PLAIN = bytes((9, 10, *range(32, 127)))
-"""What a text of numbers may hold."""
+"""Bytes that a text of numbers may hold."""
 FORTRAN = bytes.maketrans(b"dD", b"EE")
 """Fortran writes the exponent of double precision with D; no word that is a number otherwise has one."""
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"

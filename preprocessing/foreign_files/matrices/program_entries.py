@@ -122,7 +122,7 @@ def _numbered(
 
 
 def _degrees(content: bytes, d: int) -> np.ndarray:
-    """d times the node, plus the direction from 0, of every line of a .dof file."""
+    """Number of every line of a .dof file: d times the node, plus the direction from 0."""
     found = []
     for number, line in enumerate(plain_text(content).split(b"\n"), 1):
         if not line.strip():

@@ -15,14 +15,14 @@ from preprocessing.foreign_files.nastran.numbers import Numbers, real_numbers, w
 from toolkit.foundation.errors import InputError
 
 COLUMNS = 80
-"""Of a line of fixed format; Nastran does not read beyond."""
+"""Columns of a line of fixed format; Nastran does not read beyond."""
 NO_MARK = (b"", b"+", b"+".ljust(8), b" " * 8)
 """First or tenth fields without a mark."""
 LONGEST = 32
 """Characters of a field of free format; a number has 16 at most where the columns are fixed."""
 NAME = re.compile(rb"[A-Z][A-Z0-9_]{0,7}")
 COMMENTS = (b"//", b"#")
-"""What OptiStruct begins lines of comment with, besides the dollar sign."""
+"""Beginnings of comment lines of OptiStruct, besides the dollar sign."""
 
 
 class Card:

@@ -33,7 +33,7 @@ _CARRYING = """
     DMIAX DMIG DMIGOUT DMIGROT GENEL K2GG M2GG MFLUID NSM NSM1 NSMADD NSML NSML1 NSMLS NSMLS1 NSMS NSMS1 TF
 """
 CARRYING = frozenset(_CARRYING.split())
-"""What carries mass or stiffness, or is geometry, and is not taken."""
+"""Cards that carry mass or stiffness, or are geometry, and are not taken."""
 
 TOLD = {
     "ties between nodes are interface_points of body.toml": """

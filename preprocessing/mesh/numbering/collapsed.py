@@ -35,9 +35,9 @@ FORMS = {
     "wedge": Form(WEDGE, WEDGE_EDGES),
     "hexahedron": Form(HEXAHEDRON, HEXAHEDRON_EDGES),
 }
-"""By the kind without the number of its nodes."""
+"""Forms of elements by their kind without the number of its nodes."""
 MADE = {(3,): "triangle", (3, 3, 3, 3): "tetra", (3, 3, 4, 4, 4): "wedge", (3, 3, 3, 3, 4): "pyramid"}
-"""What an element is whose faces have these numbers of corners."""
+"""Kind of an element by the numbers of corners of its faces."""
 QUADRATIC = {"triangle": "triangle6", "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid"}
 """The same with nodes in the middle of its edges."""
 AT_ONCE = 20_000

@@ -17,8 +17,8 @@ from preprocessing.mesh.gmsh_session import load_gmsh
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.simplices import cut
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.projects.linkage.new_linkage import PER_KILOGRAM, PER_METRE, WORDS, refuse_units
 from preprocessing.projects.new_folder import refuse_occupied, substituted, write_folder
+from preprocessing.projects.new_linkage import PER_KILOGRAM, PER_METRE, WORDS, refuse_units
 from preprocessing.projects.solid.texts import BODY, README, SCENE
 from preprocessing.recipes.solids.body_tables import Region
 from preprocessing.recipes.solids.node_sets import nodes_in
@@ -72,7 +72,7 @@ def _content(each: Path) -> bytes:
 
 
 DENSITY, MODULUS = 2700.0, 70e9
-"""Of aluminium, in kg/m^3 and Pa."""
+"""Density and Young's modulus of aluminium, in kg/m^3 and Pa."""
 WEIGHT, THIN = 0.5, 0.1
 """Mass at the tip, in parts of the body's; thickness of a plane body, in parts of its length."""
 SWIFT = 0.14

@@ -38,7 +38,7 @@ FRACTION = 1.1
 """Largest x that can be meant as a fraction of the chord."""
 
 ELEMENTS, ON_SKIN = 30, {"C": 10, "E": 25}
-"""Of the skin; and behind how many of them, from F on, its joints are in the reference wing."""
+"""Number of elements of the skin, and how many of them, from F on, are before its joints in the reference wing."""
 BACK, FARTHEST = -0.05, -0.95
 """Part of an element by which a joint is nearer to F than that, and by which the study may move it there: between elements the skin has
 kinks, and no derivative along it. Farther from F the linkage is near to its snap-through."""

@@ -24,7 +24,7 @@ from preprocessing.recipes.tables import BasisTable, Damping, InterfaceName, Tab
 ALONG = 1e-6
 """Sine of the angle between a beam and the orientation of its section below which it says nothing."""
 MOST_ELEMENTS = 500
-"""Of the whole frame, whose matrices are dense in the reduction."""
+"""Largest number of elements of a frame, whose matrices are dense in the reduction."""
 
 
 class FrameFile(Table):

@@ -18,7 +18,7 @@ SAME_LINE = 1e-4
 TOUCHING = 1e-3
 """Distance, in lengths of a beam, below which a node or another beam touches it: less than any beam is thick."""
 NAMED = 3
-"""How many of the places that are alike are named; the others are counted."""
+"""Number of similar places that are named; the others are counted."""
 
 
 class Lines(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,13 +10,12 @@ from typing import Any
 from preprocessing.airfoil.table import LARGEST_FILE
 from preprocessing.discretisation.discretisation import DesignSpace
 from preprocessing.elements.kinds.beams import SpatialBeam
+from preprocessing.elements.section import QUANTITIES
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.gmsh_session import load_gmsh
 from preprocessing.recipes.beam_surface import beam_surface
-from preprocessing.recipes.checked_file import validated
+from preprocessing.recipes.checked_file import put, validated
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
-from preprocessing.recipes.skin.changed_design import put_value
-from preprocessing.recipes.skin.changed_keys import with_keys
 from preprocessing.recipes.skin.geometry import Geometry, read_geometry
 from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_space import design_space, differentiable
@@ -24,7 +23,111 @@ from preprocessing.reduction.reduced import SECTIONS, Reduced, element_parts, re
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
+from toolkit.foundation.listed_names import meant
 from toolkit.reduced_model.model import Mesh, Shape
+
+ELEMENTS = "skin.elements"
+
+
+def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], Any]) -> SkinFile:
+    """Skin file with other values of some keys.
+
+    Parameters
+    ----------
+    keys : key -> value
+        A table (`basis`), or a key in one (`skin.elements`). With another number of elements, interface points at nodes and groups
+        of elements stay where they are along the skin.
+    stations : callable
+        Gives the arc lengths of the file's own nodes, (n_nodes,).
+
+    Raises
+    ------
+    InputError
+        A key or a value is invalid, or a group ends where no element of the other mesh does.
+    """
+    content = file.model_dump(exclude_none=True)
+    if ELEMENTS in keys:
+        _remesh(file, content, keys[ELEMENTS], stations)
+    for key, value in keys.items():
+        put(content, key.split("."), value)
+    return validated(SkinFile, content, "the changed skin")
+
+
+def _remesh(file: SkinFile, content: dict[str, Any], elements: int, stations: Callable[[], Any]) -> None:
+    """Restate the interface points and groups that count nodes or elements."""
+    own = file.skin.elements
+    if file.skin.separate:
+        raise InputError("skin.separate: quantities of single elements mean others in another mesh. Leave the key out.")
+    for name, place in file.interface_points.items():
+        if place.node is not None:
+            moved, rest = divmod(place.node * elements, own)
+            content["interface_points"][name] = {"arc_length": float(stations()[place.node])} if rest else {"node": moved}
+    for name, group in file.groups.items():
+        first, end = group.elements[0] * elements, (group.elements[1] + 1) * elements
+        if first % own or end % own:
+            raise InputError(
+                f"groups.{name} ends where no element of a mesh of {elements} does. Choose a multiple of {own} elements."
+            )
+        content["groups"][name]["elements"] = [first // own, end // own - 1]
+
+
+_KEYS = {
+    "youngs_modulus": ("material", "youngs_modulus"),
+    "density": ("material", "density"),
+    "poisson_ratio": ("material", "poisson_ratio"),
+    "thickness": ("section", "thickness"),
+    "width": ("section", "width"),
+    "damping_mass": ("damping", "mass"),
+    "damping_stiffness": ("damping", "stiffness"),
+    "chord": ("airfoil", "chord"),
+    "y_scale": ("airfoil", "y_scale"),
+}
+"""Keys of the body's own parameters in skin.toml."""
+
+
+def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) -> None:
+    """Give a parameter of the file another value in its content.
+
+    Besides the parameters of the reduced model, `interface_points.C.arc_length` puts an interface point elsewhere. Those of single
+    elements, which `[skin] separate` makes, stand nowhere in the file and are left to `patches.distribute`.
+
+    Raises
+    ------
+    InputError
+        A parameter or interface point does not exist, or a value of a single element is invalid.
+    """
+    keys = _place(file, name)
+    if keys and keys[0] == "interface_points":
+        content["interface_points"][keys[1]] = {"arc_length": value}
+    elif not keys and not (value > 0 or (value == 0 and name.startswith("damping"))):
+        raise InputError(f"the parameter {name!r} cannot be {value!r}; give a positive number.")
+    elif keys:
+        put(content, keys, value)
+
+
+def _place(file: SkinFile, name: str) -> tuple[str, ...]:
+    """Keys that lead to a parameter in the file; empty for one of a single element."""
+    if name in _KEYS:
+        return _KEYS[name]
+    if name in file.shape:
+        return ("shape", name, "height")
+    if name.startswith("interface_points.") and name.endswith(".arc_length"):
+        point = name.split(".")[1]
+        if point in file.interface_points:
+            return ("interface_points", point)
+    for quantity in QUANTITIES:
+        owner = name.removeprefix(f"{quantity}_")
+        if owner != name and owner in file.groups and quantity in file.groups[owner].values:
+            return ("groups", owner, quantity)
+        if owner in map(str, range(file.skin.elements)) and quantity in file.skin.separate:
+            return ()
+    raise InputError(
+        f"skin.toml has no parameter {name!r}{meant(name, _KEYS)}; there are {', '.join(_KEYS)}, "
+        f"shape modes ({', '.join(file.shape) or 'none'}), "
+        f"quantities of groups such as thickness_NAME ({', '.join(file.groups) or 'no groups'}), of separate elements such as "
+        "thickness_0, and interface_points.NAME.arc_length."
+    )
+
 
 _CLAMPED_NODE = {"F": 0, "G": -1}
 

@@ -7,18 +7,38 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
 from preprocessing.elements.block_element import LineElement
-from preprocessing.elements.kinds.beams import PlanarBeam
+from preprocessing.elements.kinds.beams import BeamPatch, PlanarBeam, SpatialBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Patch
+from preprocessing.elements.section_shape import rectangle, strip
 from preprocessing.input.at_key import at_key
+from preprocessing.mesh.curve_mesh import CurveMesh
 from preprocessing.recipes.skin.geometry import Geometry, Remark
 from preprocessing.recipes.skin.shape_parameters import shape_parameters
 from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_tables import Place
-from preprocessing.recipes.skin.spatial_skin import spatial_skin
 from toolkit.foundation.errors import InputError
+
+
+def spatial_skin(
+    mesh: CurveMesh, patches: Iterable[Patch], modulus_factor: Any, poisson_ratio: Any, rotary_inertia: bool
+) -> SpatialBeam:
+    """Spatial beams along the skin, in the plane z = 0, with the thickness in the plane and the width along z.
+
+    Parameters
+    ----------
+    modulus_factor : by which E is multiplied in stretching and bending
+    poisson_ratio : for G in torsion
+    rotary_inertia : whether the mass is spread over the thickness
+    """
+    across = np.tile([0.0, 0.0, 1.0], (len(mesh.connectivity), 1))
+    shape = rectangle() if rotary_inertia else strip()
+    own = [BeamPatch(patch, shape, 1 / (2 * (1 + poisson_ratio)), modulus_factor) for patch in patches]
+    return SpatialBeam(np.column_stack([mesh.nodes, np.zeros(len(mesh.nodes))]), mesh.connectivity, across, own)
 
 
 def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geometry: Geometry) -> DesignSpace:
@@ -69,7 +89,7 @@ def _refuse_thick(patches: Iterable[Patch], section: Mapping[str, float]) -> Non
 
 
 def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:
-    """Design space without the parameters of the shape that have no derivative; `remark` is told why."""
+    """Design space without the parameters of the shape that have no derivative; `remark` receives the reasons."""
     lost, steps = {}, {}
     for name in space.values:
         if name not in space.in_monomials:

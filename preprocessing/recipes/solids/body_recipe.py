@@ -27,7 +27,7 @@ PLACES = {
     "damping_mass": ("damping", "mass"),
     "damping_stiffness": ("damping", "stiffness"),
 }
-"""Where the parameters of a body stand in body.toml, besides its shape variables."""
+"""Keys of a body's parameters in body.toml, besides its shape variables."""
 
 
 class BodyRecipe(Recipe[BodyFile]):

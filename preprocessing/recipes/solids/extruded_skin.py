@@ -25,7 +25,7 @@ ON_NODE = 1e-9
 HEXAHEDRON = np.vstack([2 * CUBE, 2 * CUBE_MIDDLES]).round().astype(int)[:20]
 """Places of the 20 nodes in steps of half an element along the skin, through it and across it."""
 MOST_NODES = 3_000_000
-"""Of the grid; a body of so many takes hours to reduce."""
+"""Largest number of nodes of the grid; a body of so many takes hours to reduce."""
 FACE = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]])
 """The same of the 8 nodes of a section's faces, through the skin and across it."""
 

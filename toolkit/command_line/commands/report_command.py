@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
 
 PARTS = ("forward-difference", "central-difference", "complex-step", "certificate", "figures", "animation")
-"""What a report's time goes to, in the order of the work."""
+"""Parts of a report that take time, in the order of the work."""
 
 
 def report(

@@ -44,7 +44,7 @@ def sweep(
     """Solve many designs of a study, and write values and gradients into tables. Interrupted studies resume."""
     from toolkit.studies.engine.executor import Executor
     from toolkit.studies.study.study_reader import naming_study_lines, read_study
-    from toolkit.studies.sweep.sweep import sweep_problem, swept
+    from toolkit.studies.sweep.sweep import run_sweep, sweep_problem
 
     executor = Executor(processes=jobs, dask=dask)
     file = None if designs is None else str(designs.resolve())
@@ -54,7 +54,7 @@ def sweep(
     folder = prepare_folder(output, "sweep.csv", "sweep.json", "sweep.parquet", "sweep.png", "sweep.svg")
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
-        found = swept(problem, folder, executor, progress)
+        found = run_sweep(problem, folder, executor, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
     print_answer(lambda: record, lambda: _print(found, record), found.verdict, as_json, quiet)

@@ -40,7 +40,7 @@ def uncertainty(
     from toolkit.studies.distributions.uncertain_numbers import Uncertainty
     from toolkit.studies.engine.executor import Executor
     from toolkit.studies.study.study_reader import naming_study_lines, read_study
-    from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
+    from toolkit.studies.uncertainty.find_uncertainty import find_uncertainty
     from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
     executor, described = Executor(processes=jobs, dask=dask), read_study(study)
@@ -53,7 +53,7 @@ def uncertainty(
     folder = prepare_folder(output, "uncertainty.json", "uncertainty.png", "uncertainty.svg")
     compile_before(checked.problem.scene, checked.problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
-        found = found_uncertainty(checked, folder, executor, progress)
+        found = find_uncertainty(checked, folder, executor, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
     print_answer(lambda: record, lambda: _print(found), found.verdict, as_json, quiet)

@@ -24,7 +24,7 @@ def accuracy(result: Result) -> list[str]:
 
 
 def _percent(part: float) -> str:
-    """A part in percent, with two digits, zero where round-off makes it negative."""
+    """Part in percent, with two digits; zero where round-off makes it negative."""
     return f"{100 * part:.2g} %" if part > 0 else "0 %"
 
 

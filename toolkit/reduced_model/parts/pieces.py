@@ -10,7 +10,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Pieces:
-    """Every point of the surface by the piece that it is told by: its place is `position @ [1; u]`, u of the nodes of the element."""
+    """Surface points by the piece that each belongs to: places are `position @ [1; u]`, u of the nodes of the element."""
 
     element: np.ndarray  # (n_points,)
     position: np.ndarray  # (n_points, 3, 13)

@@ -39,7 +39,7 @@ def face_record(model: ReducedModel) -> dict[str, Any] | None:
 
 
 def face_questions(model: ReducedModel, where: str, doubt: bool = False) -> Iterator[Caution]:
-    """A caution of faces that count."""
+    """Caution about faces between pieces whose error is too large."""
     if max((abs(error) for error in model.face_errors.values()), default=0.0) > LIMIT:
         yield Caution(
             "faces-of-pieces",

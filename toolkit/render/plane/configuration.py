@@ -21,7 +21,7 @@ class Configuration(Moment):
     """One step of a planar solution, for drawing."""
 
     def elastic(self, body: str) -> np.ndarray:
-        """q_f of a flexible body, shape (n_f,)."""
+        """Elastic coordinates q_f of a flexible body, shape (n_f,)."""
         found = self.scene.body(body)
         if isinstance(found, CutBody):
             return self.coordinates(body)[found.elastic_places]
@@ -48,7 +48,7 @@ class Configuration(Moment):
         return q[frame[:2]] + rotation(q[frame[2]]) @ local if found.has_frame else local
 
     def turned(self, body: str, point: str, direction: np.ndarray) -> np.ndarray:
-        """A direction (2,) of the undeformed configuration that turns with the body at a point: by theta + t0 + T q."""
+        """Direction (2,) of the undeformed configuration, turned with the body at a point: by theta + t0 + T q."""
         q, marker = self.coordinates(body), self.scene.body(body).marker(self.scene, point, body)
         angle = np.real(marker.point[2] + q[marker.columns] @ marker.shape[:, 2])
         return rotation(angle + q[marker.columns[2]] if self.scene.body(body).has_frame else angle) @ direction

@@ -19,7 +19,7 @@ from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
 MOST_MOMENTS = 60
-"""Of the whole motion that are looked at for what the main window has to contain."""
+"""Number of moments of the whole motion that are looked at for what the main window has to contain."""
 _DETAIL = 0.16
 """Half width of the detail, relative to the extent of the skin."""
 

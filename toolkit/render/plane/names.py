@@ -20,7 +20,7 @@ from toolkit.render.plane.symbols import clamps
 from toolkit.render.plane.window import figure_of, shown
 
 _SIZE = 10
-"""Of letters, in points."""
+"""Size of letters, in points."""
 _NAME = 4.0
 """Above everything else."""
 _CLEAR = {"boxstyle": "square,pad=0.05", "facecolor": "white", "edgecolor": "none", "alpha": 0.7}

@@ -32,7 +32,7 @@ _SPRING = 4.0 / 72
 _BAND = 4.0
 """Width of the coloured boundary of a meshed body, in points."""
 _UNTOLD, _EDGE = "#c8cdd4", "#5d6f8a"
-"""Where nothing is known of a field; the edge of a rod."""
+"""Colour where nothing is known of a field; colour of the edge of a rod."""
 _SOLID, _ROD, _SKIN, _OUTLINE, _TARGET, _LINE, _SUPPORT, _PIN = 1.4, 1.5, 2.0, 2.2, 2.4, 2.3, 3.0, 3.2
 """What covers what."""
 

@@ -74,7 +74,7 @@ def instant_figure(
 
 
 def instants_alike(width: float = WIDE) -> Callable[[Configuration, Look, NamesOfMotion | None], Figure]:
-    """`instant_figure` for one instant of a motion after the other, all laid out as the first, so that nothing moves but the scene."""
+    """Function that draws instants of a motion, one after the other, all laid out as the first, so that only the scene moves."""
     first: list[Figure] = []
 
     def figure(moment: Configuration, look: Look, motion: NamesOfMotion | None) -> Figure:

@@ -24,7 +24,7 @@ POINTS = 13
 
 @dataclass(frozen=True)
 class SkinShape:
-    """A flexible body as drawn: per element `POINTS` points of its middle line, with the normal to the outer side and the stress."""
+    """Flexible body as drawn: per element `POINTS` points of its middle line, with outer normal and stress."""
 
     line: np.ndarray  # (n_e, POINTS, 2), global
     outward: np.ndarray  # (n_e, POINTS, 2), unit normals

@@ -20,7 +20,7 @@ POINTS = 5
 
 
 PLACES = (0, 1, 2, 5)
-"""Of the components xx, yy, zz, xy among the six in space."""
+"""Places of the components xx, yy, zz, xy among the six in space."""
 
 
 @dataclass(frozen=True)

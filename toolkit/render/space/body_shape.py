@@ -19,7 +19,7 @@ from toolkit.responses.stress.stress import stress_components
 from toolkit.scene.scene import Scene
 
 UNSEEN = ("youngs_modulus", "density", "poisson_ratio", "damping")
-"""How names of parameters begin that no picture shows."""
+"""Beginnings of the names of parameters that no picture shows."""
 STILL = 1e-12
 """Motion of a point by the elastic coordinates that is round-off, relative to the largest."""
 

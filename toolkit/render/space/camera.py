@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 ANGLE = np.deg2rad(25.0)
-"""From the lower to the upper edge of a picture in perspective."""
+"""Angle of view from the lower to the upper edge of a picture in perspective."""
 ISOMETRIC = np.array([[1.0, 1.0, 0.0], [-1.0, 1.0, 2.0], [1.0, -1.0, 1.0]]) / np.sqrt([[2.0], [6.0], [3.0]])
 """Directions to the right, up and towards the eye: x comes to the front on the right, y goes to the back on the right, z is up."""
 _LEAST = 0.25
 """Half of what is seen at least, relative to the reach: of a rod along the line of sight."""
 _CLEAR = 2.2
-"""How far things are moved to be before or behind all others, which are at most twice the reach apart, relative to it."""
+"""Distance by which things are moved before or behind all others, relative to the reach; these are at most two apart."""
 
 
 @dataclass(frozen=True)

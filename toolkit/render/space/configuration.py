@@ -40,7 +40,7 @@ class SpatialConfiguration(Moment):
         return found
 
     def elastic(self, body: str) -> np.ndarray:
-        """q_f of a flexible body, shape (n_f,); of a cut one those of all its parts."""
+        """Elastic coordinates q_f of a flexible body, shape (n_f,); of a cut one those of all its parts."""
         found = self.spatial_body(body)
         if isinstance(found, CutBody):
             return self.coordinates(body)[found.elastic_places]

@@ -31,9 +31,9 @@ SHINE: dict[str, Any] = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
 _REACHES = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0, 7.0, 10.0)
 """Gaps between a point and its name, in letters: a name of a large body has to leave it."""
 SMALLEST = 1e-3
-"""Of the largest force or torque: a smaller one is not drawn."""
+"""Part of the largest force or torque below which one is not drawn."""
 _MOVED = 0.25
-"""Of a tube's radius: a body that has moved less hides its undeformed shape."""
+"""Part of a tube's radius: a body that has moved less hides its undeformed shape."""
 
 
 def draw_spatial_scene(

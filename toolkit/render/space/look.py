@@ -22,7 +22,7 @@ from toolkit.responses.stress.von_mises import point_stress
 from toolkit.system.solution import Solution
 
 MOST_MOMENTS = 60
-"""Of the whole motion that are looked at for what has to be in view and for the largest stress."""
+"""Number of moments of the whole motion that are looked at for the view and for the largest stress."""
 SOME = 50
 """Points of a surface that stand for it where moments are compared."""
 TUBE, ARROW = 1 / 180, 1 / 7

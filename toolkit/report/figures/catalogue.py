@@ -31,7 +31,7 @@ from toolkit.scene_file.gradient_units import per, variable_unit
 
 
 def monitor_curves(material: Material) -> list[Drawing]:
-    """Energies, what the balance lacks, and the largest violation of any joint."""
+    """Figure of energies, energy balance, and the largest constraint violation of any joint."""
     if not material.moving:
         return []
     found, times, energy = material.monitors, material.solution.times, unit(material.scene.units, "energy")
@@ -164,6 +164,6 @@ FIGURES: tuple[Figure, ...] = (
     certificate,
     monitor_curves,
 )
-"""Of scenes in the plane."""
+"""Figures of scenes in the plane."""
 FIGURES_IN: dict[Space, tuple[Figure, ...]] = {PLANE: FIGURES, SPACE: (load_curves, certificate, monitor_curves)}
-"""Those of scenes in space look at no body; pictures of bodies come from `motion`."""
+"""Figures by space; those of scenes in space show no body, whose pictures come from `motion`."""

@@ -18,7 +18,7 @@ LEAST = 1e-9
 
 
 def history(found: Optimum) -> Drawing:
-    """One panel for the objective of all searches, and one for the largest violation of a constraint if any design violates one."""
+    """Drawing with a panel for the objective of all searches, and one for constraint violations if there are any."""
     name, unit = objective_of(found.search.program)
     constrained = any(_violation(search, each) > LEAST for search in found.searches for each in _designs(found, search))
     with sheet(2.7 * (1 + constrained) + 0.4, 1 + constrained, sharex=True) as (figure, axes):
@@ -39,7 +39,7 @@ def history(found: Optimum) -> Drawing:
 
 
 def _search(panels: np.ndarray, found: Optimum, search: SearchResult, number: int, label: str) -> None:
-    """Curves of one search, with crosses at the foot of the first panel for what failed."""
+    """Draw the curves of one search, with crosses at the foot of the first panel for what failed."""
     mine, look = _designs(found, search), style(number)
     good = [k for k, each in enumerate(mine) if not each.failed]
     objectives = [float(search.program.objective(mine[k].values)[0]) for k in good]

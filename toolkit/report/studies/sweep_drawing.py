@@ -35,7 +35,7 @@ def _variable(found: Swept, k: int) -> str:
 
 
 def _curves(found: Swept, k: int) -> Drawing:
-    """A panel per response, with a tangent at every design and crosses at the foot for what failed."""
+    """Draw a panel per response, with a tangent at every design and crosses at the foot for what failed."""
     order = np.argsort(found.designs[:, k], kind="stable")
     x = found.designs[order, k]
     half = TANGENT * (np.ptp(x) / max(len(x) - 1, 1))
@@ -55,7 +55,7 @@ def _curves(found: Swept, k: int) -> Drawing:
 
 
 def _maps(found: Swept, moved: list[int]) -> Drawing:
-    """A panel per response: designs in the plane of the two variables, coloured by the response."""
+    """Draw a panel per response: designs in the plane of the two variables, coloured by the response."""
     x, y = found.designs[:, moved].T
     lost = np.array([each.failed for each in found.solved])
     labels = list(found.responses)
@@ -70,7 +70,7 @@ def _maps(found: Swept, moved: list[int]) -> Drawing:
 
 
 def _parallel(found: Swept, moved: list[int]) -> Drawing:
-    """A line per design across variables and responses, each from its least to its largest value, coloured by the first response."""
+    """Draw a line per design across variables and responses, each between its extremes, coloured by the first response."""
     labels = list(found.responses)
     table = np.column_stack([found.designs[:, moved], *(found.values(label) for label in labels)])
     low, high = np.nanmin(table, axis=0), np.nanmax(table, axis=0)

@@ -17,7 +17,7 @@ SAMPLES, BINS = 2**14, 60
 
 
 def uncertainty_drawing(found: UncertainResult) -> Drawing:
-    """A row per response: its density with its limits, and the shares of its variance."""
+    """Drawing with a row per response: its density with its limits, and the shares of its variance."""
     labels, joint = list(found.responses), found.study.joint
     germs = joint.germs_of(scrambled(SAMPLES, len(joint.marginals), found.study.options.seed))
     with sheet(0.6 + 2.3 * len(labels), len(labels), 2, width=WIDE) as (figure, axes):

@@ -13,12 +13,48 @@ from toolkit.description.description import Description
 from toolkit.foundation.errors import InputError
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import Load
-from toolkit.responses.balance.power_of_gravity import power_of_gravity
+from toolkit.responses.balance.mass import masses
 from toolkit.responses.balance.power_of_load import power_of_load
+from toolkit.responses.kinematics.marker_formula import one_of
+from toolkit.responses.kinematics.marker_motion import MarkerMotion, Motion
 from toolkit.responses.kinematics.rates import OfRates
 from toolkit.responses.response import Partials
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
+
+
+def power_of_gravity(solution: Solution, name: str) -> Callable[[int], Partials]:
+    """Power P = sum m_b g . r_b' of the gravity load of that name, step by step."""
+    system, scene = solution.system, solution.system.scene
+    names, load, d = scene.pieces(), scene.loads[name], scene.dimension
+    assert isinstance(load, UniformGravity)
+    values, by_x = masses(system, names)
+    motion, g = MarkerMotion.of(system, [(body, CENTRE) for body in names]), np.array(load.acceleration)
+    by_g = [
+        (x, _place(path), factor)
+        for x, variable in enumerate(system.design)
+        for path, factor in zip(variable.paths, variable.factors, strict=True)
+        if path.startswith(f"loads.{name}.")
+    ]
+
+    def look(step: int) -> Partials:
+        motions = motion.at(solution, step)
+        rates = np.array([each.rate[:d] for each in motions])
+        along: np.ndarray = np.zeros((1, len(motions[0].y)), system.dtype)
+        along[0, :d] = g
+        design = (np.real(rates @ g) @ by_x)[None]
+        for x, k, factor in by_g:
+            design[0, x] += factor * np.real(values @ rates)[k]
+        slopes = [Motion(rate=mass * along) for mass in values]
+        return one_of(motion.partials(np.array([values @ rates @ g]), slopes, design), 0, solution, step)
+
+    return look
+
+
+def _place(path: str) -> int:
+    """Number of the component of a vector that a path leads to."""
+    last = path.rpartition(".")[2]
+    return "xyz".index(last) if last in "xyz" else int(last)
 
 
 class Doer(Description):

@@ -116,7 +116,7 @@ def _wrenches(system: System, of_joints: Sequence[Wrench], q: np.ndarray, lam: n
 
 
 class PlanarJointForce:
-    """(f_x, f_y, torque) of joint number j and its derivatives (3, n_q), (3, n_lam), (3, n_x), of one state after the other."""
+    """Force (f_x, f_y) and torque of planar joint j, with derivatives (3, n_q), (3, n_lam), (3, n_x), one state at a time."""
 
     def __init__(self, system: System, j: int) -> None:
         self.system, self.j, self._markers = system, j, MarkerStates(system)

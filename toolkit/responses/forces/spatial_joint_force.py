@@ -20,7 +20,7 @@ from toolkit.system.marker_states import MarkerStates
 from toolkit.system.system import System
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
-"""Of every component the two others, in the order of a vector product."""
+"""Numbers of the two other components of every component, in the order of a vector product."""
 
 
 Force = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -28,7 +28,7 @@ Force = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 class SpatialJointForce:
-    """(F, M) of joint number j (6,), and its derivatives (6, n_q), (6, n_lam), (6, n_x), with memory for one state after the other."""
+    """Force and moment (F, M) (6,) of joint j, with derivatives (6, n_q), (6, n_lam), (6, n_x), one state at a time."""
 
     def __init__(self, system: System, j: int) -> None:
         self.system, self.j, self._markers = system, j, MarkerStates(system)

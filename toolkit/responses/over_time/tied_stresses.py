@@ -19,7 +19,7 @@ from toolkit.responses.stress.stress_places import stress_places
 from toolkit.system.solution import Solution
 
 LOOKED_AT = 8
-"""So many places of one stress are looked at, as each asks for a derivative of its own."""
+"""Largest number of places of one stress that are looked at, as each asks for a derivative of its own."""
 NEAR, APART = 0.01, 0.1
 """Part of the stress by which a place, so far away in parts of the body's extent, may be stressed less without a remark: what a mesh or a
 basis leaves open of it, so that the largest may be there."""

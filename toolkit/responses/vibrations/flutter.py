@@ -36,7 +36,7 @@ HOLDS = 0.01
 """Growth, a part of |s|, up to which the damping of what is real holds a vibration of a scene that has none: a square shaft under any
 torque about a fixed axis flutters without damping (Nicolai), by 0.6 % where its shear stress is 60 MPa, and stands still in fact."""
 SLOWEST = 60
-"""So many vibrations without dampers are looked at: what flutters is slow, and prices go with the third power of the number."""
+"""Number of undamped vibrations that are looked at: what flutters is slow, and the cost goes with the cube of the number."""
 
 
 class Growth(NamedTuple):

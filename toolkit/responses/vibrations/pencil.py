@@ -42,7 +42,7 @@ def real_pencil(pencil: Pencil) -> Pencil:
 def pencil_change(
     solution: Solution, s: complex, u: np.ndarray, w: np.ndarray, damped: bool, inputs: Inputs | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """w^T (s^2 dM + s dC + dK) u by q and multipliers (n,), and by the design (n_x,).
+    """Derivatives of w^T (s^2 dM + s dC + dK) u by q and multipliers (n,), and by the design (n_x,).
 
     Mixed derivatives commute: w^T dK/dz_j u is what K changes by along u, transposed, times w; one complex step along u gives it exactly,
     for all z_j and the design at once, and one of the velocities along u does the same for C.

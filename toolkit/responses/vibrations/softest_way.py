@@ -32,7 +32,7 @@ BETWEEN = 2
 NEAR, SHARP = 1e-3, 1e-8
 """How well its load factor is found by values, in parts of these; and by slopes, in parts of what is left."""
 STRAYS = 0.1
-"""How far, in parts of the scene's size (or rad), an equilibrium between two points of the path may be from the straight line."""
+"""Distance, in parts of the model size (or rad), of an equilibrium between two points of the path from the straight line."""
 FREQUENCY = Frequency()
 
 

@@ -35,7 +35,7 @@ def spinning_pencil(solution: Solution) -> Pencil:
 
 
 def spinning_change(solution: Solution, s: complex, u: np.ndarray, w: np.ndarray) -> Change:
-    """w^T dP u with P = s^2 M + s C + K: its derivatives by q, v, a, multipliers and the design."""
+    """Derivatives of w^T dP u with P = s^2 M + s C + K, by q, v, a, multipliers and the design."""
     n_q = solution.system.n_q
     q, v = np.real(solution.q[-1]), np.real(solution.v[-1])
     S = _motion(solution, q, v)

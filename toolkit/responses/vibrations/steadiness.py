@@ -16,7 +16,7 @@ LEAST, ALONG = 0.1, 0.99
 """Part of what a motion lacks to a steady spin that moves the square of a root by all of it, at most; and the cosine between its vector and
 the spin, from which on it is that."""
 ALLOWED = 1e-3
-"""What a motion may still vibrate by at its end, in parts of the scene's size (or rad): frequencies change by about as much."""
+"""Vibration left at a motion's end, in parts of the model size (or rad): frequencies change by about as much."""
 
 
 def refuse_unsteady(solution: Solution, frequency: float) -> None:

@@ -135,7 +135,7 @@ class OfVibration(Response):
         return Partials(value.real if system.compiled else value, **states, design=design)
 
     def _one_of_two(self, solution: Solution, s: complex) -> Partials:
-        """Value of a vibration whose root is a double one, with derivatives nan: which of both it is cannot be told."""
+        """Value of a vibration with a double root, whose derivatives are nan: which of both vibrations it is stays open."""
         value = self.of(s) if solution.system.compiled else complex(self.of(s), np.nan)
         return Partials(value, design=np.full(solution.system.n_x, np.nan))
 

@@ -59,9 +59,9 @@ class FrameErrors:
     most: Mapping[str, int] = field(default_factory=dict)  # body -> elements, of which each can have a frame
     undecided: Mapping[str, float] = field(default_factory=dict)  # response -> what Newton leaves open of it, which is no change
 
-    def largest(self, gradients: Slopes, sizes: Mapping[str, float]) -> float:
-        """The largest error in parts of its gradient, among the gradients of the run that count."""
-        return max(_parts(self, gradients, sizes).values(), default=0.0)
+    def largest(self, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes | None = None) -> float:
+        """The largest error in parts of its gradient, or of the largest in a motion, among the gradients of the run that count."""
+        return max(_parts(self, gradients, sizes, scales).values(), default=0.0)
 
     def advised(self, worst: float) -> dict[str, int]:
         """Numbers that would bring an error below the limit; of signs that are in doubt twice the number, to look again."""

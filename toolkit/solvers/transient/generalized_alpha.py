@@ -8,7 +8,7 @@ from toolkit.bodies.kernels.constant_kernel import EXACT, LEFT_OUT
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.kernel import inlined, loop
 from toolkit.linear.linear_solver import cheaper_anew
-from toolkit.solvers.transient.first_guess.extrapolation import AWAY, BEND, FITTED, ORDER, forget_trend, guess, learn_trend
+from toolkit.solvers.transient.extrapolation import AWAY, BEND, FITTED, ORDER, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio

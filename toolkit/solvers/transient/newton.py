@@ -9,7 +9,7 @@ from toolkit.bodies.kernels.spatial.floating_kernel import is_mixed
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import UNREFINED as UNREFINED_BLOCK
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
-from toolkit.solvers.transient.first_guess.extrapolation import (
+from toolkit.solvers.transient.extrapolation import (
     AWAY,
     BEND,
     BEST,

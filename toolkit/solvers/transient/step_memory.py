@@ -8,7 +8,7 @@ from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, alloc
 from toolkit.foundation.vectors.rows import LANES, filled_up
 from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
-from toolkit.solvers.transient.first_guess.fitted_trend import HIGHEST
+from toolkit.solvers.transient.fitted_trend import HIGHEST
 from toolkit.system.system import System
 
 

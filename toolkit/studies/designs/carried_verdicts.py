@@ -7,7 +7,7 @@ across; and what it tells of sizes is right to this factor.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ import numpy as np
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.sensitivity.errors.step_cautions import GRADIENTS, VALUES
-from toolkit.sensitivity.frames.gradient_errors import SMALL, SMALL_OF_PARTS, FrameErrors, Slopes, doubtful_gradients
+from toolkit.sensitivity.frames.gradient_errors import SMALL, SMALL_OF_PARTS, UNCERTAIN, FrameErrors, Slopes, doubtful_gradients
 from toolkit.sensitivity.result import Result
 from toolkit.studies.designs.indicators import Indicators, distances, indicators, joined, sizes_of_variables
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
@@ -55,13 +55,16 @@ class Measured(NamedTuple):
     frame_errors
         What more floating frames change.
     gradient_scales
-        Response -> variable -> the largest gradient in a motion, which errors of gradients are compared with; empty without a motion.
+        Response -> variable -> the largest gradient in a motion, which these errors are compared with; empty without one.
+    of_values
+        The largest error of a value by frames, as a part of its scale.
     """
 
     verdict: Verdict
     room: float
     frame_errors: FrameErrors | None
-    gradient_scales: Mapping[str, Mapping[str, float]]
+    gradient_scales: Slopes
+    of_values: float = 0.0
 
     @property
     def doubts(self) -> frozenset[str]:
@@ -83,8 +86,10 @@ def answers(result: Result) -> Answers:
 
 def measured(result: Result, alone: bool = False) -> Measured:
     """The verdict on a run, with the shares of their limits that its main measures have; without these if no other design is near."""
-    verdict = result.verdict
-    return Measured(verdict, 0.0 if alone else _room(_shares(result)), result.frame_errors, result.gradient_scales)
+    verdict, errors = result.verdict, result.weighed_frames
+    if alone:
+        return Measured(verdict, 0.0, errors, {})
+    return Measured(verdict, _room(_shares(result)), errors, {} if errors is None else result.gradient_scales, _of_values(result))
 
 
 def _shares(result: Result) -> np.ndarray:
@@ -94,8 +99,9 @@ def _shares(result: Result) -> np.ndarray:
     if noise := found.get("force_noise"):
         shares.append(noise["size"] / NOISY)
     if (steps := result.step_error) is not None:
-        shares += [each / VALUES for each in steps.values.values()]
-        shares += [error / GRADIENTS for each in steps.gradients.values() for error in each.values()]
+        shares.append(_largest(steps.values.values()) / VALUES)
+        shares.append(_largest(error for each in steps.gradients.values() for error in each.values()) / GRADIENTS)
+    shares.append(_of_values(result) / LIMIT)
     for body, each in geometric_errors(result.solution).items():
         if each is not None:
             shares += [
@@ -104,6 +110,17 @@ def _shares(result: Result) -> np.ndarray:
     pressed = result.solution.known.get(Compression) or compression(result.solution, of_interest=LIMIT / 2)
     shares += [] if pressed is None else [pressed.missed / LIMIT, pressed.feigned / LIMIT, pressed.load]
     return np.array(shares, dtype=float)
+
+
+def _largest(errors: Iterable[float]) -> float:
+    """The largest error, since one is enough for a doubt; undefined if any is."""
+    return float(np.max([0.0, *errors]))
+
+
+def _of_values(result: Result) -> float:
+    """The largest error of a value by frames, as a part of its scale."""
+    errors, scales = result.weighed_frames, result.scales
+    return 0.0 if errors is None else _largest(abs(error) / scales[f] for f, error in errors.values.items() if scales[f] > 0)
 
 
 def growth(distance: float | np.ndarray) -> float | np.ndarray:
@@ -164,10 +181,12 @@ class CarriedVerdicts:
 
     def _room(self, m: int, k: int) -> float:
         """The least factor that brings a measure to its limit, among those of a measured design and what another one has of them."""
-        errors, mine = self.measured[m].frame_errors, self.found[k]
-        if errors is None or not errors.gradients:
-            return self.measured[m].room
-        return min(self.measured[m].room, _room(np.array([errors.largest(mine.gradients, mine.sizes) / LIMIT])))
+        judged, mine = self.measured[m], self.found[k]
+        if judged.frame_errors is None or not judged.frame_errors.gradients:
+            return judged.room
+        largest = judged.frame_errors.largest(mine.gradients, mine.sizes, judged.gradient_scales)
+        felt = UNCERTAIN * max(judged.of_values, largest)  # up to the limit this denies other doubts
+        return min(judged.room, _room(np.array([largest, felt]) / LIMIT))
 
     def wanted(self) -> list[int]:
         """Designs to be measured next: the farthest ones from those that are measured first, and none that one of these may do for."""

@@ -16,7 +16,7 @@ from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.study.problem import Problem, by_case
 from toolkit.studies.study.study_file import LOAD_MARGIN
 from toolkit.studies.study.wanted import Statistic
-from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
+from toolkit.studies.uncertainty.find_uncertainty import find_uncertainty
 from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
@@ -77,7 +77,7 @@ def _judge(problem: Problem, found: DesignOutcome) -> UncertainResult:
     study = study.model_copy(
         update={"responses": {}, "constraints": kept, "uncertainty": study.uncertainty.model_copy(update={"responses": asked})}
     )
-    return found_uncertainty(uncertain_study(study, scene.model_copy(update={"design": named})))
+    return find_uncertainty(uncertain_study(study, scene.model_copy(update={"design": named})))
 
 
 def _compared(problem: Problem, found: DesignOutcome, judge: UncertainResult) -> Iterator[RobustnessCheck]:

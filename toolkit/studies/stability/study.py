@@ -2,26 +2,78 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import meant
+from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.conversion import number_factor, response_factor
+from toolkit.scene_file.conversion import converted, number_factor, response_factor
 from toolkit.sensitivity.numerical import typical_size
 from toolkit.studies.engine.executor import Executor, Progress
 from toolkit.studies.engine.jobs import run_jobs
 from toolkit.studies.engine.store import RunFolder
-from toolkit.studies.stability.catalogue import maps_of
 from toolkit.studies.stability.cell_outcome import CellOutcome, slope_difference, value_difference
 from toolkit.studies.stability.cell_run import CellJob
 from toolkit.studies.stability.classifier import CellClass, Limits, gradient_class, run_class
-from toolkit.studies.stability.map import Map
+from toolkit.studies.stability.map import Axis, Map
 from toolkit.studies.stability.map_result import Cell, FineReference, MapResult, StabilityResult
-from toolkit.studies.stability.solver_maps import finest_first, refined, steps_needed
+from toolkit.studies.stability.physics_maps import PHYSICS
+from toolkit.studies.stability.solver_maps import baumgarte_map, finest_first, refined, step_map, steps_needed
 from toolkit.validity.description.scene_cautions import cautions_of_scene
+
+MAPS = ("step", "baumgarte", *PHYSICS, "units")
+
+
+def unit_map(scene: Scene, directory: Path) -> Map:
+    """The scene in every unit system; converted reduced models are written to a folder.
+
+    Raises
+    ------
+    InputError
+        The scene starts in a results file, whose numbers are in units of their own.
+    """
+    if scene.start_file is not None:
+        raise InputError("it starts in a results file (solver.start), whose numbers are in units of their own")
+    units = (scene.units, *(name for name in UNIT_SYSTEMS if name != scene.units))
+    axis = Axis("units", units, 0)
+    scenes: dict[tuple[int, ...], Scene] = {
+        (k,): scene if k == 0 else converted(scene, name, directory) for k, name in enumerate(units)
+    }
+    return Map("units", "unit system", (axis,), scenes, "own units")
+
+
+def maps_of(scene: Scene, names: Sequence[str] | None, directory: Path, most_steps: int) -> tuple[list[Map], dict[str, str]]:
+    """The maps that were asked for, by default all that the scene has; and name -> why it has none of the others.
+
+    Raises
+    ------
+    InputError
+        A name is unknown, or the scene has nothing that this map varies.
+    """
+    unknown = [name for name in names or () if name not in MAPS]
+    if unknown:
+        raise InputError(f"unknown map {unknown[0]!r}{meant(unknown[0], MAPS)}; available: {', '.join(MAPS)}.")
+    builders: dict[str, Callable[[Scene], Map]] = {
+        "step": lambda each: step_map(each, most_steps),
+        "baumgarte": baumgarte_map,
+        **PHYSICS,
+        "units": lambda each: unit_map(each, directory),
+    }
+    found, missing = [], {}
+    for name in MAPS if names is None else dict.fromkeys(names):
+        try:
+            found.append(builders[name](scene))
+        except InputError as error:
+            if names is not None:
+                raise InputError(f"there is no map {name!r} of this scene: {error}. Leave it out.") from error
+            missing[name] = str(error)
+    return found, missing
+
 
 MOST_STEPS = 10_000
 """Cells that need more are not run, unless the scene itself does."""

@@ -28,7 +28,9 @@ def sweep_problem(study: Study, scene: Scene | None = None) -> Problem:
     return problem
 
 
-def swept(problem: Problem, folder: Path | None = None, executor: Executor = SERIAL, progress: Progress | None = None) -> Swept:
+def run_sweep(
+    problem: Problem, folder: Path | None = None, executor: Executor = SERIAL, progress: Progress | None = None
+) -> Swept:
     """Solve all designs of a sweep.
 
     Parameters

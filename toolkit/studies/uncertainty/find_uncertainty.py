@@ -31,7 +31,7 @@ TAILS = 2**13
 """How many of them are looked at for what straight tails would change."""
 
 
-def found_uncertainty(
+def find_uncertainty(
     study: UncertainStudy, folder: Path | None = None, executor: Executor = SERIAL, progress: Progress | None = None
 ) -> UncertainResult:
     """Find out what follows from uncertain numbers.

@@ -32,7 +32,7 @@ from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.chains.planar_chain import PlanarChain
 from toolkit.validity.bodies.chains.sides import sides_of
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
+from toolkit.validity.bodies.deformation import LIMIT, instants_of, whole_bodies
 from toolkit.validity.bodies.element_accelerations import has_inertia, pull_on_elements
 from toolkit.validity.bodies.pressed_pieces import is_pressed, pressure_on_elements
 from toolkit.validity.bodies.static_deflection import static_deflection
@@ -196,7 +196,7 @@ def _strains(solution: Solution, name: str) -> Strains | None:
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
         return None
     found, elastic = beams_of(behind), np.real(solution.q[:, elastic_coordinates(solution, name)])
-    instants = largest_instants(elastic)
+    instants = instants_of(solution, name)
     pull = _density(scene, body, found)[:, None] * pull_on_elements(solution, name, behind, instants)
     pull = pull + pressure_on_elements(solution, name, behind, instants)
     along = np.einsum("tei,ei->te", pull, found.along)

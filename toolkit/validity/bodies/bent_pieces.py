@@ -20,7 +20,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.chains.sides import sides_of
 from toolkit.validity.bodies.cut.places import displacements
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
+from toolkit.validity.bodies.deformation import LIMIT, instants_of, whole_bodies
 
 
 def bent_pieces(solution: Solution) -> Iterator[Caution]:
@@ -43,7 +43,7 @@ def shortening(solution: Solution, body: str) -> tuple[float, float, int]:
     """By how much the pieces of a body shorten at the worst instant, in parts of its largest displacement then; the largest angle of an
     end in rad, and the number of pieces."""
     scene = solution.system.placed
-    instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
+    instants = instants_of(solution, body)
     bows, turns = [], []
     for name, part in deforming(scene).items():
         behind = chain(scene, name) if body in (name, getattr(part, "whole", None)) else None

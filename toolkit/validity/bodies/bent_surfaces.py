@@ -29,7 +29,7 @@ from toolkit.validity.bodies.deformation import (
     ROUND_OFF,
     Measured,
     deformations,
-    largest_instants,
+    instants_of,
     whole_bodies,
 )
 
@@ -85,7 +85,7 @@ def bending(solution: Solution, body: str) -> Bending | None:
         return None
     position = np.real(design.value(f"{shown}.position"))
     places, shapes = position[:, :, 0], position[:, :, 1:]
-    instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
+    instants = instants_of(solution, body)
     elastic = np.real(solution.q[instants][:, elastic_coordinates(solution, body)])
     moved = np.einsum("pdf,tf->tpd", shapes, elastic)
     distance, extent = np.linalg.norm(moved, axis=2).max(axis=1), float(np.ptp(places, axis=0).max())

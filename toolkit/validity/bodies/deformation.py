@@ -115,7 +115,7 @@ def deformation(solution: Solution, body: str) -> Deformation | None:
 def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | None:
     """Of a cut body: the errors of its parts, each in its own frame, add up to one of the whole, which the whole is measured by."""
     scene = solution.system.placed
-    instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
+    instants = instants_of(solution, body)
     found = [_bent_part(solution, name, instants) for name in written.parts(body)]
     parts = [each[0] for each in found if each is not None]
     if len(parts) < len(found):
@@ -155,8 +155,7 @@ def _held_node(scene: Scene, written: Any) -> int | None:
 
 def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     """The meter's numbers for one body whose finite elements are known."""
-    elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
-    instants = largest_instants(elastic)
+    elastic, instants = np.real(solution.q[:, elastic_coordinates(solution, body)]), instants_of(solution, body)
     u, held_back = behind.displacements(elastic[instants]), kept_back(solution, body, instants)
     lacks = behind.second_order(u)
     if held_back is not None:
@@ -166,6 +165,15 @@ def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     extent = np.ptp(behind.nodes, axis=0).max()
     rotation, time = behind.rotations(u)[worst].max(), solution.times[instants[worst]]
     return Deformation(float(rotation), float(moved[worst].max()), float(error[worst].max()), float(extent), float(time))
+
+
+def instants_of(solution: Solution, body: str) -> np.ndarray:
+    """`largest_instants` of a body, or of a part of one, found once."""
+    key = largest_instants, body
+    if key not in solution.known:
+        solution.known[key] = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
+    found: np.ndarray = solution.known[key]
+    return found
 
 
 def largest_instants(elastic: np.ndarray, count: int = INSTANTS) -> np.ndarray:

@@ -56,16 +56,18 @@ def force_noise(solution: Solution) -> dict[str, Any]:
 
 def noise_of_joints(solution: Solution) -> dict[str, JointNoise]:
     """That of every joint; nothing of a run of fewer than six states."""
-    system, first, forces = solution.system, solution.system.n_q, {}
-    for name, row in system.numbering.row.items():
-        rows = slice(row, row + len(system.scene.joints[name].row_names))
-        forces[name] = solution.multipliers[:, rows.start - first : rows.stop - first] / system.weights[rows]
-    if not forces or len(solution.times) < IN_A_ROW + 2:
+    system, first = solution.system, solution.system.n_q
+    rows = {
+        name: slice(row - first, row - first + len(system.scene.joints[name].row_names))
+        for name, row in system.numbering.row.items()
+    }
+    if not rows or len(solution.times) < IN_A_ROW + 2:
         return {}
-    sizes = {name: float(np.abs(force).max()) for name, force in forces.items()}
+    forces = solution.multipliers / system.weights[first:]
+    largest, amplitudes = np.abs(forces).max(axis=0), _amplitudes(forces, np.diff(solution.times))
+    sizes = {name: float(largest[each].max()) for name, each in rows.items()}
     own = {name: max(size, SMALL * max(sizes.values())) or np.inf for name, size in sizes.items()}
-    noise = {name: _amplitudes(force, np.diff(solution.times)) / own[name] for name, force in forces.items()}
-    return {name: JointNoise(noise[name], row) for name, row in system.numbering.row.items()}
+    return {name: JointNoise(amplitudes[:, each] / own[name], first + each.start) for name, each in rows.items()}
 
 
 def noise_at(joint: JointNoise, step: int) -> float:

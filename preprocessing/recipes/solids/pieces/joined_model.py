@@ -160,7 +160,7 @@ def derivatives_of_points(cut: CutMesh, nodes: Placed, width: int) -> dict[str, 
 
 
 COMPONENTS = 6
-"""Of stress at a point."""
+"""Number of stress components at a point."""
 
 
 def joined_model(found: PieceBodies) -> dict[str, Any]:
@@ -199,7 +199,7 @@ def _words(cut: CutMesh) -> str:
 
 
 Rows = Sequence[Mapping[str, np.ndarray]]
-"""Of every piece."""
+"""Arrays of every piece, by their names."""
 
 
 def _in_body(pieces: Sequence[Mapping[str, Any]], stress: Rows, n_stress: int) -> Placed:

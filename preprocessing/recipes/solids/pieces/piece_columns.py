@@ -8,7 +8,7 @@ from preprocessing.recipes.solids.pieces.placed_items import LEFT_OUT
 from toolkit.reduced_model.elements import SPATIAL_LOCAL
 
 MOTIONS = SPATIAL_LOCAL // 2
-"""Of an end: along x, y and z, and about them."""
+"""Number of motions of an end: along x, y and z, and about them."""
 CLAMPED = 0
 """Number of the end that the frame of the body is tied to."""
 

@@ -12,7 +12,7 @@ from toolkit.reduced_model.checks.shapes import letters_of
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 
 LEFT_OUT = -1
-"""In the place of a number along an axis of what is not kept."""
+"""Number along an axis that stands for what is not kept."""
 
 
 class Placement(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -10,15 +10,101 @@ from toolkit.studies.designs.evaluator import Evaluator
 from toolkit.studies.distributions.sobol_points import plain
 from toolkit.studies.engine.outcome import DesignOutcome
 from toolkit.studies.optimization.methods.catalogue import METHODS
-from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions
+from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions, Method
+from toolkit.studies.optimization.optimality import Optimality
 from toolkit.studies.optimization.program import Program
-from toolkit.studies.optimization.search.curvature import Known, Turned
+from toolkit.studies.optimization.search.curvature import LONGEST, Known, Turned, turned
 from toolkit.studies.optimization.search.cuts import Cuts
-from toolkit.studies.optimization.search.end_rule import EndRule
 from toolkit.studies.optimization.search.explored import Explored
-from toolkit.studies.optimization.search.renewal import Renewal
 from toolkit.studies.optimization.search.search_result import Arrived, Renewed, SearchResult, Spent
 from toolkit.studies.study.problem import Problem
+from toolkit.studies.study.search_options import Search as SearchOptions
+
+NARROWER, WIDER, REACHES = 0.5, 2.0, (1e-3, 1.0)
+"""By what the longest first step is changed where one was too long or was not, and between which bounds."""
+MANY = 50
+"""Variables above which no method begins anew in other ones, in which bounds are constraints like others."""
+
+
+class Renewal:
+    """The renewals of one search.
+
+    Parameters
+    ----------
+    curved
+        Whether the objective tells its curvature.
+    top
+        Largest z, (n,).
+    """
+
+    def __init__(self, curved: bool, top: np.ndarray) -> None:
+        self.curved, self.top = curved, top
+        self.reach = LONGEST
+
+    def every(self, method: Method) -> int | None:
+        """Designs after which a method begins anew; None if it never does."""
+        if len(self.top) > MANY:
+            return None
+        return method.told if self.curved else method.learned
+
+    def adapt(self, method: Method, used: int) -> None:
+        """Go farther, or less far, along the told curvature next time, by the designs that were solved until one was accepted."""
+        every = self.every(method) or used
+        factor = WIDER if used <= every else NARROWER if used > every + 1 else 1.0
+        self.reach = float(np.clip(self.reach * factor, *REACHES)) if self.curved else LONGEST
+
+    def variables(self, method: Method, centre: Known, others: Sequence[Known], multipliers: np.ndarray) -> Turned | None:
+        """Variables by the curvature about a design, None where it is not known or the method stays as it is."""
+        return None if self.every(method) is None else turned(centre, others, multipliers, self.top, self.reach)
+
+
+LITTLE = 1e-4
+"""Part of an objective by which a lower design that is none is no reason to leave an optimum."""
+
+
+class EndRule:
+    """The rule, told one accepted design after the other.
+
+    Parameters
+    ----------
+    options
+        When the conditions are met.
+    curved
+        Whether the objective is a mean of squares. Of these what is gained decides alone: a search that is done after a few steps knows
+        only steep slopes, beside which all others look small.
+    """
+
+    def __init__(self, options: SearchOptions, curved: bool) -> None:
+        self.options, self.curved = options, curved
+        self.met = False
+        self._least: float | None = None
+
+    def ends(self, objective: float, left: Optimality, large: float) -> bool:
+        """Whether the search is at an optimum.
+
+        Parameters
+        ----------
+        objective
+            At the design.
+        left
+            What is left of the conditions there.
+        large
+            A large change of the objective.
+        """
+        self.met, least = left.met(self.options.optimality, self.options.feasibility), self._least
+        if least is not None and left.violation <= self.options.feasibility:
+            counts = min(self.options.optimality * large, LITTLE * abs(least))
+            if (self.met and not self.curved) or least - objective <= counts:
+                return True
+            self._least = None
+        if self.met:
+            self._least = objective
+        return False
+
+    def forget(self) -> None:
+        """Begin elsewhere."""
+        self.met, self._least = False, None
+
 
 BACK = 0.5
 """Part of the way from a start that failed to a known design that the next one has."""

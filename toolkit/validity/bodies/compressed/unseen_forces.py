@@ -24,7 +24,7 @@ from toolkit.validity.bodies.compressed.forces_at_points import forces_at_points
 from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening, stiffening
 from toolkit.validity.bodies.compressed.yielding_scene import yielding
 from toolkit.validity.bodies.cut.more_frames import divided
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants
+from toolkit.validity.bodies.deformation import LIMIT, instants_of
 
 LOOKED_AT = 24
 """Instants, evenly spread over the motion, among which the largest force along a body is looked for."""
@@ -101,7 +101,7 @@ def _at(
 ) -> Unseen | None:
     where, yields = elastic_coordinates(solution, body), yielding(solution, n)
     elastic = np.real(solution.q[:, where])
-    largest = elastic[largest_instants(elastic)]
+    largest = elastic[instants_of(solution, body)]
     z = largest[first_largest(distances(largest))]
     size = float(distances(z[None])[0])
     if yields is None or not size > 0:

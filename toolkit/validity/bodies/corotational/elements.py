@@ -113,11 +113,11 @@ class Corotational:
         return stress
 
     def linear_stress(self, u: np.ndarray, places: StressPoints) -> np.ndarray:
-        """That of the linear elements: the derivative at rest."""
+        """Stress of the linear elements, (n_stress,): the derivative of `stress` at rest."""
         return self.stress(1e-30j * u, places).imag / 1e-30
 
     def _curvature(self, bend: np.ndarray) -> np.ndarray:
-        """At both ends, (n_e, 2): what bends the section, without what shear turns it by."""
+        """Curvature at both ends, (n_e, 2): what bends the section, without what shear turns it by."""
         moments = np.einsum("eij,ej->ei", self.law[:, 1:, 1:], bend)
         return moments * [-1, 1] / self.made_of.bending_stiffness
 

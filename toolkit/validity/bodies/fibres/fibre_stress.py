@@ -22,7 +22,7 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import SECTIONS, chain
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
+from toolkit.validity.bodies.deformation import LIMIT, instants_of, whole_bodies
 from toolkit.validity.bodies.fibres.spatial_sections import SAME, sections_of
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
@@ -91,7 +91,7 @@ def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] |
     if np.isnan(found.shear).any():
         return None
     elastic = np.real(solution.q[:, elastic_coordinates(solution, name)])
-    u = behind.displacements(elastic[largest_instants(elastic)])
+    u = behind.displacements(elastic[instants_of(solution, name)])
     told = np.abs(np.einsum("sp,tsp->ts", operator, u[:, behind.forms.dofs[owner]])).max(initial=0.0)
     forces = behind.forms.forces(u)
     tension, moments = np.abs(forces[:, :, 0]) / found.area, forces[:, :, 1:].reshape(*forces.shape[:2], 2, 3)

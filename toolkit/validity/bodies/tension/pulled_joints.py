@@ -21,7 +21,7 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.cut.more_frames import divided
-from toolkit.validity.bodies.deformation import LIMIT, largest_instants
+from toolkit.validity.bodies.deformation import LIMIT, instants_of
 from toolkit.validity.bodies.tension.pulled_body import PulledBody
 from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled, pulled_bodies
 from toolkit.validity.bodies.tension.stiffened_state import stiffened_state
@@ -99,7 +99,7 @@ def _most_grown(solution: Solution, known: Mapping[str, PulledBody]) -> int | No
     parts: list[tuple[float, int]] = []
     for body, law in known.items():
         elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
-        instants = largest_instants(elastic)
+        instants = instants_of(solution, body)
         grown = law.measures(elastic[instants])[1]
         worst = first_largest(grown)
         parts.append((float(grown[worst]), int(instants[worst])))

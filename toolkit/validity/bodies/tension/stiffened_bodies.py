@@ -16,7 +16,7 @@ from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.geometric_stiffness import stiffening
 from toolkit.validity.bodies.cut.places import displacements
-from toolkit.validity.bodies.deformation import LIMIT, flexible_bodies, largest_instants
+from toolkit.validity.bodies.deformation import LIMIT, flexible_bodies, instants_of
 from toolkit.validity.bodies.tension.pulled_body import PulledBody
 from toolkit.validity.bodies.tension.pulled_chain import PulledChain
 from toolkit.validity.bodies.tension.pulled_lines import pulled_lines
@@ -70,7 +70,7 @@ def _where_it_counts(solution: Solution, known: Mapping[str, PulledBody]) -> lis
     parts: list[list[tuple[float, int]]] = [[], []]
     for body, law in known.items():
         elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
-        instants = largest_instants(elastic)
+        instants = instants_of(solution, body)
         for kind, each in enumerate(law.measures(elastic[instants])):
             worst = first_largest(each)
             parts[kind].append((float(each[worst]), int(instants[worst])))
@@ -107,7 +107,7 @@ def _moved(solution: Solution, law: PulledBody, body: str, state: StiffenedState
 def _size(solution: Solution, law: PulledBody, body: str, whole: str) -> float:
     """The largest displacement of the body in the run."""
     elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
-    instants = largest_instants(elastic)
+    instants = instants_of(solution, body)
     if whole != body:
         return float(displacements(solution, whole, instants).max())
     return float(law.distances(elastic[instants]).max())

@@ -7,7 +7,7 @@ and its neighbours. Where even that costs a further correction, other multiples 
 """
 
 from toolkit.foundation.kernel import inlined
-from toolkit.solvers.transient.first_guess.fitted_trend import HIGHEST, beside, fit_trend, forget_fit
+from toolkit.solvers.transient.fitted_trend import HIGHEST, beside, fit_trend, forget_fit
 from toolkit.solvers.transient.scheme import by_acceleration
 
 ORDER, EXPECTED, BEND, UNCHECKED, AWAY, QUALITY, UNREFINED, BEST, FITTING, FITTED = range(10)

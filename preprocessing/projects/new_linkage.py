@@ -5,8 +5,8 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
-from preprocessing.projects.linkage.texts import README, SCENE, STUDY
 from preprocessing.projects.new_folder import refuse_occupied, substituted, write_folder
+from preprocessing.projects.texts import README, SCENE, STUDY
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import UNIT_SYSTEMS
 
@@ -14,9 +14,9 @@ METRES = {"O": (0.0, 0.0), "A": (0.0, 0.04), "B": (0.11, 0.09), "C": (0.11, 0.0)
 """Places of the joints: crank 40 mm, coupler 121 mm, rocker 90 mm, ground 110 mm. The shortest and the longest are together shorter
 than the others, so that the crank turns fully (Grashof)."""
 BESIDE = 0.01
-"""How far the study may move B, in m."""
+"""Distance in m by which the study may move B."""
 STIFFNESS, DAMPING = 0.5, 0.005
-"""Of the spring at the rocker, in N m/rad and N m s/rad."""
+"""Stiffness and damping of the spring at the rocker, in N m/rad and N m s/rad."""
 WORDS = {
     "mm-t-s": "Lengths in mm, masses in t, times in s; forces in N, torques in N mm.",
     "m-kg-s": "Lengths in m, masses in kg, times in s; forces in N, torques in N m.",

@@ -1,1 +1,0 @@
-"""A linkage of one's own: a crank, a coupler and a rocker."""

@@ -1,1 +1,0 @@
-"""First guess from which Newton begins: the motion of the last steps, continued."""
