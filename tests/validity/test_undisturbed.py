@@ -102,6 +102,13 @@ def test_a_pendulum_whose_pivot_moves_is_doubted_where_mathieus_equation_grows_a
     assert np.log(found) == pytest.approx(np.log(grown) if rate == 2.0 and not kick else 0.0, rel=0.1)
 
 
+def test_a_load_that_alternates_in_step_with_the_run_is_seen(tmp_path):
+    """With 2 cycles per time, 15 in each eighth of the run."""
+    text = PENDULUM.replace("[0.0, -9.81]", f"[0.0, {-((2 * np.pi) ** 2)}]")
+    numbers = {"LENGTH": -1.0, "WAY": 0.1, "RATE": 2.0, "END": 60.0, "STEP": 0.02}
+    assert growth(scene(tmp_path, text, KICK=0.0, WAVE=WAVE, **numbers)) > 1000
+
+
 @pytest.mark.parametrize(("way", "falls"), [(0.05, False), (0.03, True)])
 def test_an_inverted_pendulum_falls_unless_it_is_shaken_fast_enough(tmp_path, way, falls):
     """From a W = sqrt(2 g l) = 4.4 m/s on it stands (Kapitza)."""

@@ -37,6 +37,8 @@ MOST_COORDINATES, MOST_STATES, SEEN = 60, 1000, 200
 """Larger scenes are not looked at; of longer motions every second state, or third; directions are those of so many states."""
 ENOUGH = 3
 """States per coordinate, of which fewer leave directions open by their number alone."""
+SAMPLES, GOLDEN = 12, (5**0.5 - 1) / 2
+"""So many states in which the equations of disturbances are compared, in no step with what alternates: by the golden section."""
 THETA = 0.51
 CLOSED = 1e-6
 """Part of the right-hand side that a solution leaves open where a matrix is regular."""
@@ -78,7 +80,8 @@ def largest_growth(solution: Solution) -> Course | None:
             break
         still = _still(solution, end)
         begin = _disturbances(solution, still)
-        course = _course(solution, still, begin, end) if begin.shape[1] > known else None
+        look = begin.shape[1] > known and not _stays_small(solution, still, begin, end)
+        course = _course(solution, still, begin, end) if look else None
         if course is not None and course.growth > GROWTH:
             return course
         known = max(known, begin.shape[1])
@@ -111,6 +114,28 @@ def _matrices(solution: Solution, n: int) -> tuple[np.ndarray, ...]:
     terms = system.evaluate(system.inputs(float(solution.times[n]), LEVELS), q, v, acc)
     mass, damping, whole = (system.dense(each) for each in (terms.I_acc, terms.A_v, static_matrix(system, terms)))
     return mass[:n_q, :n_q], damping[:n_q, :n_q], whole[:n_q, :n_q], whole[n_q:, :n_q]
+
+
+def _stays_small(solution: Solution, still: np.ndarray, begin: np.ndarray, end: int) -> bool:
+    """Whether disturbances have equations of their own, which are the same in some states and let nothing grow: then all is known."""
+    weights = solution.system.weights[: solution.system.n_q]
+    seen = []
+    for n in (int(end * (GOLDEN * k % 1.0)) for k in range(SAMPLES)):
+        *matrices, rows = _matrices(solution, n)
+        forces = [each @ begin for each in matrices]
+        moving = [(each / weights[:, None]) - still @ (still.T @ (each / weights[:, None])) for each in forces]
+        scale = max(float(np.abs(each / weights[:, None]).max()) for each in forces)
+        if max(float(np.abs(each).max()) for each in moving) > STILL * scale or np.abs(rows @ begin).max(initial=0.0) > STILL:
+            return False
+        seen.append([begin.T @ each for each in forces])
+    mass, damping, stiffness = seen[0]
+    scales = [float(np.abs(each).max()) for each in seen[0]]
+    same = all(np.abs(a - b).max() <= STILL * size for each in seen for a, b, size in zip(each, seen[0], scales, strict=True))
+    if not same or not scales[0] > 0:
+        return False
+    none, one = np.zeros_like(mass), np.eye(len(mass))
+    grows = np.linalg.eigvals(np.block([[none, one], [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)]]))
+    return bool(grows.real.max() * (solution.times[end] - solution.times[0]) < 1.0)
 
 
 def _course(solution: Solution, still: np.ndarray, begin: np.ndarray, end: int) -> Course:
