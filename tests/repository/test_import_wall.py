@@ -87,3 +87,46 @@ def test_every_module_stands_in_a_room_that_says_what_it_is_for():
         assert [name for name in modules(half) if name.count(".") < 2] == []
         for room in rooms(half):
             assert about(room).endswith("."), room
+
+
+SMALL = 80
+"""Lines below which a module that one neighbour alone imports belongs into that neighbour."""
+ONE_EACH = (
+    "toolkit.joints.",
+    "toolkit.loads.",
+    "toolkit.curves.kinds.",
+    "toolkit.responses.",
+    "toolkit.command_line.commands.",
+    "preprocessing.elements.solids.",
+)
+"""Rooms of kinds that users name: each kind has a file of its own, however small."""
+APART = {
+    "toolkit.command_line.completion",
+    "toolkit.command_line.printed.deformation",
+    "toolkit.command_line.printed.remarks",
+    "toolkit.compilation.arrays.strain_arrays",
+    "toolkit.linear.elimination_order",
+    "toolkit.render.paraview.spatial_meshes",
+    "toolkit.report.figures.skin_error",
+    "toolkit.studies.optimization.search.cuts",
+    "toolkit.system.evaluation_memory",
+    "toolkit.system.handed_records",
+    "toolkit.system.remembered_curves",
+    "preprocessing.basis.rigid_modes",
+    "preprocessing.projects.solid.arm",
+    "preprocessing.recipes.solids.pieces.piece_pressures",
+    "preprocessing.reduction.beam_sections",
+}
+"""Small modules whose neighbour is long already, or uses the same names for other things."""
+
+
+def test_a_small_module_that_one_neighbour_alone_imports_stands_in_that_neighbour():
+    known = {**TOOLKIT, **PREPROCESSING}
+    users = {name: {other for other, path in known.items() if other != name and name in imports(path)} for name in known}
+    found = {
+        name
+        for name, path in known.items()
+        if path.name != "__init__.py" and len(users[name]) == 1 and len(path.read_text(encoding="utf-8").splitlines()) < SMALL
+        if next(iter(users[name])).rpartition(".")[0] == name.rpartition(".")[0] and not name.startswith(ONE_EACH)
+    }
+    assert found <= APART

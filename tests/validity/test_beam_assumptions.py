@@ -12,8 +12,8 @@ from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.validity.bodies.beam_assumptions import times_as_many
-from toolkit.validity.bodies.coarse_vibrations import resolved_frequency
 from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.frequencies import resolved_frequency
 
 E, RHO, WIDTH, G = 210e9, 7800.0, 0.02, 9.81
 BETA = np.array([1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349])

@@ -20,6 +20,7 @@ import numpy as np
 
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.compilation.quantities import pressures_of
 from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.energy import StrainEnergy
@@ -34,9 +35,30 @@ from toolkit.validity.bodies.chains.planar_chain import PlanarChain
 from toolkit.validity.bodies.chains.sides import sides_of
 from toolkit.validity.bodies.deformation import LIMIT, instants_of, whole_bodies
 from toolkit.validity.bodies.element_accelerations import has_inertia, pull_on_elements
-from toolkit.validity.bodies.pressed_pieces import is_pressed, pressure_on_elements
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
+
+
+def is_pressed(scene: Scene) -> bool:
+    """Whether any load is a pressure."""
+    return bool(pressures_of(scene))
+
+
+def pressure_on_elements(solution: Solution, name: str, behind: Chain, instants: np.ndarray) -> np.ndarray | float:
+    """Of a body in pieces, or a part of one, (n_t, n_e, 3); zero of others."""
+    scene, found = solution.system.placed, 0.0
+    part: Any = scene.body(name)
+    whole, own = getattr(part, "whole", name), slice(getattr(part, "first", None), getattr(part, "last", None))
+    for load in pressures_of(scene).values():
+        if load.body != whole:
+            continue
+        design = scene.bodies[whole].design_point(scene, "elements", "piece_loads")  # type: ignore[attr-defined]
+        if design.model.piece_loads is not None:
+            force = np.real(design.value(f"piece_loads.{load.surface}.force"))[own] / sides_of(behind).lengths[:, None]
+            factor = np.real(load.pressure) * np.real(load.curve.evaluate(solution.times[instants]))[:, 0]
+            found = found + factor[:, None, None] * force
+    return found
+
 
 INSTANTS = 24
 """Among so many the largest strain energy is looked for."""

@@ -6,16 +6,70 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import elements_of, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.beam_assumptions import beams_of, times_as_many
+from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.chains.lines_on_bodies import lines_on_bodies
-from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.compressed.merging_vibrations import merging_of
+from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
 from toolkit.validity.bodies.physics import critical_loads
 from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
-from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
+from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised, listed_parts
 from toolkit.validity.bodies.shear.sheared_vibrations import sheared_vibrations
 from toolkit.validity.bodies.tension.tension_cautions import tension_of_vibrations
+
+FACTOR = 1440.0
+ITERATIONS = 40
+"""Of Newton's method, which gains a factor of 1.5 in a step far from the root of a cubic, and doubles the digits near it."""
+
+
+def resolved_frequency(scene: Scene, body: str) -> float:
+    """The frequency that the elements of a body make `LIMIT` too large, in 1/time; inf where they are not known."""
+    behind = chain(scene, body)
+    if behind is None:
+        return float(np.inf)
+    found = beams_of(behind)
+    (mass,) = flexible_body(scene, body).some_invariants(scene, "mass")
+    per_stretch = float(np.real(mass)) / float(found.axial @ found.lengths)  # of E A, which the mass goes with
+    slowest = float(np.max(per_stretch * found.lengths**4 / found.gyration))  # m l^4 / E I
+    return float(np.sqrt(FACTOR * LIMIT / slowest) / (2 * np.pi))
+
+
+def raised_by_elements(frequency: float, limit: float) -> float:
+    """Part e by which a frequency is too high where `limit` is `resolved_frequency`.
+
+    The error is that of the true frequency, which is 1 + e times less.
+
+        e (1 + e)^2 = LIMIT (frequency / limit)^2
+    """
+    error = wanted = LIMIT * (frequency / limit) ** 2
+    for _ in range(ITERATIONS):  # Newton's, from above
+        error -= (error * (1 + error) ** 2 - wanted) / ((1 + error) * (1 + 3 * error))
+    return error
+
+
+def too_fast_for_elements(scene: Scene, frequencies: Mapping[str, float], doubt: bool) -> Iterator[Caution]:
+    """Frequencies, by what they are called, that the elements of a flexible body make too large."""
+    label = unit(scene.units, "rate")
+    for body in whole_bodies(scene):
+        if is_in_pieces(scene, body):
+            continue  # told by the slowest vibration that they leave out, which may be torsion
+        limit = resolved_frequency(scene, body)
+        beyond = {name: value for name, value in frequencies.items() if value > limit}
+        if beyond:
+            parts = {name: raised_by_elements(value, limit) for name, value in beyond.items()}
+            most = max(beyond.values())
+            yield Caution(
+                "coarse-vibrations",
+                f"frequencies are too high where {body} vibrates, {listed_parts(parts, 'about')}: from {limit:.4g} {label} on, where "
+                f"it is {LIMIT:.0%}, its {elements_of(scene, body)} are too long. Build the model with "
+                f"{times_as_many(np.sqrt(most / limit))} as many.",
+                doubt,
+            )
 
 
 def cautions_of_frequencies(

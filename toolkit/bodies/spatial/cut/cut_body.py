@@ -2,14 +2,52 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Iterator
+from typing import Any, ClassVar
 
-from toolkit.bodies.body import QUATERNION
+import numpy as np
+
+from toolkit.bodies.body import QUATERNION, Placed
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.spatial.cut.framed_part import SpatialFramedPart
 from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.reduced_model.cut.craig_bampton import PartShapes
+from toolkit.reduced_model.cut.part import Part
+from toolkit.reduced_model.cut.spatial_part import SpatialPart, pressed, spatial_part
+from toolkit.reduced_model.parts.pieces import PieceLoads
+from toolkit.reduced_model.spatial_model import SurfaceLoad
+
+
+class SpatialFramedPart(FramedPart, SpatialFlexible):
+    """Part of a cut body in space, whose floating frame has three coordinates and a quaternion."""
+
+    kind = ""
+    per_node: ClassVar[int] = 6
+    frame_coordinates: ClassVar[int] = 7
+
+    @staticmethod
+    def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None) -> Part:
+        """Spatial part that is assembled from elements at one design, see `spatial_part`."""
+        return spatial_part(elements, first, last, stress_elements, shapes)
+
+    def surface_load(self, scene: Placed, surface: str) -> SurfaceLoad:
+        """Load of a unit pressure on the pieces of a surface that belong to this part."""
+        design = scene.bodies[self.whole].design_point(scene, "elements", "piece_loads")
+        part, loads = self.part(scene), PieceLoads(*(design.value(f"piece_loads.{surface}.{key}") for key in ("force", "moment")))
+        assert isinstance(part, SpatialPart)
+        return pressed(part, loads)
+
+    def elastic_names(self, nodes: list[int]) -> Iterator[str]:
+        """Names of the elastic coordinates of a part that is not reduced.
+
+        Its ends turn across the chord and twist against each other, and the last one moves along it.
+        """
+        across = [f"rotation {which} across the chord" for which in ("one", "two")]
+        every = ["x", "y", "z", *(f"rotation about {axis}" for axis in "xyz")]
+        yield from (f"{name} of node {nodes[0]}" for name in across)
+        yield from (f"{name} of node {k}" for k in nodes[1:-1] for name in every)
+        yield from (f"{name} of node {nodes[-1]}" for name in ("displacement along the chord", *across, "twist"))
 
 
 class SpatialCutBody(CutBody, SpatialFlexible):

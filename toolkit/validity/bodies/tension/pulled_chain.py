@@ -3,13 +3,51 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from toolkit.solvers.static.stability.static_array import StaticArray
 from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening
-from toolkit.validity.bodies.tension.grown_elements import grown, growths
 from toolkit.validity.bodies.tension.pulled_body import Grown, PulledBody
+
+
+class Growth(NamedTuple):
+    """Growth of the elements of one body, and what it pulls with at its nodes."""
+
+    law: Stiffening
+    growth: np.ndarray  # g (n_e,)
+    pull: np.ndarray  # B^T S g (n,)
+
+    @property
+    def forces(self) -> np.ndarray:
+        """- B^T S g on the elastic coordinates, (n_f,)."""
+        found: np.ndarray = -self.law.behind.shapes.T @ self.pull
+        return found
+
+    def tension(self, moved: np.ndarray) -> np.ndarray:
+        """N_2 (n_e,), where `forces` move the elastic coordinates by `moved` (n_f,) in the scene."""
+        behind = self.law.behind
+        u = behind.shapes @ moved
+        if not behind.is_full:
+            u = u + behind.under(-self.pull[None])[0] - behind.shapes @ self.law.yielding(self.forces)
+        stretched: np.ndarray = behind.forms.law[:, 0, 0] * self.growth + behind.axial_forces(u[None])[0]
+        return stretched
+
+
+def growths(law: Stiffening, elastic: np.ndarray) -> np.ndarray:
+    """g (n_t, n_e) at elastic coordinates (n_t, n_f)."""
+    u = law.behind.displacements(elastic)[:, law.behind.forms.dofs]
+    found: np.ndarray = np.einsum("tep,epq,teq->te", u, law.behind.stiffening[:, 0], u, optimize=True) / 2
+    return found
+
+
+def grown(law: Stiffening, elastic: np.ndarray) -> Growth:
+    """At elastic coordinates (n_f,)."""
+    forms, growth = law.behind.forms, growths(law, elastic[None])[0]
+    pull = np.zeros(forms.count)
+    np.add.at(pull, forms.dofs, np.einsum("ekp,ek->ep", forms.rows, forms.law[:, :, 0] * growth[:, None]))
+    return Growth(law, growth, pull)
 
 
 @dataclass(frozen=True, eq=False)
