@@ -113,8 +113,7 @@ def derivative(
     """Derivatives of all responses by one variable, by repeated runs.
 
     A complex step need not follow the path to a `known` equilibrium again, which is that of the scene or the one that a motion
-    starts in;
-    `along` a known motion it takes fewer iterations.
+    starts in; `along` a known motion it takes fewer iterations.
     """
 
     def shifted(step: complex) -> dict[str, Any]:

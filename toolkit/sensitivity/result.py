@@ -1,4 +1,4 @@
-"""What an analysis returns: values and gradients of the responses, with the verdict whether to trust them."""
+"""Result of an analysis: values and gradients of the responses, with the verdict whether to trust them."""
 
 from __future__ import annotations
 
@@ -185,8 +185,7 @@ class Result:
         """Whether values and gradients can be trusted, and why not; found when first asked for.
 
         That costs half a run, one with more floating frames where there are gradients of bodies that deform far, and one with
-        more shapes
-        where bases are frozen.
+        more shapes where bases are frozen.
         """
         found, errors = self._verdict, self.weighed_frames
         if self.gradients and self.solution.system.n_x and (errors is None or most_pulled(self.solution) not in errors.frames):
@@ -336,8 +335,7 @@ def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solutio
     """Noise in a response that is a joint's force or a driver's power, relative to the largest.
 
     It is that at the response's time, or of an extreme over time at any. Means do not feel what alternates. It is a part of the
-    joint's largest force, or of the largest that the response itself is, whichever is
-    less.
+    joint's largest force, or of the largest that the response itself is, whichever is less.
     """
     extreme = isinstance(response, TimeMax | TimeMin | TimeKS)
     looked = response.source if extreme else response

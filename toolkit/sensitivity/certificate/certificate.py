@@ -1,4 +1,4 @@
-"""The certificate of a scene's gradients: independent methods compared, as far as round-off lets derivatives be told apart."""
+"""The certificate of a scene's gradients: independent methods compared, as far as round-off allows."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ class NothingVerifiedError(ToolkitError, ArithmeticError):
 
 @dataclass(frozen=True)
 class Certificate:
-    """What independent methods say about the gradients of a scene.
+    """Comparison of a scene's gradients by independent methods.
 
     Attributes
     ----------
     exact : Result
-        By direct differentiation.
+        Result by direct differentiation.
     differences : dict
         "adjoint" (where the run has one) and "complex-step" -> response -> variable -> relative difference to `exact`.
     limits : dict
@@ -68,7 +68,8 @@ class Certificate:
     along : dict
         Response -> its derivative along that direction by `exact`.
     quotients : dict
-        Response -> the same by the best central difference, with its uncertainty; it shares no formula of derivatives with the others.
+        Response -> this derivative by the best central difference, with its uncertainty; it shares no formula of derivatives with
+        the others.
     parts : dict
         Variable -> its part of that direction.
     jumping : tuple of str
@@ -94,7 +95,7 @@ class Certificate:
     def verdict(self) -> Verdict:
         """Verdict of the run, with a doubt where differences along the direction do not settle on the derivative.
 
-        They shall do so as their steps shrink.
+        The differences are taken with steps that shrink.
         """
         unknown = [f for f, each in self.quotients.items() if each.uncertainty > SETTLED * abs(self.along[f]) > self._blurred(f)]
         lost = dict.fromkeys([*unknown, *self.jumping])

@@ -68,7 +68,7 @@ class Wanted(NamedTuple):
 
 
 class Fresh(NamedTuple):
-    """A derivative by fresh models, and by how much the difference quotients disagree about it."""
+    """A derivative by fresh models, and the difference between the difference quotients as its uncertainty."""
 
     slope: float
     uncertainty: float

@@ -1,4 +1,4 @@
-"""What frozen reduced bases do to values and gradients away from their design: the same analysis with more shapes, compared.
+"""Errors of values and gradients by frozen reduced bases away from their design, by the same analysis with more shapes.
 
 The shapes of a frozen basis are those of one design. Its file holds the body in so many more shapes that these can follow any design,
 see `preprocessing.reduction.reduced`; with numbers f, and f' in more shapes,

@@ -1,4 +1,4 @@
-"""How much of the vibrations that a force excites is lost: of every mode, a part of what the same force would excite at once."""
+"""Lost part of the vibrations that a force excites, in every mode, relative to what the same force would excite at once."""
 
 from __future__ import annotations
 
@@ -31,8 +31,10 @@ class History(NamedTuple):
 
 
 class Pieces(NamedTuple):
-    """Straight pieces of a curve in which it changes: their middles after some instant, lengths and growth (k,), and the number of those
-    before each step and before the end, (n_t,)."""
+    """Straight pieces of a curve in which it changes, after some instant.
+
+    They have their middles, lengths and growth (k,), and the number of those before each step and before the end, (n_t,).
+    """
 
     middle: np.ndarray
     length: np.ndarray

@@ -30,8 +30,7 @@ from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.system.solution import Solution
 
 FEW, LOOKED_AT = 40, 120
-"""Number of states at which responses with lost vibrations are evaluated: to see whether these count, and how much they
-change."""
+"""Number of states at which responses with lost vibrations are evaluated: to see whether these count, and by how much."""
 LASTING = 3.0
 """Decays, of the logarithm of the amplitude, that a vibration lasts."""
 FELT = 1e-3

@@ -1,4 +1,4 @@
-"""How far responses and gradients are off because of the length of the steps: the same run with other steps, and Richardson's rule.
+"""Estimated time-step errors of responses and gradients: the same run with other steps, and Richardson's rule.
 
 With f of steps h, g of steps r h, k of steps s h, and the order p of the scheme,
 
@@ -29,13 +29,12 @@ from toolkit.system.solution import Solution
 Values = Mapping[str, Any]
 Gradients = Mapping[str, Mapping[str, float]]
 Repeat = Callable[[RunOptions], tuple[Values, Gradients]]
-"""The same analysis with other options: values and gradients of its responses."""
+"""Function that repeats the analysis with other options and returns values and gradients of its responses."""
 
 LONGER = (2, 4)
 """Ratios of the longer steps of comparison runs to the steps of the run."""
 CONTRADICTED = 0.04
-"""Error above which longer steps contradict those half as long, which may agree with the run by chance: then shorter ones
-decide."""
+"""Error by longer steps that steps half as long contradict: these may agree by chance, so that shorter ones decide."""
 TIMES_AS_SHORT = {2: "with steps half as long", 4: "with steps a quarter as long"}
 """Number of parts of a step in runs with shorter steps -> the phrase for it, in the order in which they are tried."""
 LENIENT = 2.0
@@ -101,7 +100,7 @@ class StepError:
 
 
 class Run(NamedTuple):
-    """A run with other steps: how many times as long they are, in words, and what it found."""
+    """A run with other steps: the ratio of their lengths, a phrase for it, and the values and gradients."""
 
     ratio: float
     how: str
@@ -257,8 +256,7 @@ def _with_the_first(numbers: list[float]) -> list[tuple[float, float]]:
     """Pairs of the first number with each other one.
 
     Shorter steps are nearer to the truth than what they are compared with; the difference of two of them, extrapolated to a run
-    that is many
-    times as wrong, would only make more of their own noise.
+    that is many times as wrong, would only make more of their own noise.
     """
     return [(numbers[0], each) for each in numbers[1:]]
 
@@ -303,7 +301,7 @@ def _longer(options: RunOptions, times: np.ndarray, ratio: int) -> tuple[float, 
 
 
 def shorter_steps(options: RunOptions, times: np.ndarray, parts: int) -> RunOptions:
-    """Options of the run with every step divided into so many parts."""
+    """Options of the run with every step divided into a number of parts."""
     if options.local_error is not None:
         return _looser(options, 1 / parts)
     if options.times is not None:
@@ -316,8 +314,7 @@ def _looser(options: RunOptions, ratio: float) -> RunOptions:
     """Options of a run that chooses steps about `ratio` times as long.
 
     Chosen steps grow with the third root of the error that is allowed (the second without inertia), and so does the longest of
-    them: it may
-    be what has chosen them.
+    them: it may be what has chosen them.
     """
     allowed = float(options.local_error or 0) * ratio ** (2 if options.quasi_static else 3)
     return options.model_copy(update={"local_error": allowed, "step": min(options.end_time, options.step * ratio)})

@@ -38,8 +38,7 @@ from toolkit.validity.motion.created_energy import energy_defects
 from toolkit.validity.motion.motion import ENERGY
 
 SLOWER = 1.5
-"""Factor by which the energy defect may fall less than by the order: it is a largest value over time, and steps are not yet
-short."""
+"""Factor by which the energy defect may fall less than by the order: it is a maximum over time, and steps are not yet short."""
 
 AT_MOST = 0.5
 """Relative error of deflections above which their effect on the answers is not estimated."""

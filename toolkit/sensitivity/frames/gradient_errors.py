@@ -1,4 +1,4 @@
-"""What the frames of a run do to its gradients: the same run with more of them, compared.
+"""Errors of a run's gradients by the number of frames: the same run with more of them, compared.
 
 Gradients converge more slowly than values: of a wing whose displacement is off by 1 % they are by 10 %, and may have the wrong sign before.
 With every part cut in half, the error is a quarter of what it was. So of numbers g, and g' with ratio r of the frames,
@@ -87,9 +87,9 @@ UNFELT = 1e-3
 def frame_errors(
     solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed, doubted: Collection[str] = ()
 ) -> FrameErrors | None:
-    """Errors of values and gradients by the number of frames; None where no body's frames matter or can be more.
+    """Errors of values and gradients by the number of frames; None where no body needs more frames, or can have them.
 
-    Frames matter in bodies that are deformed far, and in those that are doubted.
+    A body that is deformed far, or that is doubted, needs more.
     """
     bodies = [body for body in whole_bodies(solution.system.scene) if body in {*bodies_with_more(solution), *doubted}]
     more = {body: _more(solution, body) for body in bodies if _can_have_more(solution, body)}
@@ -117,7 +117,7 @@ def frame_errors(
 
 
 def bodies_with_more(solution: Solution) -> list[str]:
-    """Bodies whose gradients may need more frames: deformed far, or with a deflection that pulls at joints that are asked for."""
+    """Bodies whose gradients may need more frames: deformed far, or pulling at joints whose forces are asked for."""
     pulls = any(abs(each.missing) > STEEP * each.counts > 0 for each in lacking_joints(solution).values())
     pulling = {most_pulled(solution)} if pulls else set()
     return [

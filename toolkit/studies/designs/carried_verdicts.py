@@ -30,8 +30,7 @@ POWER = 4.0
 FARTHEST = 0.15
 """Distance up to which a verdict is carried: a measure changes by a factor of two at most."""
 SAME = 0.01
-"""Distance up to which one verdict is enough; from farther, a verdict is carried where those that are measured around it
-agree."""
+"""Distance up to which one verdict is enough; from farther, one is carried where those measured around it agree."""
 OF_FRAMES = "geometric-gradients"
 """Code of the doubt that is found anew for every design, by errors that are carried and by its own gradients."""
 

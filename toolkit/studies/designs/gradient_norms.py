@@ -1,4 +1,4 @@
-"""Norms of gradients as responses: how much a response changes, at most, with a step of a design in parts of the variables' scales.
+"""Norms of gradients as responses: the largest change of a response per step of a design, in scaled variables.
 
 With scales S, the norm N of the gradient g in scaled variables and its derivative are
 
@@ -20,8 +20,7 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.studies.designs.case_run import CaseResult, CaseRun
 
 STEP = 1e-3
-"""Step of the differences, relative to the variables' scales: round-off of gradients over it is below 1e-7, as is its fourth
-power."""
+"""Step of the differences, relative to the variables' scales: round-off of gradients over it is below 1e-7, as is step^4."""
 ROUGH = 1e-2
 """Relative error of a derivative above which the gradient is said to have kinks."""
 

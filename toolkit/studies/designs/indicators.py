@@ -1,4 +1,4 @@
-"""What tells how far two designs are apart: their numbers, their answers, and how large their states and joint forces are.
+"""Indicators of how far two designs are apart: their numbers, their answers, and the sizes of their states and joint forces.
 
 All of it is at hand after a run, while to judge a run costs several more. What a check measures is a smooth function of these numbers, of
 a power that is seldom above the fourth: the growth of an element that turns goes with the second power of a deflection.

@@ -30,10 +30,10 @@ STORE = "study.h5"
 ASIDE = 4
 """Number of further designs at which the objective is evaluated where it is stationary at the start."""
 SAME = 1e-3
-"""Relative difference of objectives by which two optima are told apart."""
+"""Relative difference of objectives by which two optima are distinguished."""
 
 WIDE = 0.05
-"""Difference of a variable, in parts of its scale, by which two designs are told apart."""
+"""Difference of a variable, relative to its scale, by which two designs are distinguished."""
 
 
 def optimized(problem: Problem, folder: Path | None = None, progress: Progress | None = None) -> Optimum:

@@ -1,4 +1,4 @@
-"""What limits cost: multipliers as shadow prices, in the units of the study."""
+"""Shadow prices of limits: multipliers in the units of the study."""
 
 from __future__ import annotations
 
@@ -78,9 +78,8 @@ def prices(program: Program, best: DesignOutcome, left: Optimality) -> Iterator[
 def _active(program: Program, best: DesignOutcome, left: Optimality) -> tuple[np.ndarray, np.ndarray]:
     """Which constraints (m,) and bounds (2, n) are active and cost something.
 
-    Their multiplier, relative to the largest slope, is larger than their distance. One of the two is zero at an optimum, and
-    this tells which
-    of them is on its way there.
+    Their multiplier, relative to the largest slope, is larger than their distance. One of the two is zero at an optimum, and this
+    tells which of them is on its way there.
     """
     values, z = program.values(best), program.scaled(best.design)
     largest = max(float(np.max(np.abs(values.df))), SLOPE)

@@ -1,4 +1,4 @@
-"""What a study file holds: a scene, what of it may change, and what is wanted."""
+"""Contents of a study file: a scene, its variables or uncertain numbers, and what is wanted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What objective and limits look at: responses, or mean and standard deviation of them over uncertain numbers."""
+"""Terms of objective and limits: responses, or their mean and standard deviation over uncertain numbers."""
 
 from __future__ import annotations
 

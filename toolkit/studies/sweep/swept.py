@@ -1,4 +1,4 @@
-"""What a sweep returns: a row for every design, with values and gradients, or the reason why there are none."""
+"""Result of a sweep: a row for every design, with values and gradients, or the reason why there are none."""
 
 from __future__ import annotations
 

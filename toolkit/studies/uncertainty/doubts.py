@@ -16,15 +16,13 @@ from toolkit.studies.uncertainty.spread import Spread
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
 
 MISSED = 0.1
-"""Limit of the polynomials' error at designs left out, relative to the spread of the solved values: a hundredth of the
-variance."""
+"""Limit of the polynomials' error at designs left out, relative to the spread of solved values: 1 % of the variance."""
 SETTLED = 0.05
 """Largest change of mean and sigma with the degree of the polynomials, relative to sigma."""
 BEYOND = 0.1
 """Largest relative change of sigma if polynomials go on straight beyond the solved designs; a straight line does not change."""
 SURE = 1e-6
-"""Error at designs left out, relative to the spread, below which a response is taken for a polynomial, also beyond the
-designs."""
+"""Error at designs left out, relative to the spread, below which a response is taken for a polynomial, also beyond them."""
 RARE = 1e-3
 """Probability below which a result of the polynomials rests on their tails, beyond all designs."""
 OTHERS_ALONE = ", and all numbers are those of the others alone: so probable is it that nothing can be said."

@@ -21,8 +21,7 @@ from toolkit.studies.distributions.marginal import Marginal
 HIGHEST = 8
 """Highest degree that is tried."""
 EXACT = 1e-9
-"""Error at designs left out, relative to the values' spread, below which round-off decides, so that the lowest degree is
-taken."""
+"""Error at designs left out, relative to the values' spread, below which the lowest degree is taken: round-off decides."""
 SPARE = 1.5
 """Wanted ratio of the number of equations to that of coefficients."""
 DETERMINED = 1e-8

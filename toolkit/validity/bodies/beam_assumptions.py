@@ -1,4 +1,4 @@
-"""What beam elements leave out whatever their motion: bending and stretch by weight and inertia between nodes.
+"""Bending and stretch by weight and inertia between nodes, which beam elements leave out whatever their motion.
 
 Weight less inertia, and pressure on the side of a piece of a solid, p per length, bend an element of length l by moments of up to
 p l^2 / 12 more than its shape functions say; displacements of the nodes are those of the exact beam. In parts of the

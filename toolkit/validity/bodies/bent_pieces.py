@@ -1,4 +1,4 @@
-"""How far the pieces of a solid bend between their ends: what no frame knows that carries a whole piece.
+"""Bending of the pieces of a solid between their ends, which no frame that carries a whole piece has.
 
 Ends that turn by theta_1 and theta_2 against the line through both bow a piece of length L as a beam, and bring them nearer by
 

@@ -24,8 +24,7 @@ from toolkit.validity.bodies.tension.tension_cautions import tension_of_vibratio
 
 FACTOR = 1440.0
 ITERATIONS = 40
-"""Iterations of Newton's method, which gains a factor of 1.5 in a step far from the root of a cubic, and doubles the digits near
-it."""
+"""Iterations of Newton's method, which gains a factor of 1.5 far from the root of a cubic, and doubles the digits near it."""
 
 
 def resolved_frequency(scene: Scene, body: str) -> float:
@@ -95,8 +94,7 @@ def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | 
     """Cautions about a list of the lowest modes around the last state, in cycles per time.
 
     Parts that keep few modes are compared with all of theirs. Frequencies that are asked for by their `count` are doubted as
-    those of
-    responses are. Of all that there are, where None is asked for, the fastest are those of the elements, and no doubt.
+    those of responses are. Of all that there are, where None is asked for, the fastest are those of the elements, and no doubt.
     """
     yield from cautions_of_raised(solution, frequencies)
     yield from critical_loads(solution, lateral=True)

@@ -26,8 +26,8 @@ from toolkit.system.system import System
 CORRECTIONS = 6
 """Number of corrections by which coordinates are put back on the joints."""
 SINGULAR = 1e-5
-"""Smallest singular value, relative to the largest, up to which joints repeat each other: its square is the accuracy of positions
-there."""
+"""Smallest singular value, relative to the largest, up to which joints repeat each other: its square is the accuracy of
+positions there."""
 OPENS = 1e-3
 """Part of a variable's change of the gaps that must do work to open a dead point; less is round-off."""
 
@@ -93,8 +93,8 @@ ALIKE = 0.5
 HALVINGS = 40
 """Number of bisections by which a dead point is found between two states."""
 MEETS = 1e-9
-"""Constraint violation, relative to the model size (or in rad), that counts as none: where lengths are off by more, branches do
-not meet."""
+"""Constraint violation, relative to the model size (or in rad), that counts as zero: where lengths are off by more,
+branches do not meet."""
 
 
 @dataclass(frozen=True)

@@ -34,13 +34,13 @@ GROWTH = 100.0
 PARTS = (1.0, 0.5, 0.25)
 """Parts of the motion up to which its directions are examined: what round-off sets off has moved at the end."""
 MOST_COORDINATES, MOST_STATES, SEEN = 60, 1000, 200
-"""Largest number of coordinates of scenes, and of states, that are examined; and number of states that directions are found
-from."""
+"""Largest number of coordinates of a scene that is examined, and of states (of longer motions every second or third one); and
+number of states that directions are found from."""
 ENOUGH = 3
 """Least number of states per coordinate: fewer leave directions open by their number alone."""
 SAMPLES, GOLDEN = 12, (5**0.5 - 1) / 2
-"""Number of states in which the equations of disturbances are compared; the golden section keeps them out of step with
-alternations."""
+"""Number of states in which the equations of disturbances are compared; spread by the golden section, in no step with
+vibrations."""
 THETA = 0.51
 CLOSED = 1e-6
 """Largest residual, relative to the right-hand side, of a solution where a matrix is regular."""

@@ -1,4 +1,4 @@
-"""How straight beam elements in space deform to second order when they turn with their chords.
+"""Deformations to second order of straight beam elements in space that turn with their chords.
 
 An element of length L and direction e, with displacements u_i and rotation vectors phi_i of its ends, has
 

@@ -36,8 +36,7 @@ ALTERNATES = 6
 ENOUGH = 0.2
 """Part of the stiffness that alternates, times how often it crosses its mean, below which nothing grows by more than a quarter."""
 STILL = 0.1
-"""Largest move of coordinates, relative to the model size or in rad, at which vibrations about the start are those of the
-motion."""
+"""Largest move of coordinates, relative to the model size or in rad, where vibrations about the start hold for the motion."""
 SLOWEST = 6
 """Number of the slowest vibrations that are examined."""
 RESOLVED = 1.0

@@ -1,4 +1,4 @@
-"""How a whole scene yields to small forces at one of its states: bodies, joints and what else is stiff."""
+"""Compliance of a whole scene to small forces at one of its states: of bodies, joints and what else is stiff."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from toolkit.solvers.static.stability.static_array import StaticArray, static_ar
 from toolkit.system.solution import Solution
 
 LONGER = 30.0
-"""Period of the slow vibration whose inertia holds free motions, relative to the duration: a thousandth of the stiffness at
-one."""
+"""Period, relative to the duration, of the vibration whose inertia holds free motions: a thousandth of the stiffness at one."""
 Solver = Callable[[np.ndarray], np.ndarray]
 
 

@@ -1,4 +1,4 @@
-"""What the stress of beams in space, which is that along their fibres, lacks of von Mises': shear by twist, and bending between fibres.
+"""Difference of the stress along fibres of beams in space to von Mises': shear by twist, and bending between fibres.
 
 With the torque T, bending moments M and the normal force N of an element, and the shear stress tau of `spatial_sections`,
 

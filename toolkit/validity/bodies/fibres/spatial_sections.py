@@ -31,8 +31,7 @@ class Sections(NamedTuple):
     """Sections of elements in space.
 
     They are directions, areas, least second moments with their axes, outer radii, whether they are round or else rectangles, and
-    the largest
-    shear stress over the torque.
+    the largest shear stress over the torque.
     """
 
     along: np.ndarray  # (n_e, 3)

@@ -35,8 +35,7 @@ ENOUGH = float(np.sqrt((1 + TOLD) ** 2 - 1))
 """Frequency, relative to the slowest one left out, that may be too high by `TOLD`."""
 
 OF_GRADIENTS = 0.02
-"""Relative error of a frequency from which its derivative may be off by a tenth: by a thickness it was up to five times as
-much."""
+"""Relative error of a frequency from which its derivative may be off by a tenth: by a thickness, by up to five times as much."""
 BETTER = 'Build it with kind = "craig-bampton", whose shapes know its interface points.'
 """Remedy where the basis holds eigenmodes alone."""
 
@@ -118,9 +117,8 @@ def raised_at_most(frequency: float, slowest: float) -> float:
 def left_out(scene: Scene) -> Iterator[FewShapes]:
     """Slowest left-out frequency of all bodies whose model does not keep all coordinates, cut or not.
 
-    Bodies of frozen shapes away from their design are not among them: what these leave out are no shapes of their design, so
-    that the bound
-    does not hold. `basis_errors` measures what they lack.
+    Bodies of frozen shapes away from their design are not among them: what these leave out are no shapes of their design, so that
+    the bound does not hold. `basis_errors` measures what they lack.
     """
     off = {each.name for each in frozen_bodies(scene)}
     for name in whole_bodies(scene):
@@ -148,8 +146,7 @@ def _coupled(scene: Scene, body: str) -> bool:
     """Whether inertia couples shapes that are left out with the frame's motion or kept shapes.
 
     It does not where the frame stands still, nor of free modes about mean axes, which float by themselves, at the numbers that
-    they were found
-    with.
+    they were found with.
     """
     written = flexible_body(scene, body)
     design = written.design_point(scene)

@@ -1,4 +1,4 @@
-"""How far the forces of a run would bend reduced parts in shapes that were left out.
+"""Deflection of reduced parts by the forces of a run in shapes that were left out.
 
 The full scene is put into the states of the run, where its equations are not in balance, inertia included. What is left of the forces would
 move the parts by delta (see `full_scene`): their part in the motion as long as none of these shapes vibrates.

@@ -1,4 +1,4 @@
-"""What the shapes hold of stress, strain energy and small displacements which a reduced basis leaves out, under the forces of a run.
+"""Stress, strain energy and small displacements of the shapes that a reduced basis leaves out, under a run's forces.
 
 Its reduced model tells what unit loads at rest do in these shapes (`LeftOutShapes`): with the forces c at its points, and what its weight
 and its inertia pull at every mass,

@@ -1,4 +1,4 @@
-"""What shear takes from the stiffness of Euler-Bernoulli elements.
+"""Stiffness that shear takes from Euler-Bernoulli elements.
 
 An element of length L bends by the rotations theta_1 and theta_2 of its ends against its chord. In theta_1 + theta_2 it carries a shear
 force, and there shear makes it softer; in theta_1 - theta_2 it carries none:

@@ -1,4 +1,4 @@
-"""What a body lacks that its own spin stiffens: the tension by which it is carried round, where its frame's origin is off the axis.
+"""Missing stiffening of a body by its own spin: the tension that carries it round, where its frame's origin is off the axis.
 
 Its model knows the centrifugal forces of a spin omega about its frame's origin. Where that is accelerated by a_0, or the centre of mass of
 a body that floats about mean axes, joints carry another force m a_0 into the body. Of a clamped uniform beam
@@ -26,10 +26,10 @@ from toolkit.validity.bodies.spinning.critical_speed import critical_speed
 
 OF_SPIN, OF_HUB = 1.17, 1.57
 TOLD, DOUBTFUL = 0.005, 0.025
-"""Parts of the lowest frequency above which there is a remark, and a doubt: in the plane of the spin about twice as much is
-missing."""
+"""Missing parts of the lowest frequency above which there is a remark, or a doubt: in the plane of the spin, about twice as much
+is missing."""
 CARRIED = 0.01
-"""Distance of the centre of mass from the axis, in parts of the body's radius of gyration, from which joints carry a body that floats."""
+"""Distance of the centre of mass from the axis, relative to the radius of gyration, from which joints carry a floating body."""
 
 
 def stiffened(solution: Solution) -> list[str]:

@@ -33,7 +33,7 @@ STEEP = 5e-3
 """Part of a joint's force that a deflection pulls with from which its gradients are looked at: this part grows with the square of the
 deflection or more, by a thickness with ten times its relative change."""
 MANY = 100.0
-"""Factor by which a force is off above which the factor is not told."""
+"""Factor by which a force is off above which a message gives no factor."""
 HARDLY = 0.1
 """Part of the largest force in any joint below which a force does not count."""
 NAMED = 3

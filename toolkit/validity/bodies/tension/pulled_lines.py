@@ -1,4 +1,4 @@
-"""What tension does to a body whose elements are not known, a solid or a reduced beam in space: by the lines through which forces go.
+"""Tension of a body whose elements are not known, a solid or a reduced beam in space: along the lines of its forces.
 
 A line of length L along e leads from what holds the frame to a point that is used, or between the two points of a chord. It is longer by
 a = e . Z q and so carries the force N = a / c_a, with c_a = e Z K^-1 Z^T e. On the edges of the surface beside it that go along it, each of

@@ -1,4 +1,4 @@
-"""What a state of a scene would be with the stiffness across its tension, which the equations lack.
+"""A state of a scene with the stiffness across its tension, which the equations lack.
 
 With K of the whole scene at the state, G_1 the geometric stiffness of the axial forces that the bodies know, and G_2 of those that their
 deflection z gives them (`grown_elements`), which grow with its square, the true deflection z + d has

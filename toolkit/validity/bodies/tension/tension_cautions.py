@@ -50,14 +50,13 @@ def _last(solution: Solution) -> StiffenedState | None:
 
 
 MANY = 20.0
-"""Factor by which a number is too large above which the factor is not told."""
+"""Factor by which a number is too large above which a message gives no factor."""
 NAMED = 3
 """Largest number of vibrations that are named."""
 OF_GRADIENTS = 0.1
 """Relative error of a derivative of a motion above which there is a doubt, as of other errors of gradients."""
 GROWS = 3.0
-"""Ratio of the error of a deflection's derivative by the load to that of the deflection: w (1 + c w^2) = f gives c w^2, 3 c
-w^2."""
+"""Ratio of the error of a deflection's derivative by the load to its own: w (1 + c w^2) = f gives c w^2 and 3 c w^2."""
 
 
 def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
