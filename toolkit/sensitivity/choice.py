@@ -67,7 +67,7 @@ def choose(compiled: Compiled, kind: Kind, keep_states: bool = False) -> Choice:
 
 
 def _chosen(compiled: Compiled, scene: Scene, system: System) -> Choice:
-    """For a motion, whose states need not be kept."""
+    """The cheaper exact method for a motion whose derivatives of the states need not be kept."""
     needed = 8 * len(time_grid(scene.solver)) * (3 * system.n + system.n_x * (2 * system.n_q + system.n))
     if scene.solver.local_error is None and needed > GIGABYTE * scene.solver.memory:
         return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.")
@@ -85,15 +85,15 @@ def counted(number: int, word: str) -> str:
 
 
 def direct_work(system: System, n_r: int) -> np.ndarray:
-    """What a step of direct differentiation visits: unknowns, equations per variable, and unknowns per variable and response."""
+    """Work of a step of direct differentiation: unknowns, equations per variable, and unknowns per variable and response."""
     return np.array([1, system.n, system.n_x * _entries(system), n_r * system.n_x * system.n])
 
 
 def adjoint_work(system: System, n_r: int) -> np.ndarray:
-    """What a step of the adjoint visits: unknowns, design partials, and equations per response."""
+    """Work of a step of the adjoint: unknowns, design partials, and equations per response."""
     return np.array([1, system.n, len(system.plan.touched_row), n_r * _entries(system)])
 
 
 def _entries(system: System) -> int:
-    """Entries of the equations' pattern and of their factors."""
+    """Number of entries of the equations' sparsity pattern and of their factors."""
     return len(system.plan.indices) + int(system.lu_plan.row_start[-1])

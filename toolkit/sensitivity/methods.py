@@ -53,7 +53,7 @@ def by_method(
     keep_states: bool = False,
     clock: Clock = once,
 ) -> Result:
-    """The same of a compiled scene."""
+    """Responses with gradients of a compiled scene, by a method of `method_names.METHODS`."""
     found = _by_method(method, compiled, kind, progress, keep_states, clock)
     return replace(
         found,
@@ -73,7 +73,7 @@ def _by_method(method: str, compiled: Compiled, kind: Kind, progress: Progress |
 
 
 def _chosen(compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Result:
-    """By the cheaper method, or by direct differentiation where the adjoint turns out to need it."""
+    """Responses with gradients by the cheaper method, or by direct differentiation where the adjoint turns out to need it."""
     choice = choose(compiled, kind, keep_states)
     method = by_adjoint if choice.method == "adjoint" else by_direct
     try:
@@ -86,7 +86,7 @@ def _chosen(compiled: Compiled, kind: Kind, progress: Progress | None, keep_stat
 def _reframed(
     compiled: Compiled, kind: Kind, solution: Solution, frames: Mapping[str, Frames]
 ) -> tuple[Mapping[str, float], Mapping[str, Mapping[str, float]]]:
-    """Values and gradients with other frames, and the same steps."""
+    """Values and gradients of a compiled scene with other frames and the same steps."""
     other = compiled.reframed(frames)
     if kind == "transient" and (compiled.scene.solver.local_error is not None or solution.halved):
         other = Compiled(frozen(other.scene, solution, compiled.scene.solver.halvings), other.names)

@@ -61,7 +61,7 @@ def by_repetition(
     relative_step: float | None = None,
     clock: Clock = once,
 ) -> Result:
-    """The same of a compiled scene.
+    """Responses with gradients of a compiled scene, by repeated runs of the whole analysis.
 
     Raises
     ------
@@ -89,7 +89,10 @@ def by_repetition(
 
 
 def _again_directly(scene: Scene, design: list[str], options: RunOptions) -> tuple[Values, Gradients]:
-    """By direct differentiation: what other steps change about a derivative is far more than both methods differ by."""
+    """Values and gradients with other options, by direct differentiation.
+
+    Other steps change a derivative far more than both methods differ.
+    """
     return again(prepare(scene, design), options)
 
 
@@ -107,10 +110,10 @@ def derivative(
     known: Solution | None = None,
     along: Solution | None = None,
 ) -> dict[str, Any]:
-    """Derivative of all responses by one variable.
+    """Derivatives of all responses by one variable, by repeated runs.
 
-    Beside a `known` equilibrium, of a motion that in which it starts, a complex step need not follow the path there again; `along` a
-    known motion it takes fewer iterations.
+    A complex step need not follow the path to a `known` equilibrium again, which is that of the scene or the one that a motion
+    starts in; `along` a known motion it takes fewer iterations.
     """
 
     def shifted(step: complex) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What an analysis returns: values and gradients of the responses, with the verdict whether to trust them."""
+"""Result of an analysis: values and gradients of the responses, with the verdict whether to trust them."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ from toolkit.validity.motion.motion import SUSPICIOUS
 from toolkit.validity.motion.noisy_forces import NOISY, JointNoise, noise_at, noise_of_joints, noise_of_values, noisy_forces
 
 AROUND = 6
-"""States on both sides of the one that is asked for in which a force may jump to and fro."""
+"""Number of states on both sides of the one that is asked for in which a force may alternate."""
 UNIMPORTANT = 0.02
 """A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
 compared with such a change instead of with itself."""
@@ -109,12 +109,12 @@ class Result:
 
     @cached_property
     def measures(self) -> dict[str, Any]:
-        """What the states tell about how exactly they were found, see `toolkit.validity.judge.measures`."""
+        """Measures of how exactly the states were found, see `toolkit.validity.judge.measures`."""
         return measures(self.solution)
 
     @cached_property
     def step_error(self) -> StepError | None:
-        """Estimated errors by the length of the steps, measured by the same run with steps of another length when it is first asked for."""
+        """Estimated time-step errors, measured by the same run with steps of another length when first asked for."""
         solution = self.solution
         if self.repeat is None or not moving(solution) or not self.values:
             return None
@@ -126,7 +126,7 @@ class Result:
 
     @cached_property
     def _answers(self) -> Answers:
-        """The numbers of a motion, and what errors of them are compared with."""
+        """Values and gradients of a motion, and the scales of their errors."""
         solution = self.solution
         responses = responses_of(solution.system.scene)
         largest = {name: largest_in(each, solution, self.values[name]) for name, each in responses.items()}
@@ -134,7 +134,7 @@ class Result:
         return Answers(self.values, self.gradients, scales, self._slope_scales(scales, largest))
 
     def _slope_scales(self, scales: dict[str, float], found: dict[str, Largest]) -> dict[str, dict[str, float]]:
-        """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
+        """Scales of errors of derivatives: the largest in the motion, or a small effect of all of the variable."""
         scene, solution = self.solution.system.scene, self.solution
         sizes, counting = variable_sizes(scene, self) if self.gradients else {}, {}
         for f in found if sizes else ():
@@ -146,14 +146,14 @@ class Result:
 
     @cached_property
     def frame_errors(self) -> FrameErrors | None:
-        """Estimated errors by the number of floating frames, by a run with more of them when it is first asked for."""
+        """Estimated errors by the number of floating frames, by a run with more of them when first asked for."""
         if self.reframed is None or not self.gradients:
             return None
         return frame_errors(self.solution, self.values, self.gradients, self.reframed)
 
     @cached_property
     def basis_errors(self) -> BasisErrors | None:
-        """Errors by frozen bases, by the same analysis with more shapes when it is first asked for; None where they have none."""
+        """Errors by frozen bases, by the same analysis with more shapes when first asked for; None without frozen bases."""
         if self.enriched is None or not self.values:
             return None
         scene, variables = self.solution.system.scene, next(iter(self.gradients.values()), {})
@@ -176,14 +176,17 @@ class Result:
 
     @property
     def _undecided(self) -> dict[str, float]:
-        """What Newton leaves open of the values of a state at rest."""
+        """Uncertainty that Newton's method leaves in the values of a state at rest, by response."""
         responses = responses_of(self.solution.system.scene, moving=False)
         return {f: magnitude_that_counts(each, self.solution, NONE) for f, each in responses.items()}
 
     @cached_property
     def verdict(self) -> Verdict:
-        """Whether values and gradients can be trusted, and why not; found out when it is first asked for, at the price of half a run, and
-        of one with more floating frames where there are gradients of bodies that deform far, with more shapes where bases are frozen."""
+        """Whether values and gradients can be trusted, and why not; found when first asked for.
+
+        That costs half a run, one with more floating frames where there are gradients of bodies that deform far, and one with
+        more shapes where bases are frozen.
+        """
         found, errors = self._verdict, self.weighed_frames
         if self.gradients and self.solution.system.n_x and (errors is None or most_pulled(self.solution) not in errors.frames):
             found = Verdict.of([*found.warnings, *steep_joints(self.solution)], found.measures)
@@ -214,7 +217,7 @@ class Result:
 
     @cached_property
     def _verdict(self) -> Verdict:
-        """The same without what frames do to gradients."""
+        """The verdict without the effects of frames and frozen bases on gradients."""
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             folded = folded_equilibria(self.solution) if self.values and not self.solution.steps else ()
@@ -256,11 +259,11 @@ class Result:
 
     @property
     def warnings(self) -> tuple[Caution, ...]:
-        """All that whoever reads the numbers has to know, doubts first."""
+        """All cautions of the verdict, doubts first."""
         return self.verdict.warnings
 
     def _of_vibrations(self) -> Iterator[Caution]:
-        """Those that the elements of a body are too long for, or that shapes which parts leave out change."""
+        """Cautions about vibrations that too long elements or left-out shapes change, or that are stiffened or grow."""
         scene = self.solution.system.scene
         responses = {f: each for f, each in scene.responses.items() if f in self.values}
         asked = {f: self.values[f] for f, each in responses.items() if isinstance(each, Frequency)}
@@ -274,7 +277,7 @@ class Result:
             yield from merging_vibrations(self.solution, lateral=True)
 
     def _undefined(self) -> Iterator[Caution]:
-        """Values and derivatives that do not exist at this design, and variables that nothing feels."""
+        """Remarks on values and derivatives that do not exist at this design, and on variables that nothing feels."""
         yield from unfelt_variables(self.gradients)
         numbers = {f"the value of {name}": value for name, value in self.values.items()}
         numbers |= {f"the derivative of {f} by {x}": slope for f, slopes in self.gradients.items() for x, slope in slopes.items()}
@@ -308,8 +311,10 @@ def result(
 
 
 def force_cautions(solution: Solution, noise: Mapping[str, Any], sizes: Mapping[str, float]) -> Iterator[Caution]:
-    """A doubt where a response is such a force, at the time that it asks for; otherwise a remark. The noise is that of `force_noise`, sizes
-    are the largest that responses are."""
+    """Cautions about noisy joint forces: a doubt where a response is such a force at its time, otherwise a remark.
+
+    The noise is that of `force_noise`, sizes are the largest that responses are.
+    """
     scene = solution.system.scene
     if not noise or noise["size"] <= NOISY:
         return
@@ -327,8 +332,11 @@ def _largest_noise(response: Any, joints: Mapping[str, JointNoise]) -> float:
 
 
 def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution, size: float) -> float:
-    """Noise in a response that is a joint's force, or a driver's power by it: at its time, or of an extreme over time at any. Means do not
-    feel what alternates. It is a part of the joint's largest force, or of the largest that the response itself is, whichever is less."""
+    """Noise in a response that is a joint's force or a driver's power, relative to the largest.
+
+    It is that at the response's time, or of an extreme over time at any. Means do not feel what alternates. It is a part of the
+    joint's largest force, or of the largest that the response itself is, whichever is less.
+    """
     extreme = isinstance(response, TimeMax | TimeMin | TimeKS)
     looked = response.source if extreme else response
     joint = looked.joint if isinstance(looked, JointForce | Power) else None

@@ -39,7 +39,7 @@ def fits(scene: Scene, system: System) -> bool:
 
 
 class Forwards(NamedTuple):
-    """What a run in windows leaves behind."""
+    """Results that a run in windows leaves behind."""
 
     run: Run
     bounds: list[int]
@@ -72,7 +72,7 @@ def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -
 
 
 def run_forwards(system: System, tell: Progress) -> Forwards:
-    """All windows in turn, and the responses from their values."""
+    """Solve all windows in turn, and put the responses together from their values in the windows."""
     run, responses = prepare_run(system), responses_of(system.scene)
     bounds, kept, drift = window_bounds(len(run.times)), list[Checkpoint](), 0.0
     parts: dict[str, dict[int, Any]] = {name: {} for name in responses}
@@ -89,7 +89,7 @@ def run_forwards(system: System, tell: Progress) -> Forwards:
 
 
 def run_backwards(system: System, forwards: Forwards, tell: Progress) -> np.ndarray:
-    """Gradients (n_x, n_r) of a system with design variables."""
+    """Gradients (n_x, n_r) of a system with design variables, by the backward sweep through all windows."""
     run, bounds, responses = forwards.run, forwards.bounds, responses_of(system.scene)
     state = begin_sweep(system, run.options, run.times, len(responses))
     for j in reversed(range(len(bounds) - 1)):
@@ -105,7 +105,7 @@ def run_backwards(system: System, forwards: Forwards, tell: Progress) -> np.ndar
 
 
 def seen_responses(responses: Mapping[str, Response], window: Solution) -> dict[str, Response]:
-    """Those that look at any state of a window."""
+    """Responses that look at any state of a window, by name."""
     first = int(np.searchsorted(window.whole_run, window.times[0]))
     last = first + len(window.times) - 1
     steps = {name: steps_seen(response, window.whole_run) for name, response in responses.items()}
@@ -113,5 +113,5 @@ def seen_responses(responses: Mapping[str, Response], window: Solution) -> dict[
 
 
 def scaled(partials: Partials, weight: float) -> Partials:
-    """All derivatives times a number."""
+    """Partial derivatives of a response, all times one number."""
     return Partials(partials.value, *(None if each is None else weight * each for each in partials[1:]))

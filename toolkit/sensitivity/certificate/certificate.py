@@ -1,4 +1,4 @@
-"""The certificate of a scene's gradients: independent methods compared, as far as round-off lets derivatives be told apart."""
+"""The certificate of a scene's gradients: independent methods compared, as far as round-off allows."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ TINY = float(np.finfo(float).tiny)
 
 
 QUOTIENT, UNLUCKY = 1e-5, 10.0
-"""Relative difference of a derivative along a direction to a difference quotient that truncation may leave where both neighbours agree, and
-how often such a quotient's uncertainty it may be off by."""
+"""Largest relative difference, by truncation, between a derivative along a direction and a difference quotient whose neighbours
+agree; and the largest such difference in multiples of the quotient's uncertainty."""
 
 
 class DisagreementError(ToolkitError, ArithmeticError):
@@ -49,12 +49,12 @@ class NothingVerifiedError(ToolkitError, ArithmeticError):
 
 @dataclass(frozen=True)
 class Certificate:
-    """What independent methods say about the gradients of a scene.
+    """Comparison of a scene's gradients by independent methods.
 
     Attributes
     ----------
     exact : Result
-        By direct differentiation.
+        Result by direct differentiation.
     differences : dict
         "adjoint" (where the run has one) and "complex-step" -> response -> variable -> relative difference to `exact`.
     limits : dict
@@ -68,7 +68,8 @@ class Certificate:
     along : dict
         Response -> its derivative along that direction by `exact`.
     quotients : dict
-        Response -> the same by the best central difference, with its uncertainty; it shares no formula of derivatives with the others.
+        Response -> this derivative by the best central difference, with its uncertainty; it shares no formula of derivatives with
+        the others.
     parts : dict
         Variable -> its part of that direction.
     jumping : tuple of str
@@ -92,7 +93,10 @@ class Certificate:
 
     @property
     def verdict(self) -> Verdict:
-        """That of the run, and a doubt where differences along the direction do not settle on the derivative as their steps shrink."""
+        """Verdict of the run, with a doubt where differences along the direction do not settle on the derivative.
+
+        The differences are taken with steps that shrink.
+        """
         unknown = [f for f, each in self.quotients.items() if each.uncertainty > SETTLED * abs(self.along[f]) > self._blurred(f)]
         lost = dict.fromkeys([*unknown, *self.jumping])
         text = (
@@ -145,7 +149,7 @@ class Certificate:
             )
 
     def _check_quotients(self) -> None:
-        """Refuse gradients whose derivative along the direction is none of the difference quotients'."""
+        """Refuse gradients whose derivative along the direction differs from that of the best difference quotient."""
         for f, quotient in self.quotients.items():
             off = abs(self.along[f] - quotient.slope)
             if not off <= QUOTIENT * abs(self.along[f]) + UNLUCKY * quotient.uncertainty + self._blurred(f):
@@ -158,7 +162,7 @@ class Certificate:
                 )
 
     def _blurred(self, response: str) -> float:
-        """What round-off of the derivatives themselves may add up to along the direction."""
+        """Largest error that round-off of the derivatives themselves may add up to along the direction."""
         return sum(
             limit * abs(self.exact.gradients[response][x] * self.parts.get(x, 0.0)) for x, limit in self.limits[response].items()
         )
@@ -223,7 +227,7 @@ def compare(
 
 
 def digits(difference: float) -> float:
-    """How many decimal digits agree, 0 to 16; nan where there was nothing to compare."""
+    """Number of decimal digits that agree, 0 to 16; nan where there was nothing to compare."""
     return (
         float(np.clip(-np.log10(difference), 0.0, MOST_DIGITS) + 0.0)
         if difference > 0
@@ -240,7 +244,7 @@ def _relative(exact: Result, floors: Gradients, other: Gradients) -> Gradients:
 
 
 def _zeros(scene: Scene, exact: Result, limits: Gradients, others: dict[str, Gradients]) -> Gradients:
-    """Largest differences to other derivatives in parts of what a zero is measured by; of derivatives that are next to it."""
+    """Largest differences between the methods for derivatives that are next to zero, relative to what a zero is measured by."""
     sizes, whole = variable_sizes(scene, exact), {"angle": 1.0, "length": scene.size}
     found: Gradients = {}
     for f, scale in response_scales(exact, sizes).items():

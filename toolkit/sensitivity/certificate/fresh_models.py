@@ -41,7 +41,7 @@ FROZEN = "the basis is frozen, so that a fresh one differs: this is the error of
 
 
 STEPS = (1.0, -1.0, 0.5, -0.5)
-"""In units of a variable's step."""
+"""Displacements of the four difference points, in units of a variable's step."""
 
 
 class Part(NamedTuple):
@@ -63,12 +63,12 @@ class Wanted(NamedTuple):
 
     @property
     def bodies(self) -> list[str]:
-        """Those that are built afresh."""
+        """Names of the bodies whose models are built afresh."""
         return list(dict.fromkeys(part.body for part in self.parts))
 
 
 class Fresh(NamedTuple):
-    """A derivative by fresh models, and by how much the difference quotients disagree about it."""
+    """A derivative by fresh models, and the difference between the difference quotients as its uncertainty."""
 
     slope: float
     uncertainty: float
@@ -76,7 +76,7 @@ class Fresh(NamedTuple):
 
 @dataclass(frozen=True)
 class FreshGradients:
-    """What fresh models say: response -> variable -> derivative; variables without it, and why; bodies with frozen bases."""
+    """Derivatives by fresh models, response -> variable -> derivative; the variables without them, and those of frozen bases."""
 
     slopes: dict[str, dict[str, Fresh]] = field(default_factory=dict)
     left_out: dict[str, str] = field(default_factory=dict)
@@ -84,9 +84,9 @@ class FreshGradients:
 
 
 def disagreements(found: FreshGradients, exact: Result) -> Iterator[str]:
-    """Gradients that differ from those of fresh models by more than `TOLERANCE` and the uncertainty of these, in words.
+    """Sentences on gradients that differ from those of fresh models by more than `TOLERANCE` and their uncertainty.
 
-    Those of a frozen basis are left out: that they differ is what freezing means, see `doubts_of_fresh`.
+    Gradients of a frozen basis are left out: that they differ is what freezing means, see `doubts_of_fresh`.
     """
     for response, slopes in found.slopes.items():
         for variable, fresh in slopes.items():
@@ -99,7 +99,7 @@ def disagreements(found: FreshGradients, exact: Result) -> Iterator[str]:
 
 
 def doubts_of_fresh(found: FreshGradients, exact: Result) -> Iterator[Caution]:
-    """Gradients of frozen bases that fresh models make so different that they are not to be trusted."""
+    """Doubts about gradients of frozen bases that differ too much from those of fresh models."""
     sizes, off = variable_sizes(exact.solution.system.scene, exact), []
     for response, slopes in found.slopes.items():
         most = max((abs(each.slope) * sizes[x] for x, each in slopes.items()), default=0.0)
@@ -143,13 +143,13 @@ def fresh_gradients(scene: Scene, design: list[str], kind: Kind, progress: Calla
 
 
 def _is_frozen(scene: Scene, name: str) -> bool:
-    """Whether a body has shapes that stay what they are when the design changes: those of its model, or those of its reduced parts."""
+    """Whether a body has shapes that stay the same when the design changes: those of its model, or of its reduced parts."""
     body: Any = scene.bodies[name]
     return _model(scene, name).basis.startswith("frozen") or getattr(body, "modes_per_frame", None) is not None
 
 
 def _wanted(scene: Scene, variable: DesignVariable) -> Wanted:
-    """The numbers of a variable, those in reduced models apart."""
+    """Numbers of a variable, with those in reduced models apart."""
     parts, rest = [], []
     for path, factor in zip(variable.paths, variable.factors, strict=True):
         body, parameter = _parameter(scene, path)
@@ -162,7 +162,7 @@ def _wanted(scene: Scene, variable: DesignVariable) -> Wanted:
 
 
 def _parameter(scene: Scene, path: str) -> tuple[str, str]:
-    """The flexible body whose reduced model has the number among its parameters, and the parameter's name for the preprocessing."""
+    """Flexible body whose reduced model has the number among its parameters, and the parameter's name for the preprocessing."""
     for name, body in scene.bodies.items():
         if isinstance(body, ModelBody) and (parameter := model_parameter(scene, name, path)):
             if parameter in _model(scene, name).nominal and path.startswith("bodies."):
@@ -173,7 +173,7 @@ def _parameter(scene: Scene, path: str) -> tuple[str, str]:
 
 
 def _hindrance(scene: Scene, part: Part) -> str:
-    """Why there are no fresh models of a parameter; empty if there are."""
+    """Reason why there are no fresh models of a parameter; empty if there are."""
     if scene.start_file is not None:
         return "the run starts in a results file (solver.start), which is that of the model as it is"
     skin = source(scene, part.body)
@@ -187,7 +187,7 @@ def _hindrance(scene: Scene, part: Part) -> str:
 
 
 def _differences(scene: Scene, k: int, wanted: Wanted, folder: Path, kind: Kind) -> dict[str, Fresh]:
-    """Difference quotients of variable k."""
+    """Derivatives of all responses by variable k, from difference quotients of fresh models."""
     up, down, half_up, half_down = (values_of(_afresh(scene, k, i, wanted, folder), kind) for i in range(len(STEPS)))
     found = {}
     for name in up:
@@ -209,7 +209,7 @@ def _file(folder: Path, k: int, i: int, body: str) -> Path:
 
 
 def _build(scene: Scene, wanted: list[Wanted], folder: Path) -> None:
-    """All models of a body in one process, those of every variable at every step."""
+    """Build all models of each body in one process: those of every variable at every step."""
     for body in dict.fromkeys(body for each in wanted for body in each.bodies):
         lines, given = [], given_values(scene, body)
         for k, each in enumerate(wanted):

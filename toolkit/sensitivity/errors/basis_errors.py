@@ -1,4 +1,4 @@
-"""What frozen reduced bases do to values and gradients away from their design: the same analysis with more shapes, compared.
+"""Errors of values and gradients by frozen reduced bases away from their design, by the same analysis with more shapes.
 
 The shapes of a frozen basis are those of one design. Its file holds the body in so many more shapes that these can follow any design,
 see `preprocessing.reduction.reduced`; with numbers f, and f' in more shapes,
@@ -22,15 +22,15 @@ from toolkit.validity.bodies.reduced.frozen_bases import FrozenBody, frozen_bodi
 
 FROZEN = "frozen-basis"
 TOLD = 0.02
-"""Part of a number that a frozen basis may be off by without a word; from `LIMIT` on it is a doubt."""
+"""Relative error by a frozen basis above which there is a remark; from `LIMIT` on it is a doubt."""
 UNIMPORTANT = 0.02
-"""A gradient that changes its response by less than this part of what the most important one does is not worth a word."""
+"""Effect of a gradient on its response, relative to that of the most important gradient, below which it is left out."""
 COUNTABLE = 1e3
-"""Error in parts of a number beyond which the number is taken for zero."""
+"""Relative error of a number beyond which the number is taken for zero."""
 UNFELT = 1e-3
-"""Part of a value by which a variable has to change it, if it changes by all of itself, for a derivative to be worth a word."""
+"""Relative change of a value by a change of the variable by its size, below which the derivative is left out."""
 NAMED = 6
-"""So many numbers are named one by one."""
+"""Largest count of numbers that are named one by one."""
 
 Slopes = Mapping[str, Mapping[str, float]]
 Enriched = Callable[[], tuple[Mapping[str, float], Slopes]]
@@ -38,7 +38,7 @@ Enriched = Callable[[], tuple[Mapping[str, float], Slopes]]
 
 
 class Compared(NamedTuple):
-    """One number of the run, the same with more shapes, and what their difference is a part of."""
+    """One number of the run, the same number with more shapes, and the scale of their difference."""
 
     told: float
     true: float
@@ -46,7 +46,7 @@ class Compared(NamedTuple):
 
     @property
     def part(self) -> float:
-        """By which part the number is off, with its sign."""
+        """Signed error of the number, relative to its scale."""
         off = self.told - self.true
         return off / self.scale if self.scale > 0 else float(np.sign(off) * np.inf if off else 0.0)
 
@@ -60,7 +60,7 @@ class BasisErrors:
     failure: str = ""
 
     def record(self) -> dict[str, object]:
-        """Part of a JSON object."""
+        """Errors, and the bodies that they come from, as part of a JSON object."""
         return {
             "bodies": {
                 each.name: {"moved": {p: list(v) for p, v in each.moved.items()}, "asked": list(each.asked)}
@@ -78,7 +78,7 @@ def basis_errors(
     sizes: Mapping[str, float],
     enriched: Enriched,
 ) -> BasisErrors:
-    """Errors of values and gradients.
+    """Errors of values and gradients by frozen bases, from the same analysis with more shapes.
 
     Parameters
     ----------
@@ -109,14 +109,14 @@ def _compared(told: float, true: float, scale: float) -> Compared:
 def frequency_errors(
     scene: Scene, frequencies: Mapping[str, float], enriched: Callable[[], Mapping[str, float]]
 ) -> BasisErrors | None:
-    """Errors of a list of frequencies, by what they are called; None where no frozen body is off its design."""
+    """Errors of a list of frequencies by frozen bases, by their names; None where no frozen body is off its design."""
     bodies = frozen_bodies(scene)
     vibrating = {name: (value, 0.0) for name, value in frequencies.items() if value}
     return basis_errors(bodies, vibrating, {}, {}, lambda: (enriched(), {})) if bodies and vibrating else None
 
 
 def cautions_of_frozen(found: BasisErrors | None) -> Iterator[Caution]:
-    """Numbers that are off, and bodies of which that is not known."""
+    """Cautions about numbers that frozen bases make wrong, and about bodies whose errors are not known."""
     if found is None:
         return
     for body in found.bodies:
@@ -142,7 +142,7 @@ def cautions_of_frozen(found: BasisErrors | None) -> Iterator[Caution]:
 
 
 def _not_known(bodies: Sequence[FrozenBody], why: str) -> Caution:
-    """A doubt without a number."""
+    """A doubt that the errors of frozen bases are not known, without a number."""
     return Caution(FROZEN, f"{'; '.join(map(_state, bodies))}: by how much numbers are off is not known, as {why}")
 
 
@@ -153,7 +153,7 @@ def _words(name: str, each: Compared) -> str:
 
 
 def _state(body: FrozenBody) -> str:
-    """What is wrong with one body, in words."""
+    """A phrase on what is wrong with the frozen basis of one body."""
     if not body.moved:
         return f"the shapes of {body.name} do not follow the design, as its basis is frozen"
     where = ", ".join(f"{parameter} = {here:g} instead of {own:g}" for parameter, (here, own) in body.moved.items())

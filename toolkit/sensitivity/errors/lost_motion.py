@@ -25,7 +25,7 @@ SLOW = 0.5
 
 
 class Lost(NamedTuple):
-    """What one kick excites and steps take out, at some times.
+    """Vibrations that one kick excites and that steps take out, at some times.
 
     Attributes
     ----------
@@ -48,19 +48,19 @@ class Lost(NamedTuple):
     history: np.ndarray
 
     def states(self, turned: float, only: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Its q, v, a and multipliers, by the modes that `only` (m,) names, `turned` by a phase."""
+        """Coordinates q, v, a and multipliers of the lost motion, by the modes that `only` (m,) names, `turned` by a phase."""
         rates, shapes = self.modes.rates, self.modes.shapes.T
         swung = self.swings * np.exp(1j * (np.outer(self.passed, rates) + turned)) * only
         q, v = np.real(swung), np.real(1j * rates * swung)
         return q @ shapes, v @ shapes, -(q * rates**2) @ shapes, q @ self.modes.forces.T
 
     def at(self, steps: np.ndarray) -> Lost:
-        """The same at some of the times."""
+        """The lost motion at some of its times."""
         return self._replace(passed=self.passed[steps], swings=self.swings[steps], history=self.history[steps])
 
 
 def lost_motion(solution: Solution, kick: Kick, times: np.ndarray) -> Lost | None:
-    """What a kick excites, and what steps leave of it at some times; None if nothing vibrates."""
+    """Motion that a kick excites and that steps take out, at some times; None if nothing vibrates."""
     system = solution.system
     q, v, _ = padded(solution, kick.state)
     terms = system.evaluate(system.inputs(solution.times[kick.state], FORCES), q, v, np.zeros(system.n))
@@ -80,7 +80,7 @@ def swing(rates: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarra
 
 
 def sizes_in_motion(seen: Solution, lost: Lost) -> np.ndarray:
-    """How far each mode moves at most what it moves, (m,), in parts of how far the run moves coordinates of that kind, or is loaded."""
+    """Largest motion that each mode adds, (m,), relative to the largest of coordinates of that kind, or of multipliers."""
     ours = (seen.q - seen.q[0], seen.v, seen.multipliers)
     amplitude = np.abs(lost.swings).max(axis=0)
     theirs = (lost.modes.shapes * amplitude, lost.modes.shapes * amplitude * lost.modes.rates, lost.modes.forces * amplitude)
@@ -92,7 +92,10 @@ def sizes_in_motion(seen: Solution, lost: Lost) -> np.ndarray:
 
 
 def _groups(solution: Solution) -> Iterator[tuple[int, np.ndarray | slice]]:
-    """Which of q, v and multipliers, and the numbers of some: of every body the coordinates of its frame and those of its deformation."""
+    """Groups of columns of q, v and multipliers: which of the three, and the columns.
+
+    Every body has two groups, the coordinates of its frame and those of its deformation.
+    """
     system = solution.system
     for name, body in system.scene.all_bodies().items():
         first = system.numbering.first[name]

@@ -1,4 +1,4 @@
-"""How much of the vibrations that a force excites is lost: of every mode, a part of what the same force would excite at once."""
+"""Lost part of the vibrations that a force excites, in every mode, relative to what the same force would excite at once."""
 
 from __future__ import annotations
 
@@ -13,26 +13,28 @@ from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.system.solution import Solution
 
 GONE, LIVES = 0.6, np.exp(-1)
-"""Part of an amplitude that steps leave, from which on runs with other steps tell the difference: at the end, or where damping has left so
-much of it."""
+"""Part of an amplitude that steps keep, from which on runs with other steps show the difference: at the end, or where damping has
+left so much of it."""
 EVEN = 1e-9
 """Part of a piece of a curve by which others may be longer and are as long: sixteen in a row turn a phase by no more."""
 SHAKES = 1e-3
-"""Part of its variation from which on a curve excites what counts."""
+"""Lost amplitude, relative to the variation of a curve, above which the curve excites vibrations that count."""
 LOOKED_FOR = np.geomspace(0.3, 30.0, 12)
-"""Angular frequencies times step at which a curve is asked whether it does."""
+"""Angular frequencies times step at which `shakes` examines a curve."""
 
 
 class History(NamedTuple):
-    """What a curve does over time: instants (k,), with both sides of every corner, and its numbers there (k,)."""
+    """Values of a curve over time: instants (k,), with both sides of every corner, and its numbers there (k,)."""
 
     times: np.ndarray
     values: np.ndarray
 
 
 class Pieces(NamedTuple):
-    """Straight pieces of a curve in which it changes: their middles after some instant, lengths and growth (k,), and the number of those
-    before each step and before the end, (n_t,)."""
+    """Straight pieces of a curve in which it changes, after some instant.
+
+    They have their middles, lengths and growth (k,), and the number of those before each step and before the end, (n_t,).
+    """
 
     middle: np.ndarray
     length: np.ndarray
@@ -41,7 +43,7 @@ class Pieces(NamedTuple):
 
 
 def lost_parts(solution: Solution, history: History | None, begin: float, rates: np.ndarray, damping: np.ndarray) -> np.ndarray:
-    """What is lost at all times, (n_t, m), complex, of modes with angular frequencies and damping ratios (m,).
+    """Amplitudes that are lost at all times, (n_t, m), complex, of modes with angular frequencies and damping ratios (m,).
 
     Every growth dg of the curve within a step leaves a vibration that is a part dg of what a sudden one would, with its phase, which is
     zero at the time `begin`; without a curve the force is there at once. Of modes that last, nothing counts.
@@ -58,7 +60,7 @@ def lost_parts(solution: Solution, history: History | None, begin: float, rates:
 
 
 def _pieces(history: History | None, begin: float, times: np.ndarray) -> Pieces:
-    """Those of a curve; none without one."""
+    """Straight pieces of a curve in which it changes; none without a curve."""
     if history is None:
         none = np.zeros(0)
         return Pieces(none, none, none, np.zeros(len(times), np.int64))

@@ -30,21 +30,21 @@ from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.system.solution import Solution
 
 FEW, LOOKED_AT = 40, 120
-"""States in which responses are looked at with what is lost: whether it counts, and how much it is."""
+"""Number of states at which responses with lost vibrations are evaluated: to see whether these count, and by how much."""
 LASTING = 3.0
 """Decays, of the logarithm of the amplitude, that a vibration lasts."""
 FELT = 1e-3
 """Part of the motion of a body, or of its deformation, of velocities and of joint forces below which a vibration changes no response."""
 WRONG = 0.05
-"""Part of what is lost that a run which keeps it may be wrong by: 0.05 rad of its phase."""
+"""Largest relative error of lost vibrations in a run that is to keep them: 0.05 rad of their phase."""
 MODES = 6
-"""So many modes are looked at alone, the largest."""
+"""Largest number of modes that are examined one by one."""
 COUNTS = 0.02
-"""Part of the largest magnitude from which on what is lost of a response counts."""
+"""Change of a response by lost vibrations that counts, relative to its largest magnitude."""
 
 
 class Vibration(NamedTuple):
-    """One that steps take out.
+    """One vibration that steps take out.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Vibration(NamedTuple):
 
 
 class LostVibrations(NamedTuple):
-    """What the vibrations that the steps have taken out would add to the responses.
+    """Vibrations that the steps have taken out, and what they would add to the responses.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class LostVibrations(NamedTuple):
     gradients: Callable[[], dict[str, dict[str, float]] | None]
 
     def told(self, unit: str) -> str:
-        """Them in words, with frequencies in a unit."""
+        """A phrase that names the lost vibrations, with frequencies in a unit."""
         frequencies = list(dict.fromkeys(f"{each.rate / (2 * np.pi):.4g}" for each in self.vibrations))
         if len(frequencies) == 1:
             return f"a vibration of {frequencies[0]} {unit}"
@@ -93,7 +93,7 @@ class LostVibrations(NamedTuple):
 
 
 def lost_vibrations(solution: Solution, responses: Mapping[str, Response], scales: Mapping[str, float]) -> LostVibrations | None:
-    """What a motion has lost; None if that is nothing which counts in any response, or is not known.
+    """Vibrations that a motion has lost; None if none of them counts in any response, or if they are not known.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def lost_vibrations(solution: Solution, responses: Mapping[str, Response], scale
 
 @one_thread()
 def _lost_by_kicks(solution: Solution, looked: Mapping[str, Response], scales: Mapping[str, float]) -> LostVibrations | None:
-    """The same of a motion with inertia."""
+    """Vibrations that a motion with inertia has lost after its kicks; None if none of them counts."""
     if not (found := kicks(solution)):
         return None
     seen = _at(solution, _looked_at(solution, looked, LOOKED_AT))
@@ -142,7 +142,7 @@ def _at(solution: Solution, steps: np.ndarray) -> Solution:
 
 
 class Comparison:
-    """Responses of a motion with what it has lost, and without.
+    """Responses of a motion with and without the vibrations that it has lost.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class Comparison:
         self.own = self.values(seen)
 
     def values(self, solution: Solution) -> dict[str, float]:
-        """Those of the responses."""
+        """Values of the responses for a motion, by name."""
         return {name: float(np.real(each.value(solution))) for name, each in self.responses.items()}
 
     def errors(self, values: Mapping[str, float]) -> dict[str, float]:
@@ -168,7 +168,7 @@ class Comparison:
         return {f: abs(value - self.own[f]) / self.scales[f] for f, value in values.items()}
 
     def vibrating(self, turned: float, only: list[np.ndarray]) -> Solution:
-        """The motion with what is lost in some modes, by a phase later."""
+        """The motion with the lost vibrations of some modes added, later by a phase."""
         q, v, a, multipliers = self.seen.q, self.seen.v, self.seen.a, self.seen.multipliers
         for each, wanted in zip(self.lost, only, strict=True):
             more = each.states(turned, wanted)
@@ -177,16 +177,16 @@ class Comparison:
 
     @cached_property
     def with_all(self) -> dict[str, float]:
-        """Values with all that is lost."""
+        """Values of the responses with all lost vibrations added."""
         return self.values(self.vibrating(0.0, self.everything))
 
     @cached_property
     def swings(self) -> dict[str, float]:
-        """Errors whatever the phase is."""
+        """Changes of the responses by all lost vibrations, whatever their phase is."""
         return self._swings(self.errors(self.with_all), self.everything)
 
     def swing(self, kick: int, mode: int) -> float:
-        """The largest that one mode makes."""
+        """Largest change of any response that one mode makes, whatever its phase is."""
         only = [np.zeros_like(each) for each in self.everything]
         only[kick][mode] = 1.0
         return max(self._swings(self.errors(self.values(self.vibrating(0.0, only))), only).values())
@@ -197,12 +197,12 @@ class Comparison:
 
     @property
     def counts(self) -> bool:
-        """Whether any response is changed by what counts."""
+        """Whether the lost vibrations change any response by more than `COUNTS`."""
         return max(self.swings.values(), default=0.0) > COUNTS
 
 
 def _found(solution: Solution, compared: Comparison, sizes: list[np.ndarray]) -> LostVibrations | None:
-    """What counts; None if nothing does."""
+    """Lost vibrations that count; None if none does."""
     if not compared.counts:
         return None
     largest = sorted(((size, k, i) for k, each in enumerate(sizes) for i, size in enumerate(each)), reverse=True)[:MODES]
@@ -222,7 +222,7 @@ def _found(solution: Solution, compared: Comparison, sizes: list[np.ndarray]) ->
 
 
 def _gradients(solution: Solution, compared: Comparison) -> dict[str, dict[str, float]] | None:
-    """What is lost of derivatives; None where the run has none of its states."""
+    """Changes of derivatives by lost vibrations, response -> variable; None where the run has no derivatives of its states."""
     if not solution.system.n_x or solution.dq.shape[-1] != solution.system.n_x:
         return None
     states = compared.vibrating(0.0, compared.everything)
@@ -235,12 +235,12 @@ def _gradients(solution: Solution, compared: Comparison) -> dict[str, dict[str, 
 
 
 def _is_extreme(response: Response) -> bool:
-    """Whether it looks for a peak over time."""
+    """Whether a response looks for a peak over time."""
     return isinstance(response, TimeMax | TimeMin | TimeKS) or (isinstance(response, StressResponse) and response.when == "all")
 
 
 def _derivatives(solution: Solution, compared: Comparison, at_peaks: bool) -> dict[str, Any]:
-    """Derivatives of the states with what is lost."""
+    """Derivatives of the states with the lost vibrations added."""
     found = {name: getattr(compared.seen, name) for name in ("dq", "dv", "da", "dmultipliers")}
     for each in compared.lost:
         dq, dv, da = derivatives_of_modes(solution, each, at_peaks)
@@ -251,7 +251,7 @@ def _derivatives(solution: Solution, compared: Comparison, at_peaks: bool) -> di
 
 
 def steps_that_keep(lost: LostVibrations, options: RunOptions, least: int, most: int) -> int | None:
-    """So many steps, `least` or more, keep most of what is lost, with its phase; None if that takes more than `most`."""
+    """Number of steps, `least` or more, that keep most of the lost vibrations with their phase; None beyond `most`."""
     scheme, total = generalized_alpha(options.scheme, options.rho_inf), sum(each.share for each in lost.vibrations)
     steps = least
     while steps <= most:

@@ -1,4 +1,4 @@
-"""How far responses and gradients are off because of the length of the steps: the same run with other steps, and Richardson's rule.
+"""Estimated time-step errors of responses and gradients: the same run with other steps, and Richardson's rule.
 
 With f of steps h, g of steps r h, k of steps s h, and the order p of the scheme,
 
@@ -29,16 +29,16 @@ from toolkit.system.solution import Solution
 Values = Mapping[str, Any]
 Gradients = Mapping[str, Mapping[str, float]]
 Repeat = Callable[[RunOptions], tuple[Values, Gradients]]
-"""The same analysis with other options: values and gradients of its responses."""
+"""Function that repeats the analysis with other options and returns values and gradients of its responses."""
 
 LONGER = (2, 4)
-"""Steps that tell are so many times as long."""
+"""Ratios of the longer steps of comparison runs to the steps of the run."""
 CONTRADICTED = 0.04
-"""Error that longer steps tell and steps half as long deny: then these may agree with the run by chance, and shorter ones decide."""
+"""Error by longer steps that steps half as long contradict: these may agree by chance, so that shorter ones decide."""
 TIMES_AS_SHORT = {2: "with steps half as long", 4: "with steps a quarter as long"}
-"""How many times as short the steps are that decide, one after the other, and how they are called."""
+"""Number of parts of a step in runs with shorter steps -> the phrase for it, in the order in which they are tried."""
 LENIENT = 2.0
-"""Derivatives may be off by so many times more than values."""
+"""Factor by which errors of derivatives may be larger than those of values."""
 NOTHING = 1e-6
 """Part of the largest magnitude in the motion below which a number is taken for zero."""
 MOST_STEPS, MOST_NUMBERS = 10_000, 2_000_000
@@ -46,7 +46,7 @@ MOST_STEPS, MOST_NUMBERS = 10_000, 2_000_000
 LOST = 0.5
 """Error of a value half of which vibrations must explain, or half of all that is larger, to be told as theirs."""
 SAMPLED = 20
-"""Steps in a period of a vibration that is to last."""
+"""Number of steps in a period of a vibration that is to last."""
 SURE = 0.01
 """Estimated error by longer steps up to which no shorter ones are asked: it was never too small by more than a factor of four in 200
 random scenes (`tests.benchmarks.random_scenes`)."""
@@ -54,7 +54,7 @@ random scenes (`tests.benchmarks.random_scenes`)."""
 
 @dataclass(frozen=True)
 class StepError:
-    """Estimated errors of one run by the length of its steps.
+    """Estimated time-step errors of one run.
 
     Attributes
     ----------
@@ -89,18 +89,18 @@ class StepError:
 
     @property
     def by_shorter_steps(self) -> bool:
-        """Whether it was shorter steps that told."""
+        """Whether shorter steps gave the estimate."""
         return self.how in TIMES_AS_SHORT.values()
 
     @property
     def largest(self) -> float:
-        """Largest error of any value, and of any derivative in parts of what is allowed more for it."""
+        """Largest error of any value or derivative; those of derivatives are divided by `LENIENT`."""
         slopes = (error / LENIENT for each in self.gradients.values() for error in each.values())
         return max([*self.values.values(), *slopes], default=0.0)
 
 
 class Run(NamedTuple):
-    """A run with other steps: how many times as long they are, in words, and what it found."""
+    """A run with other steps: the ratio of their lengths, a phrase for it, and the values and gradients."""
 
     ratio: float
     how: str
@@ -118,7 +118,7 @@ def step_error(
     suspicious: bool = False,
     lost: LostVibrations | None = None,
 ) -> StepError | None:
-    """The estimate for a motion; None if no other steps work.
+    """Estimated time-step error of a motion; None if no other steps work.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def step_error(
 
 
 def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Repeat) -> StepError | None:
-    """By a run with steps that keep what others take out; None if that takes too many."""
+    """Time-step error by a run with steps that keep the lost vibrations; None if that takes too many steps."""
     options, variables = solution.options or solution.system.scene.solver, len(next(iter(known.gradients.values()), {}))
     most = min(MOST_STEPS, MOST_NUMBERS // _numbers_of_a_state(solution, variables))
     steps = steps_that_keep(lost, options, 2 * solution.steps, most)
@@ -170,14 +170,14 @@ def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Re
 
 
 def _numbers_of_a_state(solution: Solution, variables: int) -> int:
-    """Coordinates and multipliers with their derivatives, and components of stress that a response looks at at all times."""
+    """Count of numbers in a state: coordinates and multipliers with derivatives, and stresses asked for at all times."""
     system = solution.system
     asked = {each.body for each in system.scene.responses.values() if isinstance(each, StressResponse) and each.when == "all"}
     return system.n * (1 + variables) + sum(stress_rows(system.placed, body).shape[0] for body in asked)
 
 
 def _with_lost(found: StepError, known: Known, lost: LostVibrations, solution: Solution) -> StepError:
-    """An estimate that the linear motion of what is lost completes."""
+    """An estimate completed by the linearised motion of the lost vibrations."""
     more = {f: error for f, error in lost.errors.items() if error > found.values.get(f, 0.0)}
     own = {f: _own(error, known.values[f], known.scales[f]) for f, error in more.items()}
     found = _with_lost_slopes(found, known, lost)
@@ -194,7 +194,10 @@ def _with_lost(found: StepError, known: Known, lost: LostVibrations, solution: S
 
 
 def _with_lost_slopes(found: StepError, known: Known, lost: LostVibrations) -> StepError:
-    """The same with derivatives; unknown ones, nan, where the run has no derivatives of its states."""
+    """An estimate with the changes of derivatives by lost vibrations.
+
+    They are nan, unknown, where the run has no derivatives of its states.
+    """
     added = lost.gradients() if known.gradients else {}
     errors = {f: dict(each) for f, each in found.gradients.items()}
     others, own = ({f: dict(each) for f, each in of.items()} for of in (found.other_gradients, found.own_gradients))
@@ -224,7 +227,7 @@ def first_order(options: RunOptions) -> bool:
 
 
 def _estimate(known: Known, runs: list[Run]) -> StepError:
-    """Errors by other runs, in the order of their steps."""
+    """Time-step error by comparison with other runs, in the order of their steps."""
 
     def estimated(number: float, others: list[float], scale: float) -> float:
         """The largest estimate of a number that is `others` in the other runs, a part of its scale."""
@@ -250,24 +253,27 @@ def _estimate(known: Known, runs: list[Run]) -> StepError:
 
 
 def _with_the_first(numbers: list[float]) -> list[tuple[float, float]]:
-    """Pairs of the first with each other one. Shorter steps are nearer to the truth than what they are compared with; the difference of
-    two of them, extrapolated to a run that is many times as wrong, would only make more of their own noise."""
+    """Pairs of the first number with each other one.
+
+    Shorter steps are nearer to the truth than what they are compared with; the difference of two of them, extrapolated to a run
+    that is many times as wrong, would only make more of their own noise.
+    """
     return [(numbers[0], each) for each in numbers[1:]]
 
 
 def _own(error: float, number: Any, scale: float) -> float:
-    """An error that is a part of the scale, as a part of the number itself; as it is for what is nothing but round-off."""
+    """An error relative to the number itself, from one relative to its scale; unchanged where the number is only round-off."""
     size = abs(float(np.real(number)))
     return error * scale / size if size > NOTHING * scale else error
 
 
 def _relative(error: float, scale: float) -> float:
-    """A part of the scale; nan where the numbers themselves do not exist."""
+    """An error relative to a scale; nan where the numbers themselves do not exist."""
     return error / scale if scale > 0 else (0.0 if error == 0 else np.inf)
 
 
 def _tried(repeat: Repeat, wanted: Iterable[tuple[float, str, RunOptions] | None]) -> list[Run]:
-    """Runs with other steps, up to the first that does not work."""
+    """Runs with other steps, up to the first that fails."""
     found = []
     for each in wanted:
         if each is None:
@@ -280,7 +286,7 @@ def _tried(repeat: Repeat, wanted: Iterable[tuple[float, str, RunOptions] | None
 
 
 def _longer(options: RunOptions, times: np.ndarray, ratio: int) -> tuple[float, str, RunOptions] | None:
-    """The run with longer steps; none for too few of them."""
+    """Options of the run with longer steps, with the ratio and a phrase; None for too few steps."""
     steps = len(times) - 1
     fewer = -(-steps // ratio)
     if fewer == -(-steps // (ratio // 2)):
@@ -295,7 +301,7 @@ def _longer(options: RunOptions, times: np.ndarray, ratio: int) -> tuple[float, 
 
 
 def shorter_steps(options: RunOptions, times: np.ndarray, parts: int) -> RunOptions:
-    """The run with every step in so many parts."""
+    """Options of the run with every step divided into a number of parts."""
     if options.local_error is not None:
         return _looser(options, 1 / parts)
     if options.times is not None:
@@ -305,7 +311,10 @@ def shorter_steps(options: RunOptions, times: np.ndarray, parts: int) -> RunOpti
 
 
 def _looser(options: RunOptions, ratio: float) -> RunOptions:
-    """Chosen steps grow with the third root of the error that is allowed (the second without inertia), and so does the longest of them: it
-    may be what has chosen them."""
+    """Options of a run that chooses steps about `ratio` times as long.
+
+    Chosen steps grow with the third root of the error that is allowed (the second without inertia), and so does the longest of
+    them: it may be what has chosen them.
+    """
     allowed = float(options.local_error or 0) * ratio ** (2 if options.quasi_static else 3)
     return options.model_copy(update={"local_error": allowed, "step": min(options.end_time, options.step * ratio)})

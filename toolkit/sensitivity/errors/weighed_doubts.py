@@ -38,19 +38,19 @@ from toolkit.validity.motion.created_energy import energy_defects
 from toolkit.validity.motion.motion import ENERGY
 
 SLOWER = 1.5
-"""The defect may fall by so much less than the order says: it is a largest value over time, and steps are not yet short."""
+"""Factor by which the energy defect may fall less than by the order: it is a maximum over time, and steps are not yet short."""
 
 AT_MOST = 0.5
-"""Part by which deflections are off, above which nobody knows what becomes of them."""
+"""Relative error of deflections above which their effect on the answers is not estimated."""
 UNCERTAIN = 2.0
 """The estimated errors of deflections may be too small by this factor."""
 
 STILL = 1e-5
-"""Part of the scene's size that is no displacement worth a word."""
+"""Displacement, relative to the model size, below which there is no caution."""
 
 
 class Answers(NamedTuple):
-    """Values and gradients of a run, and what their errors are compared with."""
+    """Values and gradients of a run, and the scales of their errors."""
 
     values: Values
     gradients: Gradients
@@ -114,7 +114,7 @@ def unless_unfelt(cautions: Iterable[Caution], solution: Solution, answers: Answ
 
 
 def _felt(solution: Solution, answers: Answers, parts: Mapping[str, float]) -> float:
-    """The largest change of an answer, of derivatives by what is allowed more for them, where deflections are off by twice these parts."""
+    """Largest change of an answer where deflections are off by twice these parts; that of derivatives is divided by `LENIENT`."""
     asked = bodies_of_stress(solution.system.scene)
     known = max(parts.values()) <= AT_MOST and not asked & set(parts) and solution.run_times is None
     if not known or (answers.gradients and not solution.system.n_x):
@@ -138,7 +138,7 @@ def _part(change: float, scale: float) -> float:
 
 
 def _same_steps(solution: Solution) -> RunOptions:
-    """Its options, with the steps that it has chosen."""
+    """Options of the run, with the steps that it has chosen."""
     options = solution.options or solution.system.scene.solver
     if options.local_error is None:
         return options

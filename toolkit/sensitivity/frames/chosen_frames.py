@@ -35,16 +35,16 @@ from toolkit.validity.bodies.cut.places import has_places, is_moving, largest_di
 Frames = int | tuple[int | str, ...]
 
 WANTED = 1e-2
-"""Geometric error by default."""
+"""Default limit of the geometric error."""
 FIRST = 4
-"""The second run has at most so many times the frames of the first: what that tells of large rotations is too pessimistic."""
+"""Largest ratio of the frames of the second run to those of the first, whose estimate for large rotations is too pessimistic."""
 TWICE = 2
-"""A run with so many times the frames tells what those of the run before leave."""
+"""Ratio of numbers of frames from which on a run tells the geometric error of the run before."""
 
 
 @dataclass(frozen=True)
 class _Run:
-    """Places of the nodes of one body with a number of frames, and what they leave as far as it is known."""
+    """Node positions of one body with a number of frames, and the geometric error that they leave, as far as it is known."""
 
     number: int
     places: np.ndarray
@@ -65,7 +65,7 @@ class _Range:
     elements: str  # what the body calls them
 
     def near(self, number: int) -> int:
-        """The nearest one of several frames."""
+        """Number of several frames in the range that is nearest to a number."""
         return min(max(number, self.least), self.most)
 
 
@@ -78,12 +78,12 @@ Choices = Mapping[str, tuple[int, FrameChoice]]
 
 
 def with_chosen_frames(scene: Scene, kind: Kind) -> Scene:
-    """The scene with the numbers of frames that an analysis of it needs, see `chosen_frames`; itself if none is to be chosen."""
+    """The scene with the numbers of frames that an analysis needs, see `chosen_frames`; unchanged if none is to be chosen."""
     return with_choices(scene, chosen_frames(scene, kind))
 
 
 def chosen_frames(scene: Scene, kind: Kind) -> Choices:
-    """Body -> number of frames that an analysis of the scene needs; of those bodies alone whose number is to be chosen.
+    """Body -> number of frames that an analysis of the scene needs, for the bodies whose number is to be chosen.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def chosen_frames(scene: Scene, kind: Kind) -> Choices:
 
 
 def _of_kept_run(scene: Scene, kind: Kind) -> Choices:
-    """Those of the run whose last state a motion starts in: its coordinates are those of this number of frames."""
+    """Numbers of frames of the run whose last state a motion starts in: its coordinates belong to these numbers."""
     if scene.start_file is None or kind == "static":
         return {}
     end = end_state(scene.start_file)
@@ -141,7 +141,10 @@ def _wanted(scene: Scene, name: str) -> float:
 
 
 def _range_of(scene: Scene, name: str) -> _Range:
-    """One frame comes first, unless nobody knows where the nodes are with it."""
+    """Range of the numbers of frames of a body.
+
+    One frame comes first, unless nobody knows where the nodes are with it.
+    """
     least, most = fewest_cut(scene, name), most_frames(scene, name)
     return _Range(
         1 if has_places(scene, name) else min(least, most), least, most, branches(scene, name), elements_of(scene, name)
@@ -149,7 +152,7 @@ def _range_of(scene: Scene, name: str) -> _Range:
 
 
 def _first_run(scene: Scene, kind: Kind, ranges: dict[str, _Range]) -> tuple[dict[str, int], Solution]:
-    """With the first number, or with the fewest powers of two that the scene can be solved with."""
+    """A run with the first numbers of frames, or with the fewest powers of two that the scene can be solved with."""
     numbers = {name: each.first for name, each in ranges.items()}
     while True:
         try:
@@ -171,13 +174,16 @@ def _tried(scene: Scene, kind: Kind, numbers: dict[str, int]) -> Solution | None
 
 
 def _second(solution: Solution, name: str, number: int, can_be: _Range, wanted: float) -> int:
-    """By what the meter says of the first run; twice as many at least, so that the runs can be compared."""
+    """Number of frames of the second run, as the meter of large deformation predicts from the first.
+
+    It is twice as large at least, so that the runs can be compared.
+    """
     predicted = int(np.ceil(number * np.sqrt(_metered(solution, name, unknown=0.0) / wanted)))
     return can_be.near(max(TWICE * number, min(predicted, FIRST * number)))
 
 
 def _metered(solution: Solution, name: str, unknown: float) -> float:
-    """The error that the meter estimates, in parts of the displacement."""
+    """Geometric error that the meter of large deformation estimates, relative to the largest displacement."""
     found = geometric_errors(solution).get(name)
     return unknown if found is None else found.relative
 
@@ -188,20 +194,20 @@ def _run_of(solution: Solution, name: str, number: int) -> _Run:
 
 
 def _at_times_asked_for(solution: Solution, places: np.ndarray) -> np.ndarray:
-    """Of places (n_t, ...) those at the times that all runs have, whichever of their steps were halved."""
+    """Node positions (n_t, ...) at the times that all runs have, whichever of their steps were halved."""
     if not solution.halved:
         return places
     return places[np.isin(solution.times, time_grid(solution.options or solution.system.scene.solver))]
 
 
 def _judged(run: _Run, before: _Run) -> _Run:
-    """The run with the error that it leaves, by how far it is from the one before."""
+    """The run with the geometric error that it leaves, from its distance to the run before."""
     apart = relative_distance(run.places, before.places, run.displacement, run.moving)
     return replace(run, error=apart / ((run.number / before.number) ** 2 - 1))
 
 
 def _next(name: str, runs: list[_Run], can_be: _Range, wanted: float) -> int:
-    """The number to go on with; the last one again if it, or the one before, is good enough.
+    """Number of frames to go on with; the last one again if it, or the one before, is good enough.
 
     Of a body that branches every member needs more, so that the number is twice as large at least.
     """
@@ -224,7 +230,7 @@ def _suffices(runs: list[_Run], wanted: float) -> bool:
 
 
 def _of_before(before: _Run, last: _Run) -> float:
-    """Error of a run, by the next one."""
+    """Geometric error of a run, estimated from the next one."""
     return last.error * (last.number / before.number) ** 2
 
 
@@ -241,7 +247,7 @@ def _refuse_too_coarse(name: str, last: _Run, can_be: _Range, wanted: float) -> 
 
 
 def _choice(runs: list[_Run], wanted: float, kind: Kind) -> tuple[int, FrameChoice]:
-    """The last number, or the one before where that is good enough."""
+    """The last number of frames, or the one before where that is good enough, with the error that it leaves."""
     numbers = tuple(run.number for run in runs)
     if len(runs) > 1 and _suffices(runs, wanted):
         return runs[-2].number, FrameChoice(wanted, _of_before(*runs[-2:]), numbers, kind, metered=runs[-2].metered)
@@ -249,7 +255,10 @@ def _choice(runs: list[_Run], wanted: float, kind: Kind) -> tuple[int, FrameChoi
 
 
 def _unfinished(chosen: tuple[int, FrameChoice], tried: int, before: int) -> tuple[int, FrameChoice]:
-    """A choice that a run which failed has ended; what no other run was compared with is known by the meter alone."""
+    """A choice after the run with the number `tried` has failed.
+
+    The error of a number that no other run was compared with is known by the meter alone.
+    """
     number, choice = chosen
     if tried == before:
         return number, choice

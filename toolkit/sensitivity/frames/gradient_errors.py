@@ -1,4 +1,4 @@
-"""What the frames of a run do to its gradients: the same run with more of them, compared.
+"""Errors of a run's gradients by the number of frames: the same run with more of them, compared.
 
 Gradients converge more slowly than values: of a wing whose displacement is off by 1 % they are by 10 %, and may have the wrong sign before.
 With every part cut in half, the error is a quarter of what it was. So of numbers g, and g' with ratio r of the frames,
@@ -29,19 +29,19 @@ from toolkit.validity.bodies.tension.pulled_joints import STEEP, lacking_joints
 from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
 
 SMALL, SMALL_OF_PARTS = 2e-3, 5e-4
-"""Geometric error by the meter up to which gradients are not looked at, of a body with one frame and with several: of a wing whose parts
-leave 6e-4, a gradient is off by 6 %."""
+"""Geometric error by the meter up to which gradients are not examined, of a body with one frame and with several: where the parts
+of a wing leave 6e-4, a gradient is off by 6 %."""
 UNIMPORTANT = 0.02
-"""A gradient that changes its response by less than this part of what the most important one does is not worth a word."""
+"""Effect of a gradient on its response, relative to that of the most important gradient, below which it is left out."""
 NAMED = 6
-"""So many gradients are named one by one."""
+"""Largest count of gradients that are named one by one."""
 WEIGHED = ("large-deformation", "critical-load", "tension", "reference-condition")
-"""Codes of doubts about what linear bodies do not know in their frames, and do between them."""
+"""Codes of doubts about effects that linear bodies lack within their frames, but have between several frames."""
 BENT = 1e-3
-"""Rotation, rad, from which something turns a body aside that may buckle, so that a run with more frames shows it."""
+"""Rotation, rad, above which a body that may buckle is turned aside, so that a run with more frames shows it."""
 NONE = Largest(0.0, np.zeros(0))
 UNCERTAIN = 2.0
-"""The estimate of an error may be too small by this factor."""
+"""Factor by which the estimate of an error may be too small."""
 
 Slopes = Mapping[str, Mapping[str, float]]
 Reframed = Callable[[Mapping[str, Frames]], tuple[Mapping[str, float], Slopes]]
@@ -60,16 +60,16 @@ class FrameErrors:
     undecided: Mapping[str, float] = field(default_factory=dict)  # response -> what Newton leaves open of it, which is no change
 
     def largest(self, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes | None = None) -> float:
-        """The largest error in parts of its gradient, or of the largest in a motion, among the gradients of the run that count."""
+        """Largest error of the gradients that count, relative to the gradient or to the largest in a motion."""
         return max(_parts(self, gradients, sizes, scales).values(), default=0.0)
 
     def advised(self, worst: float) -> dict[str, int]:
-        """Numbers that would bring an error below the limit; of signs that are in doubt twice the number, to look again."""
+        """Numbers of frames that would bring an error below the limit; where signs are in doubt, twice the number."""
         factor = np.sqrt(worst / LIMIT) if worst < 1 else 4.0
         return {body: min(int(np.ceil(now * factor)), self.most[body]) for body, (now, _) in self.frames.items()}
 
     def record(self, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes) -> dict[str, object]:
-        """Part of a JSON object, which says of the gradients of the run whose signs are in doubt."""
+        """Errors as part of a JSON object, with the gradients whose signs are in doubt."""
         doubtful = [{"response": f, "variable": x} for f, x in _signs(self, gradients, sizes, scales)]
         return {
             "how": f"the same run with {_others(self.frames)}",
@@ -81,13 +81,16 @@ class FrameErrors:
 
 
 UNFELT = 1e-3
-"""Part of a value by which a variable has to change it, if it changes by all of itself, for a derivative to be worth a word."""
+"""Relative change of a value by a change of the variable by its size, below which the derivative is left out."""
 
 
 def frame_errors(
     solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed, doubted: Collection[str] = ()
 ) -> FrameErrors | None:
-    """Errors of values and gradients; None where no body is deformed so far that its frames matter, or is doubted, or can be given more."""
+    """Errors of values and gradients by the number of frames; None where no body needs more frames, or can have them.
+
+    A body that is deformed far, or that is doubted, needs more.
+    """
     bodies = [body for body in whole_bodies(solution.system.scene) if body in {*bodies_with_more(solution), *doubted}]
     more = {body: _more(solution, body) for body in bodies if _can_have_more(solution, body)}
     if not more:
@@ -114,7 +117,7 @@ def frame_errors(
 
 
 def bodies_with_more(solution: Solution) -> list[str]:
-    """Bodies that are deformed so far that gradients may feel it, or whose deflection pulls at joints whose forces are asked for."""
+    """Bodies whose gradients may need more frames: deformed far, or pulling at joints whose forces are asked for."""
     pulls = any(abs(each.missing) > STEEP * each.counts > 0 for each in lacking_joints(solution).values())
     pulling = {most_pulled(solution)} if pulls else set()
     return [
@@ -125,7 +128,7 @@ def bodies_with_more(solution: Solution) -> list[str]:
 
 
 def framed_doubts(cautions: Iterable[Caution]) -> set[str]:
-    """Bodies with doubts that more frames can weigh."""
+    """Bodies with doubts that a run with more frames can weigh."""
     return {each.body for each in cautions if each.doubt and each.body and each.code in WEIGHED}
 
 
@@ -153,7 +156,10 @@ def unless_frames_deny(
 
 
 def _moves(solution: Solution, doubt: Caution) -> bool:
-    """Whether a run with more frames would show what is doubted: not a loss of stability in an equilibrium, or of what is straight."""
+    """Whether a run with more frames would show what is doubted.
+
+    It does not show a loss of stability in an equilibrium, or of what is straight.
+    """
     if np.isfinite(doubt.part):
         return True
     bent = geometric_errors(solution).get(doubt.body)
@@ -163,7 +169,7 @@ def _moves(solution: Solution, doubt: Caution) -> bool:
 def doubtful_gradients(
     found: FrameErrors | None, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes
 ) -> Iterator[Caution]:
-    """Gradients whose sign or size is in doubt.
+    """Cautions about gradients whose sign or size is in doubt.
 
     Parameters
     ----------
@@ -196,7 +202,7 @@ def doubtful_gradients(
 
 
 def doubtful_values(found: FrameErrors, scales: Mapping[str, float]) -> Iterator[Caution]:
-    """Values that the run with other frames finds elsewhere: it was made for the gradients, and tells these as well.
+    """Doubts about values that the run with other frames, which was made for the gradients, finds elsewhere.
 
     Parameters
     ----------
@@ -218,7 +224,10 @@ def doubtful_values(found: FrameErrors, scales: Mapping[str, float]) -> Iterator
 def _parts(
     found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes | None = None
 ) -> dict[tuple[str, str], float]:
-    """Response and variable -> error in parts of the gradient, or of the largest in a motion, of those that count."""
+    """Response and variable -> relative error of each gradient that counts.
+
+    The error is relative to the gradient, or to the largest in a motion.
+    """
     parts: dict[tuple[str, str], float] = {}
     for f, errors in found.gradients.items():
         most = max((abs(slope) * sizes[x] for x, slope in gradients[f].items()), default=0.0)
@@ -231,7 +240,10 @@ def _parts(
 
 
 def _signs(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes) -> list[tuple[str, str]]:
-    """Of these, those that the error leads to the other side of zero, or would if it were twice as large."""
+    """Response and variable of gradients whose sign is in doubt.
+
+    The error, or twice the error, leads them to the other side of zero.
+    """
     return [
         (f, x)
         for (f, x), part in _parts(found, gradients, sizes, scales).items()
@@ -264,7 +276,7 @@ def _small(solution: Solution, body: str) -> float:
 
 
 def _elements(solution: Solution, body: str) -> int:
-    """How many there are; none if they cannot have frames of their own."""
+    """Number of elements of a body that can have frames of their own; zero if they cannot."""
     written = solution.system.scene.bodies[body]
     assert isinstance(written, CuttableBody)
     model = solution.system.scene.model(written.model, "elements")

@@ -30,13 +30,13 @@ POWER = 4.0
 FARTHEST = 0.15
 """Distance up to which a verdict is carried: a measure changes by a factor of two at most."""
 SAME = 0.01
-"""Distance up to which one verdict is enough; a farther one is carried where those that are measured around it agree."""
+"""Distance up to which one verdict is enough; from farther, one is carried where those measured around it agree."""
 OF_FRAMES = "geometric-gradients"
-"""What is told anew of every design: by errors that are carried, and by its own gradients."""
+"""Code of the doubt that is found anew for every design, by errors that are carried and by its own gradients."""
 
 
 class Answers(NamedTuple):
-    """What the verdict on a design is carried to: its indicators, its gradients, and sizes of its variables."""
+    """Numbers of a design that a verdict is carried by: its indicators, its gradients, and sizes of its variables."""
 
     indicators: Indicators
     gradients: Slopes
@@ -68,24 +68,27 @@ class Measured(NamedTuple):
 
     @property
     def doubts(self) -> frozenset[str]:
-        """Codes of what speaks against the numbers, without those that are told anew of every design."""
+        """Codes of the doubts, without those that are found anew for every design."""
         return frozenset(each.code for each in self.verdict.warnings if each.doubt) - {OF_FRAMES}
 
 
 class Carried(NamedTuple):
-    """From which design a verdict is carried, and how far."""
+    """A design that a verdict is carried from, and its distance."""
 
     source: int
     distance: float
 
 
 def answers(result: Result) -> Answers:
-    """What verdicts are carried by, of a run."""
+    """Numbers of a run that verdicts are carried by."""
     return Answers(indicators(result), result.gradients, sizes_of_variables(result) if result.gradients else {})
 
 
 def measured(result: Result, alone: bool = False) -> Measured:
-    """The verdict on a run, with the shares of their limits that its main measures have; without these if no other design is near."""
+    """The verdict on a run, with the shares of their limits that its main measures have.
+
+    These are left out if no other design is near.
+    """
     verdict, errors = result.verdict, result.weighed_frames
     if alone:
         return Measured(verdict, 0.0, errors, {})
@@ -93,7 +96,7 @@ def measured(result: Result, alone: bool = False) -> Measured:
 
 
 def _shares(result: Result) -> np.ndarray:
-    """Measures in parts of their limits: of the comparisons with other runs, and of what decides whether there are such."""
+    """Measures relative to their limits, both of comparisons with other runs and of what decides whether these are made."""
     found, scene = result.measures, result.solution.system.scene
     shares = [each / ENERGY for each in found.get("energy_balance", {}).values()]
     if noise := found.get("force_noise"):
@@ -124,12 +127,12 @@ def _of_values(result: Result) -> float:
 
 
 def growth(distance: float | np.ndarray) -> float | np.ndarray:
-    """The factor by which a measure changes at most between designs that are so far from each other."""
+    """Largest factor by which a measure changes between designs that are so far from each other."""
     return (1 - np.minimum(distance, FARTHEST)) ** -POWER
 
 
 class CarriedVerdicts:
-    """Which designs are to be judged, and the verdicts on the others.
+    """Verdicts on designs: which designs are to be judged, and the verdicts on the others.
 
     Parameters
     ----------
@@ -172,7 +175,7 @@ class CarriedVerdicts:
         return apart
 
     def source(self, k: int) -> Carried | None:
-        """From where the verdict on a design is carried; None if it has to be measured."""
+        """Design that the verdict on a design is carried from; None if the verdict has to be measured."""
         apart, m = float(self._nearest[k]), int(self._source[k])
         if apart > FARTHEST or growth(apart) > self._room(m, k):
             return None
@@ -232,12 +235,12 @@ def _room(shares: np.ndarray) -> float:
 
 
 def _said_there(each: Caution, carried: Carried) -> Caution:
-    """A caution with the name of the design that its numbers belong to."""
+    """A caution that begins with the name of the design that its numbers belong to."""
     return replace(each, text=f"designs[{carried.source}], which is near: {each.text}")
 
 
 def _remark(carried: Carried) -> Caution:
-    """Where a verdict comes from."""
+    """A remark that says where a verdict is carried from."""
     return Caution(
         "carried-verdict",
         f"what checks measure was measured at designs[{carried.source}]. No number, response, deformation, velocity or force differs "
@@ -248,8 +251,10 @@ def _remark(carried: Carried) -> Caution:
 
 
 def apart(written: Sequence[Indicators]) -> dict[int, bool]:
-    """Numbers of designs that are too far from each other, by what they are written as, for one verdict to do for two of them; and whether
-    any other design is near."""
+    """Numbers of designs that are too far from each other to share a verdict -> whether any other design is near.
+
+    The distances are between what the designs are written as.
+    """
     if not written:
         return {}
     numbers, least = (np.array([getattr(each, name) for each in written]) for name in ("numbers", "least"))

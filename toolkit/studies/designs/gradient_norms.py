@@ -1,4 +1,4 @@
-"""Norms of gradients as responses: how much a response changes, at most, with a step of a design in parts of the variables' scales.
+"""Norms of gradients as responses: the largest change of a response per step of a design, in scaled variables.
 
 With scales S, the norm N of the gradient g in scaled variables and its derivative are
 
@@ -20,14 +20,16 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.studies.designs.case_run import CaseResult, CaseRun
 
 STEP = 1e-3
-"""Of the differences, in parts of the variables' scales: round-off of gradients over it is below 1e-7, and so is its fourth power."""
+"""Step of the differences, relative to the variables' scales: round-off of gradients over it is below 1e-7, as is step^4."""
 ROUGH = 1e-2
 """Relative error of a derivative above which the gradient is said to have kinks."""
 
 
 class DerivedValue(NamedTuple):
-    """A value that follows from several runs, its derivatives by the variables (n,), by how much these may be off, in parts of the largest,
-    and its second derivatives (n, n), None if these are not told."""
+    """A value that follows from several runs, with its derivatives by the variables (n,).
+
+    Their error is relative to the largest of them; second derivatives are (n, n), None if these are not known.
+    """
 
     value: float
     slope: np.ndarray
@@ -36,7 +38,7 @@ class DerivedValue(NamedTuple):
 
 
 def norms(run: CaseRun, design: np.ndarray, here: CaseResult) -> Iterator[DerivedValue]:
-    """Of all responses of which a norm is asked; `here` is the run at the design, with gradients.
+    """Norms of the gradients of all responses for which a norm is asked; `here` is the run at the design, with gradients.
 
     Raises
     ------
@@ -48,7 +50,7 @@ def norms(run: CaseRun, design: np.ndarray, here: CaseResult) -> Iterator[Derive
 
 
 def with_gradients(run: CaseRun) -> CaseRun:
-    """The run with gradients, if a norm of one is asked for."""
+    """The run with gradients, if a norm of one is asked for; otherwise the run as it is."""
     return replace(run, gradients=True) if run.problem.norms else run
 
 

@@ -1,4 +1,4 @@
-"""What tells how far two designs are apart: their numbers, their answers, and how large their states and joint forces are.
+"""Indicators of how far two designs are apart: their numbers, their answers, and the sizes of their states and joint forces.
 
 All of it is at hand after a run, while to judge a run costs several more. What a check measures is a smooth function of these numbers, of
 a power that is seldom above the fourth: the growth of an element that turns goes with the second power of a deflection.
@@ -22,17 +22,17 @@ from toolkit.system.flexible_bodies import deforming, elastic_coordinates
 from toolkit.system.solution import Solution
 
 OF_A_SCENE = 0.1
-"""Part of the scene's size that changes of places are compared with, where these are nearer to the origin."""
+"""Part of the model size that changes of positions are compared with, where these are nearer to the origin."""
 BETWEEN = 0.05
-"""Part of a step that vertices of parabolas may be off by."""
+"""Error of the vertices of parabolas, as a part of a step."""
 DIGITS = 9
-"""Of distances, so that round-off does not decide which of two equal ones is larger."""
+"""Decimal digits that distances are rounded to, so that round-off does not decide which of two equal ones is larger."""
 NOTHING = 1e-6
 """Part of the largest velocity, or joint force, of a scene below which another one is taken for zero."""
 
 
 class Indicators(NamedTuple):
-    """Numbers of one design, and what becomes of it.
+    """Numbers of one design and of its run, by which designs are compared.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ def distances(one: Indicators, numbers: np.ndarray, least: np.ndarray) -> np.nda
 
 
 def written_numbers(scene: Scene, designs: Sequence[Mapping[str, float]]) -> list[Indicators]:
-    """What designs are written as: the numbers that any of them gives; where one gives none, the scene's own."""
+    """Numbers that designs are written as: all that any of them gives; where one gives none, the scene's own."""
     names = [name for name in dict.fromkeys(name for each in designs for name in each) if _is_known(scene, name)]
     own = {name: scene.value_of(name) for name in names}
     least = np.array([OF_A_SCENE * scene.size if scene.paths_of(name)[0].startswith("points.") else 0.0 for name in names])
@@ -76,7 +76,7 @@ def written_numbers(scene: Scene, designs: Sequence[Mapping[str, float]]) -> lis
 
 
 def _is_known(scene: Scene, name: Any) -> bool:
-    """Whether there is such a number; a design that gives another one fails."""
+    """Whether a name leads to a finite number of the scene; a design that gives another one fails."""
     try:
         return isinstance(name, str) and np.isfinite(scene.value_of(name))
     except ToolkitError:
@@ -84,7 +84,7 @@ def _is_known(scene: Scene, name: Any) -> bool:
 
 
 def _real(number: Any) -> float:
-    """A number of a design; undefined if it is none, with which it fails."""
+    """A number of a design as a float; nan if it is none, with which the design fails."""
     try:
         return float(number)
     except (TypeError, ValueError, OverflowError):
@@ -92,13 +92,13 @@ def _real(number: Any) -> float:
 
 
 def joined(parts: Sequence[Indicators]) -> Indicators:
-    """Several parts of what tells designs apart as one."""
+    """Several indicators of one design, joined to one."""
     numbers, least = (np.concatenate(each) for each in zip(*(part[:2] for part in parts), strict=True))
     return Indicators(numbers, least, tuple(word for part in parts for word in part.kind))
 
 
 def indicators(result: Result) -> Indicators:
-    """What a run tells of its design at once."""
+    """Indicators of a run: its answers, the sizes of its states, and what must be equal in designs near to it."""
     solution = result.solution
     found = joined([_of_answers(result), *_of_states(solution)])
     options = solution.options or solution.system.scene.solver
@@ -108,7 +108,7 @@ def indicators(result: Result) -> Indicators:
 
 
 def _peaks(solution: Solution) -> Iterator[float]:
-    """At which steps peaks over time are, and on which side of them by more than a quarter of a step.
+    """Steps at which peaks over time are, and on which side of them by more than a quarter of a step.
 
     The derivative of a peak is that at its step. Of steps half as long another one is nearer from a quarter of a step on, so that what
     they tell of derivatives jumps there; a peak that lies close to that is like no other one.
@@ -120,7 +120,7 @@ def _peaks(solution: Solution) -> Iterator[float]:
 
 
 def sizes_of_variables(result: Result) -> dict[str, float]:
-    """Sizes of the variables as `variable_sizes`, which takes longer where it need not look at the answers."""
+    """Sizes of the variables as by `variable_sizes`, without looking at the answers where that is not needed."""
     scene, variables = result.solution.system.scene, list(result.solution.system.design)
     if variables and all(each.value != 0 or each.path.startswith("points.") for each in variables):
         return {each.name: typical_size(scene, each) for each in variables}
@@ -128,7 +128,7 @@ def sizes_of_variables(result: Result) -> dict[str, float]:
 
 
 def _of_answers(result: Result) -> Indicators:
-    """Values of the responses, and their gradients beside the largest of each."""
+    """Indicators of the responses: their values, and their gradients relative to the largest of each."""
     values = np.array(list(result.values.values()), dtype=float)
     if not result.gradients:
         return Indicators(values, np.zeros(len(values)))
@@ -141,7 +141,7 @@ def _of_answers(result: Result) -> Indicators:
 
 
 def _of_states(solution: Solution) -> list[Indicators]:
-    """Largest and mean deformations, velocities and accelerations of the bodies, forces of joints, and the error of a step."""
+    """Indicators of the states: largest and mean deformations, velocities, accelerations, joint forces, and the step's error."""
     system = solution.system
     starts = sorted({*system.numbering.first.values(), system.n_q})
     bodies = [slice(*each) for each in pairwise(starts)]
@@ -154,7 +154,7 @@ def _of_states(solution: Solution) -> list[Indicators]:
 
 
 def _sizes_over_time(squares: np.ndarray, places: Sequence[slice | np.ndarray]) -> Indicators:
-    """The largest and the mean norm of some columns of states whose squares these are, (n_t, n)."""
+    """Largest and mean norm over time of some columns of states, from the squares of these, (n_t, n)."""
     over_time = np.array([[each.max(initial=0.0), each.mean()] for each in (squares[:, where].sum(axis=1) for where in places)])
     found = np.sqrt(over_time).ravel()
     return Indicators(found, np.full(len(found), NOTHING * found.max(initial=0.0)))

@@ -43,7 +43,7 @@ def refuse_all_failed(found: Sequence[DesignOutcome]) -> None:
 
 
 def failed_designs(found: Sequence[DesignOutcome], meaning: str, doubt: bool) -> Iterator[Caution]:
-    """That some designs could not be solved, what that means, and the most frequent reason."""
+    """A caution that some designs could not be solved, with what that means and the most frequent reason."""
     reasons = Counter(each.reason for each in found if each.failed)
     if reasons:
         reason, count = reasons.most_common(1)[0]

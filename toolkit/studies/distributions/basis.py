@@ -15,28 +15,28 @@ from toolkit.studies.distributions.marginal import Marginal
 
 @dataclass(frozen=True)
 class Basis:
-    """Products of polynomials of the germs, of all degrees up to one.
+    """Products of polynomials of the germs, of all degrees up to a largest one.
 
     Attributes
     ----------
     coefficients
-        Of every germ, of its polynomials by their degrees: (degrees, powers), the power 0 first.
+        Coefficients of every germ's polynomials by their degrees: (degrees, powers), the power 0 first.
     degrees
-        Of every product by the germs, (products, n); the first is the constant.
+        Degrees of every product in the germs, (products, n); the first product is the constant.
     """
 
     coefficients: tuple[np.ndarray, ...]
     degrees: np.ndarray
 
     def values(self, germs: np.ndarray) -> np.ndarray:
-        """Of all products at germs (count, n): (count, products)."""
+        """Values of all products at germs (count, n): (count, products)."""
         found = np.ones((len(germs), len(self.degrees)))
         for each, column, degrees in zip(self.coefficients, germs.T, self.degrees.T, strict=True):
             found *= polynomial.polyval(column, each.T).T[:, degrees]
         return found
 
     def slopes(self, germs: np.ndarray) -> np.ndarray:
-        """Their derivatives by the germs, (count, n, products)."""
+        """Derivatives of all products by the germs, (count, n, products)."""
         single = [polynomial.polyval(g, each.T).T for each, g in zip(self.coefficients, germs.T, strict=True)]
         derived = [
             polynomial.polyval(g, polynomial.polyder(each.T)).T for each, g in zip(self.coefficients, germs.T, strict=True)
@@ -49,7 +49,7 @@ class Basis:
 
 
 def basis_of(germs: tuple[Marginal, ...], degree: int) -> Basis:
-    """All products of a total degree at most.
+    """Basis of all products up to a total degree.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def basis_of(germs: tuple[Marginal, ...], degree: int) -> Basis:
 
 
 def size_of(n: int, degree: int) -> int:
-    """How many products there are."""
+    """Number of products of n germs up to a total degree."""
     return comb(n + degree, degree)
 
 

@@ -19,20 +19,20 @@ from toolkit.studies.distributions.marginal import Marginal
 from toolkit.studies.distributions.uncertain_numbers import Correlation
 
 POINTS = 40
-"""Of the quadrature that a correlation is found by, for each of the two numbers."""
+"""Number of quadrature points for each of the two numbers whose correlation is found."""
 NEAR = 1e-9
-"""How near a coefficient of correlation comes to one."""
+"""Least distance of a correlation coefficient from one."""
 NORMAL = Marginal(0.0, 1.0, False, False)
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Uncertain numbers.
+    """Joint distribution of uncertain numbers.
 
     Attributes
     ----------
     marginals
-        Of each number.
+        Distribution of each number.
     correlation
         Coefficients of the numbers themselves, (n, n).
     """
@@ -42,7 +42,7 @@ class Joint:
 
     @property
     def together(self) -> np.ndarray:
-        """Which numbers go together with another one, (n,)."""
+        """Whether each number is correlated with another one, (n,)."""
         found: np.ndarray = np.any(self.correlation != np.eye(len(self.marginals)), axis=1)
         return found
 
@@ -53,18 +53,18 @@ class Joint:
 
     @property
     def mean(self) -> np.ndarray:
-        """Of the numbers."""
+        """Means of the numbers, (n,)."""
         return np.array([each.mean for each in self.marginals])
 
     @property
     def covariance(self) -> np.ndarray:
-        """Of the numbers."""
+        """Covariance matrix of the numbers, (n, n)."""
         sigmas = np.array([each.sigma for each in self.marginals])
         return self.correlation * np.outer(sigmas, sigmas)
 
     @cached_property
     def root(self) -> np.ndarray:
-        """Lower triangular factor of the correlation of the normal germs that numbers which go together are made from."""
+        """Lower triangular Cholesky factor of the correlation of the normal germs that correlated numbers are made from."""
         found = np.eye(len(self.marginals))
         for i, j in combinations(range(len(found)), 2):
             if self.correlation[i, j]:
@@ -99,7 +99,7 @@ class Joint:
         return found
 
     def _own(self, germs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Germs of the numbers themselves, and their derivatives by the normal ones that they are made from."""
+        """Germs of the numbers themselves, and their derivatives by the normal germs that they are made from."""
         mixed = germs @ self.root.T
         own, slopes = mixed.copy(), np.ones_like(mixed)
         for k, (each, tied) in enumerate(zip(self.marginals, self.together, strict=True)):
@@ -109,7 +109,7 @@ class Joint:
 
 
 def joint_of(names: Sequence[str], marginals: Mapping[str, Marginal], correlations: Sequence[Correlation]) -> Joint:
-    """All numbers with their correlations.
+    """Joint distribution of all numbers with their correlations.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def _from_normal(marginal: Marginal, normal: np.ndarray) -> tuple[np.ndarray, np
 
 
 def _normal_of(marginal: Marginal, germ: float) -> float:
-    """The normal germ that a germ is made from."""
+    """Normal germ that a germ is made from."""
     if marginal.infinite:
         return germ
     return float(brentq(lambda z: float(marginal.quantile(ndtr(np.array(z))) - germ), -8.0, 8.0, xtol=1e-14))

@@ -20,7 +20,7 @@ HALF = float(np.sqrt(3.0))
 
 @dataclass(frozen=True)
 class Marginal:
-    """One number.
+    """Distribution of one number.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Marginal:
     uniform
         Whether the germ is uniform; otherwise it is normal.
     least, largest
-        Of the germ.
+        Bounds of the germ.
     """
 
     middle: float
@@ -42,7 +42,7 @@ class Marginal:
     largest: float = np.inf
 
     def number(self, germ: np.ndarray) -> np.ndarray:
-        """Numbers of germs."""
+        """Numbers that follow from germs."""
         straight = self.middle + self.width * germ
         return np.exp(straight) if self.logarithmic else straight
 
@@ -51,11 +51,11 @@ class Marginal:
         return self.width * (self.number(germ) if self.logarithmic else np.ones_like(germ))
 
     def germ(self, number: float) -> float:
-        """The germ of a number."""
+        """Germ that a number follows from."""
         return ((float(np.log(number)) if self.logarithmic else number) - self.middle) / self.width
 
     def quantile(self, share: np.ndarray) -> np.ndarray:
-        """Germs below which shares of all cases are."""
+        """Quantiles of the germ: values below which shares of all cases are."""
         if self.uniform:
             return HALF * (2 * share - 1)
         low, high = ndtr(self.least), ndtr(self.largest)
@@ -63,14 +63,14 @@ class Marginal:
         return found
 
     def density(self, germ: np.ndarray) -> np.ndarray:
-        """Of germs within their bounds."""
+        """Probability density of germs within their bounds."""
         if self.uniform:
             return np.full_like(germ, 0.5 / HALF)
         return np.exp(-germ * germ / 2) / np.sqrt(2 * np.pi) / (ndtr(self.largest) - ndtr(self.least))
 
     @property
     def mean(self) -> float:
-        """Of the number."""
+        """Mean of the number."""
         if self.logarithmic:
             return self._exponential(1)
         return self.middle + self.width * self._moment(1)
@@ -88,7 +88,7 @@ class Marginal:
         return not self.uniform and np.isinf(self.least) and np.isinf(self.largest)
 
     def _exponential(self, power: int) -> float:
-        """Mean of a power of the exponential: the normal germ is moved by power x width."""
+        """Mean of a power of the lognormal number: the normal germ is moved by power x width."""
         by = power * self.width
         share = (ndtr(self.largest - by) - ndtr(self.least - by)) / (ndtr(self.largest) - ndtr(self.least))
         return float(np.exp(power * self.middle + by * by / 2) * share)
@@ -135,4 +135,4 @@ def marginal_of(name: str, described: Uncertain, own: float) -> Marginal:
 
 
 LEAST = 1e-3
-"""Share of a number that may be left by its bounds: of less the tail of a normal distribution would be all."""
+"""Least probability that the bounds of a number may leave; with less, only the tail of its distribution would remain."""

@@ -28,12 +28,12 @@ Progress = Callable[[int, int], None]
 STORE = "study.h5"
 """Name of the store in the folder of a study."""
 ASIDE = 4
-"""Designs within the bounds at which the objective is looked at too, where it is stationary at the start."""
+"""Number of further designs at which the objective is evaluated where it is stationary at the start."""
 SAME = 1e-3
-"""Relative difference of objectives by which two optima are told apart."""
+"""Relative difference of objectives by which two optima are distinguished."""
 
 WIDE = 0.05
-"""Difference of a variable, in parts of its scale, by which two designs are told apart."""
+"""Difference of a variable, relative to its scale, by which two designs are distinguished."""
 
 
 def optimized(problem: Problem, folder: Path | None = None, progress: Progress | None = None) -> Optimum:
@@ -100,7 +100,7 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
 
 
 def _rank(found: SearchResult) -> tuple[bool, bool, float]:
-    """The order in which designs of searches are tried: optima by their objective, then feasible ones, then the least violated."""
+    """Key by which designs of searches are tried: optima by their objective, then feasible ones, then the least violated."""
     assert found.best is not None
     assert found.optimality is not None
     problem = found.program.problem
@@ -123,7 +123,7 @@ def _verified(
 
 
 def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.ndarray) -> None:
-    """Refuse an objective that no variable moves, here or elsewhere."""
+    """Refuse an objective that no variable moves, at the start or at other designs."""
     program, designs = Program(problem), set()
     for k, look in enumerate([start, *starts_of(problem, ASIDE + 1)[1:]]):
         lane, warm = (-1, False) if k else (0, problem.study.search.warm_starts)
@@ -142,7 +142,7 @@ def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.nda
 
 
 def _undecided(problem: Problem, found: DesignOutcome) -> float:
-    """How much of the objective round-off may decide."""
+    """Part of the objective that round-off may decide."""
     weights = problem.weights
     left = ((name, problem.undecided(name, found.values[:, k])) for k, name in enumerate(problem.responses))
     return sum(abs(weights.get(name, 0.0)) * each for name, each in left)
@@ -169,7 +169,7 @@ def _prices(found: SearchResult) -> tuple[Price, ...]:
 
 
 def _cautions(problem: Problem, found: SearchResult, again: Verification, searches: list[SearchResult]) -> Iterator[Caution]:
-    """What speaks against the design being the optimum."""
+    """Cautions that speak against the design being the optimum."""
     assert found.best is not None
     assert found.optimality is not None
     left, options = found.optimality, problem.study.search
@@ -202,7 +202,10 @@ def _cautions(problem: Problem, found: SearchResult, again: Verification, search
 
 
 def _margins(problem: Problem, best: DesignOutcome) -> Iterator[Caution]:
-    """Load margins at the design of which only the least value is known; of no slope, they may look like an optimum themselves."""
+    """A caution about load margins at the design of which only the least value is known.
+
+    They have no slope, so that the design may look like an optimum.
+    """
     cut = [case for k, case in enumerate(problem.cases) if cut_off(problem, best, (k, len(problem.responses) - 1))]
     if cut:
         where = f" ({', '.join(cut)})" if cut != [ONLY] else ""
@@ -218,7 +221,7 @@ def _margins(problem: Problem, best: DesignOutcome) -> Iterator[Caution]:
 
 
 def _idle(problem: Problem, store: DesignStore) -> Iterator[Caution]:
-    """Variables that have moved nothing at any design."""
+    """A remark on variables that have moved nothing at any design."""
     slopes = [each.gradients for each in store if not each.failed]
     idle = [name for k, name in enumerate(problem.variables) if not any(np.any(each[:, :, k]) for each in slopes)]
     if idle:
@@ -226,7 +229,7 @@ def _idle(problem: Problem, store: DesignStore) -> Iterator[Caution]:
 
 
 def _cases(problem: Problem) -> Iterator[Caution]:
-    """That the scene as it stands does not count, where all cases have other numbers."""
+    """A remark that the scene as it stands does not count, where all cases have other numbers."""
     if problem.study.cases and all(problem.study.cases.values()):
         listed = ", ".join(problem.study.cases)
         yield Caution(
@@ -238,7 +241,7 @@ def _cases(problem: Problem) -> Iterator[Caution]:
 
 
 def _flat(problem: Problem, found: SearchResult, searches: list[SearchResult]) -> Iterator[Caution]:
-    """That searches have ended at the same objective with other designs: the optimum is no point."""
+    """A remark that searches ended at the same objective with other designs: the optimum is not a single point."""
     ended = [each for each in searches if each.arrived and each.best is not None]
     values = np.array([float(each.program.objective(each.best.values)[0]) for each in ended if each.best is not None])
     designs = np.array([each.best.design for each in ended if each.best is not None])
@@ -260,7 +263,7 @@ def _flat(problem: Problem, found: SearchResult, searches: list[SearchResult]) -
 
 
 def _unfinished(found: SearchResult, searches: list[SearchResult]) -> Iterator[Caution]:
-    """That other searches have ended before they were anywhere: what was found is the best of fewer than were asked for."""
+    """A remark that other searches ended before an optimum, so that fewer were compared than were asked for."""
     left = [each for each in searches if not each.arrived]
     if found.arrived and left:
         why = ", ".join(f"start {each.lane // 2 + 1}: {each.ended}" for each in left[:3]) + (", ..." if len(left) > 3 else "")
@@ -273,7 +276,7 @@ def _unfinished(found: SearchResult, searches: list[SearchResult]) -> Iterator[C
 
 
 def _other_optima(problem: Problem, found: SearchResult, searches: list[SearchResult]) -> Iterator[Caution]:
-    """That other searches have ended elsewhere, or on their way to something better."""
+    """Remarks that other searches ended in other optima, or at a better design that is no optimum yet."""
     assert found.best is not None
     mine = float(found.program.objective(found.best.values)[0])
     (_, mine_off, value), ranked = _rank(found), [_rank(each) for each in searches if each is not found and each.best is not None]

@@ -1,4 +1,4 @@
-"""What limits cost: multipliers as shadow prices, in the units of the study."""
+"""Shadow prices of limits: multipliers in the units of the study."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from toolkit.studies.optimization.optimality import Optimality
 from toolkit.studies.optimization.program import Program
 
 LEAST = 1e-6
-"""Multiplier in parts of the largest slope of the objective below which a limit costs nothing."""
+"""Multiplier, relative to the largest slope of the objective, below which a limit costs nothing."""
 SLOPE = 1e-3
-"""Slope of the scaled objective that is none beside it: at an optimum between all limits what is left is no price of any."""
+"""Slope of the scaled objective that counts as zero: at an optimum between all limits, what is left of it is no price."""
 DEPENDENT = 1e-6
 """Relative singular value below which slopes of constraints depend on each other."""
 
 
 @dataclass(frozen=True)
 class Price:
-    """What one limit costs.
+    """Shadow price of one limit.
 
     Attributes
     ----------
@@ -31,10 +31,10 @@ class Price:
     limit
         "below 60", "above 1.05".
     price
-        By how much the objective gets better where the limit gives way by one unit: the derivative of the optimum by the limit, without
+        Improvement of the objective where the limit gives way by one unit: the derivative of the optimum by the limit, without
         its sign.
     unit
-        Of the price.
+        Unit of the price.
     active
         Whether the limit costs anything.
     text
@@ -49,7 +49,7 @@ class Price:
     text: str
 
     def record(self) -> dict[str, Any]:
-        """For JSON."""
+        """The price as a JSON object."""
         return {
             "of": self.name,
             "limit": self.limit,
@@ -76,8 +76,11 @@ def prices(program: Program, best: DesignOutcome, left: Optimality) -> Iterator[
 
 
 def _active(program: Program, best: DesignOutcome, left: Optimality) -> tuple[np.ndarray, np.ndarray]:
-    """Which constraints (m,) and bounds (2, n) cost something: their multiplier, in parts of the largest slope, is larger than what is left
-    to them. One of the two is zero at an optimum, and this tells which of them is on its way there."""
+    """Which constraints (m,) and bounds (2, n) are active and cost something.
+
+    Their multiplier, relative to the largest slope, is larger than their distance. One of the two is zero at an optimum, and this
+    tells which of them is on its way there.
+    """
     values, z = program.values(best), program.scaled(best.design)
     largest = max(float(np.max(np.abs(values.df))), SLOPE)
     return left.multipliers > largest * np.maximum(values.c, LEAST), left.at_bounds > largest * np.maximum(
@@ -86,7 +89,7 @@ def _active(program: Program, best: DesignOutcome, left: Optimality) -> tuple[np
 
 
 def _price(program: Program, name: str, sign: float, limit: float, multiplier: float, unit: str, active: bool) -> Price:
-    """From a multiplier of the limit as it is written, by which the scaled objective changes."""
+    """Price of a limit, from its multiplier for the scaled objective and the limit as it is written."""
     objective, its_unit = objective_of(program)
     price = multiplier * program.unit
     word, more = ("above", "less") if sign > 0 else ("below", "more")
@@ -106,7 +109,7 @@ def _ratio(above: str, below: str) -> str:
 
 
 def objective_of(program: Program) -> tuple[str, str]:
-    """Name and unit of the objective: those of its response if it has one alone."""
+    """Name and unit of the objective: those of its response if it has only one."""
     problem, weights = program.problem, program.problem.weights
     if len(weights) == 1 and list(weights.values()) == [1.0]:
         name = next(iter(weights))

@@ -26,12 +26,12 @@ from toolkit.studies.study.wanted import norm_of
 from toolkit.validity.bodies.physics import critical_loads
 
 ANOTHER = 1e-5
-"""Change of a response, in parts of its size, by which an equilibrium is another one than that of the search: finer load steps and a warm
-start change nothing but round-off."""
+"""Relative change of a response by which an equilibrium is another one than that of the search: finer load steps and a warm start
+change nothing but round-off."""
 COARSE = 1e-2
-"""The same of a motion, whose steps were too long for what was wanted of it."""
+"""Relative change of a response of a motion by finer steps above which the steps were too long."""
 DIGITS = 1e-8
-"""Relative difference of derivatives by exact methods that is an error, as of `ffrf certify`."""
+"""Relative difference of derivatives by exact methods that is an error, as in `ffrf certify`."""
 MEANT = 1e-6
 """Part of a response that a derivative by a variable of its size must mean to be compared: at an optimum parts cancel, and what is left of
 them has few digits."""
@@ -39,7 +39,7 @@ them has few digits."""
 
 @dataclass(frozen=True)
 class Verification:
-    """What came of solving a design again.
+    """Result of solving a design again.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Verification:
 
 
 def solved_again(problem: Problem, found: DesignOutcome) -> Verification:
-    """Solve a design of a search anew in all cases, without anything that the search knew."""
+    """Solve a design of a search again in all cases, without anything that the search knew."""
     results: dict[str, Result] = {}
     margins: dict[str, tuple[float, bool]] = {}
     changes: dict[str, float] = {}
@@ -101,8 +101,10 @@ def _changed(problem: Problem, changes: dict[str, float]) -> str:
 
 
 def _derived(problem: Problem, found: DesignOutcome) -> DesignOutcome | None:
-    """The design with finer steps at all points of uncertain numbers and beside it, without load margins, which are found apart; None
-    if nothing asks for these."""
+    """The design solved with finer steps at all points of uncertain numbers and beside it; None if nothing asks for these.
+
+    Load margins are left out; they are found apart.
+    """
     if problem.points is None and not problem.norms:
         return None
     constraints = {name: each for name, each in problem.study.constraints.items() if name != LOAD_MARGIN}
@@ -118,7 +120,10 @@ def _has_margin(problem: Problem) -> bool:
 
 
 def _margin(problem: Problem, result: Result, where: str, cautions: list[Caution]) -> tuple[float, bool]:
-    """Load factor of the first limit point and whether there is one; a path that cannot be followed is said, unless it is asked for."""
+    """Load factor of the first limit point, and whether there is one.
+
+    A path that cannot be followed gives a remark, or an error if the load margin is asked for.
+    """
     up_to = max(problem.margin_up_to or 0.0, FAR)
     try:
         value = load_margin(result.solution, up_to)[0]
@@ -147,7 +152,7 @@ def finer(scene: Scene) -> Scene:
 
 
 def certified(problem: Problem, found: DesignOutcome, again: Verification) -> Iterator[Caution]:
-    """What independent methods have against the gradients at a design; nothing if they agree."""
+    """Doubts of independent methods about the gradients at a design; none if they agree."""
     for k, case in enumerate(problem.cases):
         where = f"{case}: " if case else ""
         scene = scene_at(problem, case, found.design)
@@ -167,7 +172,7 @@ def certified(problem: Problem, found: DesignOutcome, again: Verification) -> It
 
 
 def said_of_norms(problem: Problem, found: DesignOutcome) -> Iterator[Caution]:
-    """By how much the derivatives of norms of gradients may be off: they alone are differences."""
+    """A remark on the error of the derivatives of norms of gradients, which alone are differences."""
     for case in problem.cases if problem.norms else ():
         where, run = f"{case}: " if case else "", CaseRun(problem, case, None, gradients=True)
         try:
@@ -185,8 +190,7 @@ def _in(where: str, caution: Caution) -> Caution:
 
 
 def said_of_runs(problem: Problem, found: DesignOutcome, again: Verification) -> Iterator[Caution]:
-    """What runs at the optimum say about themselves: that which an analysis of its scene is, and the one with finer steps where that says
-    something else."""
+    """Cautions of the runs at the optimum: those of an analysis of its scene, and further ones of the run with finer steps."""
     for case, finer_run in again.results.items():
         where = f"{case}: " if case else ""
         own = [*_said_as_it_stands(problem, case, found)]
@@ -196,7 +200,10 @@ def said_of_runs(problem: Problem, found: DesignOutcome, again: Verification) ->
 
 
 def _said_as_it_stands(problem: Problem, case: str, found: DesignOutcome) -> Iterator[Caution]:
-    """What `statics` or `simulate` says of the scene at a design; load margins, which stand beside it here, feel what bends it, too."""
+    """Cautions of `statics` or `simulate` about the scene at a design.
+
+    Load margins, which stand beside it here, feel what bends it, too.
+    """
     try:
         run = values_alone(Compiled(scene_at(problem, case, found.design)), problem.kind)
     except ToolkitError as error:

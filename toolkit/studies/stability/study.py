@@ -30,7 +30,7 @@ MAPS = ("step", "baumgarte", *PHYSICS, "units")
 
 
 def unit_map(scene: Scene, directory: Path) -> Map:
-    """The scene in every unit system; converted reduced models are written to a folder.
+    """Map of the scene in every unit system; converted reduced models are written to a folder.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def unit_map(scene: Scene, directory: Path) -> Map:
 
 
 def maps_of(scene: Scene, names: Sequence[str] | None, directory: Path, most_steps: int) -> tuple[list[Map], dict[str, str]]:
-    """The maps that were asked for, by default all that the scene has; and name -> why it has none of the others.
+    """Maps that were asked for, by default all that the scene has; and name -> why it has none of the others.
 
     Raises
     ------
@@ -76,14 +76,14 @@ def maps_of(scene: Scene, names: Sequence[str] | None, directory: Path, most_ste
 
 
 MOST_STEPS = 10_000
-"""Cells that need more are not run, unless the scene itself does."""
+"""Largest number of steps of a cell that is run, unless the scene itself needs more."""
 REMEDY = "Run it again with --jobs 1 or a smaller --most-steps."
 Key = tuple[str, tuple[int, ...]]
 OWN: Key = ("the scene itself", ())
 FINE, HALF = "its own with another step", " with half the step"
 OWN_HALF: Key = (OWN[0] + HALF, ())
 ROUND_OFF = 1e-6
-"""What may differ between unit systems: Newton stops 1e-10 of the scene's size away, and forces magnify that."""
+"""Relative difference allowed between unit systems: Newton stops at 1e-10 of the model size, and forces magnify that."""
 ENDS = {"failed": "fails", "refused": "is refused", "not run": "is not run"}
 """Class of the scene itself -> what it does, for those that give no number."""
 
@@ -104,7 +104,7 @@ def stability(
     ----------
     scene : Scene
     design : variables whose gradient is judged; without any the motion alone is
-    names : maps, see `catalogue.MAPS`; by default all that the scene has
+    names : maps, see `MAPS`; by default all that the scene has
     limits : where classes end; by default the joints may open as far as the scene's own `solver.drift_tolerance`
     most_steps : cells that need more steps are not run; by default `MOST_STEPS`, or as many as the scene needs as it stands
     jobs : processes
@@ -138,7 +138,7 @@ def stability(
 
 
 def _jobs(scene: Scene, design: list[str], maps: Sequence[Map], most_steps: int) -> dict[Key, CellJob]:
-    """Everything that has to run: the scene itself, ever finer or with half the step, every cell, and its half step where that judges."""
+    """All runs: the scene itself, ever finer or with half the step, every cell, and its half step where that judges."""
     wanted: dict[Key, tuple[Scene, int]] = {OWN: (scene, most_steps)}
     if any(each.judge == "reference" for each in maps):
         wanted |= {(FINE, (k,)): (each, most_steps) for k, each in enumerate(finest_first(scene))}
@@ -166,7 +166,7 @@ def _run(jobs: Mapping[Key, CellJob], executor: Executor, progress: Progress | N
 
 
 def _sizes(scene: Scene, changed: Scene, design: list[str]) -> dict[str, float] | None:
-    """In other units the sizes of the scene's variables, so that slopes stay comparable where a variable is zero."""
+    """Sizes of the scene's variables in other units, so that slopes stay comparable where a variable is zero; None in its own."""
     if changed.units == scene.units:
         return None
     variables = scene.design_variables(design)
@@ -186,7 +186,7 @@ def _in_own_units(found: CellOutcome, scene: Scene, units: str) -> CellOutcome:
 
 
 def _reference(scene: Scene, found: Mapping[Key, CellOutcome], limits: Limits) -> FineReference | None:
-    """The two finest runs in good order; None where there is none, or nothing to compare."""
+    """The two finest runs in good order; None where there are not two, or nothing to compare."""
     fine = [(each.solver.step, found.get((FINE, (k,)))) for k, each in enumerate(finest_first(scene))]
     good = [(step, each) for step, each in fine if each and run_class(each, None, limits).name == "stable" and each.values]
     if len(good) < 2:
@@ -205,7 +205,7 @@ def _judged(
     limits: Limits,
     most_steps: int,
 ) -> Cell:
-    """Name of one cell of a map."""
+    """Classes of one cell of a map."""
     here = found.get((mapped.name, at))
     if here is None:
         skipped = CellClass("not run", _too_long(mapped.scenes[at], most_steps))
@@ -230,7 +230,7 @@ def _verdict(
     maps: Sequence[MapResult],
     most_steps: int,
 ) -> Verdict:
-    """Whether the classes of the cells mean what they say, and why not."""
+    """Verdict on whether the classes of the cells can be trusted."""
     cautions = [*_of_the_scene_itself(own, design), *_of_the_reference(scene, design, limits, reference, maps)]
     if scene.responses and any(each.map.judge == "reference" for each in maps):
         cautions += _of_what_was_cut_off(scene, reference, most_steps)
@@ -264,7 +264,10 @@ def _of_the_reference(
 
 
 def _of_what_was_cut_off(scene: Scene, best: FineReference | None, most_steps: int) -> Iterator[Caution]:
-    """Runs for the reference that were left out because of their steps; a doubt where it is no finer than the scene."""
+    """A caution about runs for the reference that were left out because they need too many steps.
+
+    It is a doubt where the reference is no finer than the scene.
+    """
     wanted = [each for each in finest_first(scene) if steps_needed(each) > most_steps]
     if wanted:
         known = f"so that the reference has the step {best.step:.3g}" if best else "so that there is no reference"

@@ -1,4 +1,4 @@
-"""What a study file holds: a scene, what of it may change, and what is wanted."""
+"""Contents of a study file: a scene, its variables or uncertain numbers, and what is wanted."""
 
 from __future__ import annotations
 
@@ -88,12 +88,12 @@ class Limit(Description):
 
     @property
     def limits(self) -> tuple[float | None, float | None]:
-        """The least and the largest value; None where there is no limit."""
+        """Least and largest value of the limit; None where there is no limit."""
         return self.between if self.between is not None else (self.above, self.below)
 
 
 def _weighted(value: Any) -> Any:
-    """A response alone counts once."""
+    """Weights of an objective; a response alone has the weight one."""
     return {value: 1.0} if isinstance(value, str) else value
 
 
@@ -144,17 +144,17 @@ class Objective(Description):
 
     @classmethod
     def none(cls) -> Self:
-        """That of a study that is not for an optimum."""
+        """The empty objective of a study that is not for an optimum."""
         return cls.model_construct(minimize={})
 
     @property
     def weights(self) -> Mapping[str, float]:
-        """Response -> weight."""
+        """Weights of the objective's responses, response -> weight."""
         return (self.minimize if self.minimize is not None else self.maximize) or {}
 
     @property
     def sign(self) -> float:
-        """1 to minimize, -1 to maximize."""
+        """Sign of the objective: 1 to minimize, -1 to maximize."""
         return 1.0 if self.minimize is not None else -1.0
 
 

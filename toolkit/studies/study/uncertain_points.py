@@ -24,14 +24,14 @@ from toolkit.studies.distributions.uncertain_numbers import Uncertain
 from toolkit.studies.study.study_file import Study
 
 SPARE = 1.5
-"""So many times as many points as coefficients."""
+"""Ratio of the number of points to that of coefficients."""
 DEGREE, HIGHEST = 2, 8
-"""Of the polynomials, if the study does not say how many points; and the highest that is taken."""
+"""Degree of the polynomials if the study does not give the number of points; and the highest degree."""
 
 
 @dataclass(frozen=True)
 class UncertainPoints:
-    """Points of uncertain numbers; the first is the one of all means.
+    """Points of uncertain numbers at which a design is solved; the first is the one of all means.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ def uncertain_points(study: Study, scene: Scene) -> UncertainPoints:
 
 
 def _degree(n: int, count: int) -> int:
-    """The highest that so many points determine."""
+    """Highest degree of the polynomials that so many points determine."""
     if count < SPARE * size_of(n, 1):
         raise InputError(
             f"uncertainty.points = {count} are too few for {n} uncertain number{'s' if n > 1 else ''}. Give at least "
@@ -123,7 +123,7 @@ def _degree(n: int, count: int) -> int:
 
 
 def _variable_of(study: Study, scene: Scene, name: str) -> str | None:
-    """The variable that moves the same numbers by the same factors; None if none of them is moved by any."""
+    """The variable that moves the same numbers by the same factors; None if no variable moves any of them."""
     mine = dict(zip(scene.paths_of(name), scene.factors_of(name), strict=True))
     for variable in study.variables:
         its = dict(zip(scene.paths_of(variable), scene.factors_of(variable), strict=True))
@@ -138,7 +138,7 @@ def _variable_of(study: Study, scene: Scene, name: str) -> str | None:
 
 
 def _marginal(scene: Scene, name: str, described: Uncertain, variable: str | None) -> Marginal:
-    """Of the number; of one that a variable moves, of its deviation from that."""
+    """Distribution of an uncertain number, or of its deviation where a variable moves the number."""
     if variable is None or described.of:
         return marginal_of(name, described, 0.0 if described.of else scene.value_of(name))
     if described.distribution != "normal" or described.mean is not None or described.between is not None:

@@ -1,4 +1,4 @@
-"""What objective and limits look at: responses, or mean and standard deviation of them over uncertain numbers."""
+"""Terms of objective and limits: responses, or their mean and standard deviation over uncertain numbers."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from toolkit.sensitivity.preparation import Kind
 from toolkit.studies.study.study_file import Limit, Study
 
 OBJECTIVE = "the objective"
-"""What responses with weights are called together."""
+"""Name of several responses with weights."""
 
 
 _MODE, _NORM = re.compile(r"frequency_([1-9]\d{0,3})"), "gradient of "
 
 
 class Statistic(NamedTuple):
-    """A number of the mean and the standard deviation of weighted responses over uncertain numbers: mean + times sigma, or one of both.
+    """A statistic of weighted responses over uncertain numbers: mean + times sigma, or one of both.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Statistic(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """One limit: sign (value - bound) >= 0."""
+    """One limit in the form sign (value - bound) >= 0."""
 
     name: str
     response: str
@@ -46,7 +46,7 @@ class Wanted(NamedTuple):
 
 
 def objective_name(weights: Mapping[str, float]) -> str:
-    """That of the only response that counts once, or what several are together."""
+    """Name of the objective: that of its only response with weight one, or a phrase for several."""
     return next(iter(weights)) if list(weights.values()) == [1.0] else OBJECTIVE
 
 
@@ -56,7 +56,7 @@ def wants_points(study: Study) -> bool:
 
 
 def statistics_of(study: Study) -> dict[str, Statistic]:
-    """Name -> statistic of all that is to be robust: what counts, the mean and the standard deviation of each."""
+    """Name -> statistic of all that is to be robust: the one that counts, and the mean and standard deviation of each."""
     return dict(_statistics(study))
 
 
@@ -81,7 +81,7 @@ def _robust(of: str, times: float) -> str:
 
 
 def weights_of(study: Study, robust: bool) -> Mapping[str, float]:
-    """What the objective is the weighted sum of."""
+    """Weights of the terms whose sum is the objective."""
     wanted, weights = study.objective, study.objective.weights
     if not robust or wanted.robust is None:
         return weights
@@ -89,7 +89,7 @@ def weights_of(study: Study, robust: bool) -> Mapping[str, float]:
 
 
 def limits_of(study: Study, robust: bool) -> Iterator[Wanted]:
-    """All limits, the least of a response before the largest."""
+    """All limits of the constraints, the least of a response before the largest."""
     for name, limit in study.constraints.items():
         for sign, bound in zip((1.0, -1.0), limit.limits, strict=True):
             if bound is not None:
@@ -104,17 +104,17 @@ def number_of(name: str) -> int | None:
 
 
 def norm_of(response: str) -> str:
-    """What the norm of the gradient of a response is called."""
+    """Name of the norm of the gradient of a response."""
     return f"{_NORM}{response}"
 
 
 def in_norm(name: str) -> str | None:
-    """The response whose gradient a name asks for; None if it asks for something else."""
+    """Name of the response whose gradient a name asks for; None if it asks for something else."""
     return name.removeprefix(_NORM) if name.startswith(_NORM) else None
 
 
 def kind_of(study: Study) -> Kind:
-    """What is solved for every design."""
+    """Kind of the analysis that is solved for every design."""
     return "transient" if study.analysis == "motion" else "static"
 
 

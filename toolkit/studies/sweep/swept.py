@@ -1,4 +1,4 @@
-"""What a sweep returns: a row for every design, with values and gradients, or the reason why there are none."""
+"""Result of a sweep: a row for every design, with values and gradients, or the reason why there are none."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NUMBER, FAILURE = "design", "failure"
 
 
 def derivative(label: str, variable: str) -> str:
-    """The column of a derivative."""
+    """Name of the column of a derivative."""
     return f"d({label})/d({variable})"
 
 
@@ -74,7 +74,7 @@ class Swept:
 
     @property
     def responses(self) -> dict[str, tuple[int, int]]:
-        """Response, with its case before it where cases have names -> place of case and response in the values of a design."""
+        """Response, with its case before it where cases have names -> index of case and response in the values of a design."""
         return self.problem.labels
 
     @property
@@ -84,23 +84,23 @@ class Swept:
 
     @property
     def failed(self) -> int:
-        """How many designs could not be solved."""
+        """Number of designs that could not be solved."""
         return sum(each.failed for each in self.solved)
 
     def values(self, response: str) -> np.ndarray:
-        """A response at all designs, (designs,); nan where they failed."""
+        """Values of a response at all designs, (designs,); nan where they failed."""
         place = self.responses[response]
         return np.array([math.nan if each.failed else each.values[place] for each in self.solved])
 
     def gradients(self, response: str) -> np.ndarray:
-        """Its derivatives by the variables, (designs, n); nan where designs failed."""
+        """Derivatives of a response by the variables, (designs, n); nan where designs failed."""
         none = np.full(len(self.problem.variables), math.nan)
         place = self.responses[response]
         return np.array([none if each.failed else each.gradients[place] for each in self.solved])
 
     @property
     def columns(self) -> dict[str, list[Any]]:
-        """The table: number of the design, variables, why it failed, responses and derivatives."""
+        """Columns of the table: number of the design, variables, why it failed, responses and derivatives."""
         table: dict[str, list[Any]] = {NUMBER: list(range(1, len(self.designs) + 1))}
         table |= {name: self.designs[:, k].tolist() for k, name in enumerate(self.problem.variables)}
         table[FAILURE] = [each.reason for each in self.solved]
@@ -113,11 +113,11 @@ class Swept:
 
     @property
     def said(self) -> str:
-        """What it took, as a sentence."""
+        """A sentence with the number of designs, failures and the time."""
         return f"{len(self.designs)} designs, {self.failed} of which could not be solved, in {self.wall:.1f} s."
 
     def record(self) -> dict[str, Any]:
-        """The JSON object: where responses are least and largest; the table is in the CSV file."""
+        """A JSON object with the designs at which responses are least and largest; the table is in the CSV file."""
         low, high = self.problem.bounds
         return {
             "sweep": {

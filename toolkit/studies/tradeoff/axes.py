@@ -17,9 +17,9 @@ from toolkit.studies.tradeoff import frame_axes, skin_axes
 from toolkit.studies.tradeoff.setting import Choice
 
 STEP_FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
-"""Steps by default, in units of the scene's."""
+"""Default steps, in units of the scene's step."""
 LEFT_OUT = ("off", "default")
-"""Words for an option that is not given: what it switches on is off, or what it sets has its default."""
+"""Words for an option that is not given: its feature is off, or its number has the default."""
 SOLVER_AXES: dict[str, tuple[Any, ...]] = {
     "step": (),  # `STEP_FACTORS`
     "scheme": (),
@@ -33,7 +33,7 @@ SOLVER_AXES: dict[str, tuple[Any, ...]] = {
 }
 """Option of the solver -> its values by default, besides the scene's own; if none are named, all words that it can be."""
 DEFAULT = ("step", "scheme", "newton", "quasi_static", "local_error")
-"""Axes that are varied if nobody says which."""
+"""Axes that are varied by default."""
 
 
 def available() -> list[str]:
@@ -104,14 +104,14 @@ def _options(scene: Scene, name: str, given: Sequence[Any] | None) -> list[Choic
 
 
 def _steps(scene: Scene, _: str, given: Sequence[Any] | None) -> list[Choice]:
-    """From the coarsest that makes at least two steps; times that the scene gives are left out."""
+    """Choices of the step, from the coarsest that makes at least two steps; times that the scene gives are left out."""
     own, end, given_times = scene.solver.step, scene.solver.end_time, scene.solver.times is not None
     values = [own * factor for factor in STEP_FACTORS if 2 * own * factor <= end or factor <= 1] if given is None else given
     return [Choice(label(value), {"step": value, "times": None}, own=value == own and not given_times) for value in values]
 
 
 def _baumgarte(scene: Scene, _: str, given: Sequence[Any] | None) -> list[Choice]:
-    """Damping a, with the stiffness sqrt(2) a that belongs to it by default."""
+    """Choices of Baumgarte's damping a, with the stiffness sqrt(2) a that belongs to it by default."""
     mine = scene.solver.baumgarte
     values = SOLVER_AXES["baumgarte"] if given is None else given
     tables = [None if a is None else {"damping": a, "stiffness": 2**0.5 * a} if isinstance(a, float) else a for a in values]

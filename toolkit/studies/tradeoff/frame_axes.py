@@ -20,7 +20,7 @@ MODES = ("0", "1", "2", "4", "8", ALL_SHAPES)
 
 
 def choices(scene: Scene, name: str, given: Sequence[str]) -> list[Choice]:
-    """Choices of an axis; those by default if none are given.
+    """Choices of an axis; the default ones if none are given.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def refuse_idle(scene: Scene, axes: Collection[str]) -> None:
     Raises
     ------
     InputError
-        As it says.
+        The axis of modes is varied, that of frames is not, and no body has several frames.
     """
     if (
         "modes_per_frame" in axes
@@ -84,7 +84,7 @@ def _of_frames(scene: Scene, bodies: Sequence[str], given: Sequence[str]) -> lis
 
 
 def framed(scene: Scene, frames: int | str | None, modes: int | str | None = None) -> Scene:
-    """The scene with so many frames in all bodies that can have them, and modes in their parts; None leaves what it has."""
+    """The scene with so many frames in all bodies that can have them, and modes in their parts; None leaves these unchanged."""
     bodies = cuttable(scene) if frames is not None or modes is not None else []
     if frames is not None:
         scene = with_frames(scene, {name: most_frames(scene, name) if isinstance(frames, str) else frames for name in bodies})
@@ -92,7 +92,7 @@ def framed(scene: Scene, frames: int | str | None, modes: int | str | None = Non
 
 
 def _with_modes(scene: Scene, bodies: Sequence[str], modes: int | None) -> Scene:
-    """With so many in the parts of bodies that have any."""
+    """The scene with so many modes in the parts of bodies that have any."""
     parted = {name: body for name in bodies if (body := scene.bodies[name]).frames != 1}  # type: ignore[attr-defined]
     changed = {name: body.model_copy(update={"modes_per_frame": modes}) for name, body in parted.items()}
     return scene.model_copy(update={"bodies": {**scene.bodies, **changed}})

@@ -1,4 +1,4 @@
-"""What speaks against uncertain responses."""
+"""Cautions about uncertain responses."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from toolkit.studies.uncertainty.spread import Spread
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
 
 MISSED = 0.1
-"""Error of polynomials at designs left out, in parts of the spread of the solved values, that is too large: a hundredth of the variance."""
+"""Limit of the polynomials' error at designs left out, relative to the spread of solved values: 1 % of the variance."""
 SETTLED = 0.05
-"""By how much, in parts of sigma, mean and sigma may change with the degree of the polynomials."""
+"""Largest change of mean and sigma with the degree of the polynomials, relative to sigma."""
 BEYOND = 0.1
-"""By how much sigma may change if polynomials go on straight beyond the solved designs; a straight line does not change at all."""
+"""Largest relative change of sigma if polynomials go on straight beyond the solved designs; a straight line does not change."""
 SURE = 1e-6
-"""Error at designs left out, in the same parts, below which a response is a polynomial, also beyond them."""
+"""Error at designs left out, relative to the spread, below which a response is taken for a polynomial, also beyond them."""
 RARE = 1e-3
-"""Probability below which polynomials are asked about what no design has seen."""
+"""Probability below which a result of the polynomials rests on their tails, beyond all designs."""
 OTHERS_ALONE = ", and all numbers are those of the others alone: so probable is it that nothing can be said."
-"""What failed designs mean."""
+"""Consequence of failed designs, for their caution."""
 ANOTHER = 1e-5
 """Relative change of a value by which an equilibrium is another one."""
 
@@ -38,7 +38,7 @@ def doubts(
     random: Sequence[DesignOutcome],
     warm: bool,
 ) -> Iterator[Caution]:
-    """Cautions of failed designs, of polynomials, and of runs at the means and at extreme designs."""
+    """Cautions about failed designs, about polynomials, and of runs at the means and at extreme designs."""
     yield from failed_designs([*exact, *random], OTHERS_ALONE, doubt=True)
     asked = study.options.responses is None or LOAD_MARGIN in study.options.responses
     yield from margins_cut_off(study.problem, [*exact, *random], statistics=True, doubt=asked)
@@ -82,7 +82,7 @@ def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
 
 
 def _other_polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
-    """Where polynomials of another degree, or with other tails, say something else."""
+    """Doubts where polynomials of another degree, or with other tails, give another mean or sigma."""
     for name, each in spreads.items():
         if each.left_out < SURE:
             continue
@@ -104,7 +104,7 @@ def _other_polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
 
 
 def _tails(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
-    """Quantiles on which polynomials of two degrees do not agree, where mean and sigma may do so."""
+    """Doubts about quantiles on which polynomials of two degrees do not agree, where mean and sigma may do so."""
     for name, each in spreads.items():
         other = each.neighbour
         if each.left_out < SURE or not each.sigma or other is None:
@@ -121,7 +121,7 @@ def _tails(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
 
 
 def _samples(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
-    """Where random designs say something else than the polynomials."""
+    """Doubts where random designs disagree with the polynomials."""
     for name, each in spreads.items():
         if each.sampled is not None and each.sampled.missed > MISSED:
             yield Caution(
@@ -132,7 +132,7 @@ def _samples(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
 
 
 def _elsewhere(study: UncertainStudy, ends: Sequence[DesignOutcome]) -> Iterator[Caution]:
-    """That the path from the unloaded state leads elsewhere than the warm start."""
+    """A doubt that the path from the unloaded state leads to another equilibrium than the warm start."""
     for end in ends:
         cold = solve_design(study.problem, end.lane, end.design, None, False)
         if cold.failed or not np.allclose(cold.values, end.values, rtol=ANOTHER, atol=0):

@@ -19,11 +19,11 @@ from toolkit.studies.distributions.basis import Basis, basis_of, size_of
 from toolkit.studies.distributions.marginal import Marginal
 
 HIGHEST = 8
-"""Degree beyond which none is tried."""
+"""Highest degree that is tried."""
 EXACT = 1e-9
-"""Error at designs left out, in parts of the values' spread, below which the lowest degree is taken: round-off decides between none."""
+"""Error at designs left out, relative to the values' spread, below which the lowest degree is taken: round-off decides."""
 SPARE = 1.5
-"""So many times as many equations as coefficients are wanted."""
+"""Wanted ratio of the number of equations to that of coefficients."""
 DETERMINED = 1e-8
 """Least eigenvalue of I - H of a design, between 0 and 1, from which the fit without it is determined by the others."""
 
@@ -37,7 +37,7 @@ class Expansion:
     basis
         Orthonormal polynomials, the constant first.
     coefficients
-        Of them.
+        Coefficients of the polynomials.
     error
         Root of the mean square error at designs that were left out of the fit; infinite if the others do not determine it.
     spread
@@ -54,31 +54,31 @@ class Expansion:
 
     @property
     def left_out(self) -> float:
-        """The error in parts of the spread of the values: a fit that explodes does not judge itself."""
+        """Error at designs left out, relative to the spread of the values: a fit that explodes does not judge itself."""
         scale = self.spread or self.sigma
         return self.error / scale if scale else 0.0
 
     @property
     def mean(self) -> float:
-        """Of the response."""
+        """Mean of the response."""
         return float(self.coefficients[0])
 
     @property
     def sigma(self) -> float:
-        """Its standard deviation."""
+        """Standard deviation of the response."""
         return float(np.sqrt(np.sum(self.coefficients[1:] ** 2)))
 
     @property
     def degree(self) -> int:
-        """Of the polynomials."""
+        """Degree of the polynomials."""
         return int(np.max(np.sum(self.basis.degrees, axis=1)))
 
     def values(self, germs: np.ndarray) -> np.ndarray:
-        """Of the response at germs (count, n)."""
+        """Values of the response at germs (count, n)."""
         return self.basis.values(germs) @ self.coefficients
 
     def straight(self, germs: np.ndarray, solved: np.ndarray) -> np.ndarray:
-        """The same, but going on straight from where the germs leave the least and largest ones of the solved designs."""
+        """Values of the response, straight on from where germs leave the least and largest ones of the solved designs."""
         edge = np.clip(germs, np.min(solved, axis=0), np.max(solved, axis=0))
         return self.values(edge) + np.einsum("cgp,p,cg->c", self.basis.slopes(edge), self.coefficients, germs - edge)
 
@@ -102,11 +102,11 @@ def fitted(
     at
         Germs of the designs, (designs, n).
     values, slopes
-        Of the responses, (designs, responses), and their derivatives by the germs, (designs, responses, n).
+        Values of the responses, (designs, responses), and their derivatives by the germs, (designs, responses, n).
     undecided
-        By how much round-off may change each response: one that changes by no more has no spread.
+        Largest change of each response by round-off: one that changes by no more has no spread.
     degree
-        Of the polynomials; None takes the one whose error at designs left out is least, for every response.
+        Degree of the polynomials; None takes the one whose error at designs left out is least, for every response.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def fitted(
 
 
 def _chosen(tried: dict[int, Expansion], degree: int | None) -> Expansion:
-    """The fit of the least error, or of the wanted degree, with the better one of those beside it."""
+    """The fit of the least error, or of the wanted degree, with the better one of its two neighbours."""
     best = degree or min(tried, key=lambda k: max(tried[k].left_out, EXACT))
     beside = [k for k in (best - 1, best + 1) if k in tried and np.isfinite(tried[k].error)]
     if not beside:
@@ -148,7 +148,7 @@ def _chosen(tried: dict[int, Expansion], degree: int | None) -> Expansion:
 
 
 def _constant(found: Expansion, value: float) -> Expansion:
-    """The same without a spread that is none."""
+    """The expansion of a constant response, without the spread by round-off."""
     coefficients = np.zeros_like(found.coefficients)
     coefficients[0] = value
     return Expansion(found.basis, coefficients, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""What is known about one uncertain response."""
+"""Statistics of one uncertain response."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from toolkit.studies.study.study_file import Limit
 
 @dataclass(frozen=True)
 class Sampled:
-    """A response at random designs.
+    """Statistics of a response at random designs.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Sampled:
     missed: float
 
     def record(self) -> dict[str, Any]:
-        """Keys of a JSON object."""
+        """The statistics at random designs as part of a JSON object."""
         return {
             "runs": self.runs,
             "mean": {"value": self.mean[0], "standard_error": self.mean[1]},
@@ -51,7 +51,7 @@ class Sampled:
 
 @dataclass(frozen=True)
 class Neighbour:
-    """What polynomials of another degree say: mean, sigma, and share -> value."""
+    """Statistics by polynomials of another degree: mean, sigma, and quantiles (share -> value)."""
 
     degree: int
     mean: float
@@ -59,14 +59,14 @@ class Neighbour:
     quantiles: Mapping[float, float]
 
     def record(self) -> dict[str, Any]:
-        """Keys of a JSON object."""
+        """The statistics by polynomials of another degree as part of a JSON object."""
         quantiles = {f"{share:g}": value for share, value in self.quantiles.items()}
         return {"degree": self.degree, "mean": self.mean, "sigma": self.sigma, "quantiles": quantiles}
 
 
 @dataclass(frozen=True)
 class Spread:
-    """An uncertain response.
+    """Statistics of an uncertain response.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Spread:
         Uncertain number -> share of the variance that comes from it alone, and from it together with all others (Sobol's indices of the
         first order and total ones); None where numbers go together.
     degree
-        Of the polynomials.
+        Degree of the polynomials.
     left_out
         Their error at designs that were left out of the fit, in parts of the standard deviation of the solved values.
     neighbour
@@ -114,7 +114,7 @@ class Spread:
     sampled: Sampled | None = None
 
     def record(self) -> dict[str, Any]:
-        """Keys of a JSON object."""
+        """The statistics of the response as part of a JSON object."""
         return {
             "mean": self.mean,
             "sigma": self.sigma,
@@ -134,7 +134,10 @@ class Spread:
 
 
 def without_statistics(spread: Spread) -> Spread:
-    """Of a response that is cut off at some designs: nothing but the shares of random designs beyond limits, which lie below the cut."""
+    """The spread of a response that is cut off at some designs, without all statistics but shares beyond limits.
+
+    These shares of random designs are kept because the limits lie below the cut.
+    """
     nan, seen = math.nan, spread.sampled
     none = dict.fromkeys(spread.quantiles, nan)
     if seen is not None:
@@ -146,7 +149,7 @@ def without_statistics(spread: Spread) -> Spread:
 
 
 def limits_of(limit: Limit | None) -> dict[str, tuple[float, float]]:
-    """Ways to be beyond a limit: in words -> the limit, and 1 if that is above it or -1 if it is below."""
+    """Ways to be beyond a limit: a phrase -> the limit, and 1 if beyond is above it or -1 if it is below."""
     low, high = limit.limits if limit else (None, None)
     found = {} if low is None else {f"below {low:g}": (low, -1.0)}
     return found | ({} if high is None else {f"above {high:g}": (high, 1.0)})
@@ -158,16 +161,16 @@ def beyond(values: np.ndarray, limit: Limit | None) -> dict[str, float]:
 
 
 def quantiles_of(values: np.ndarray, shares: tuple[float, ...]) -> dict[float, float]:
-    """Values below which so many are."""
+    """Quantiles of values, share -> the value below which so many are."""
     return dict(zip(shares, map(float, np.quantile(values, shares)), strict=True))
 
 
 NORMAL = 3.0
-"""Kurtosis of a normal distribution: few designs show less than there is."""
+"""Kurtosis of a normal distribution, taken as the least one: few designs show less than there is."""
 
 
 def sampled(values: np.ndarray, polynomials: np.ndarray, shares: tuple[float, ...], limit: Limit | None) -> Sampled:
-    """What random designs say about a response, and about the values of its polynomials there."""
+    """Statistics of a response at random designs, with the error of its polynomials there."""
     count, mean, sigma = len(values), float(np.mean(values)), float(np.std(values, ddof=1))
     fourth = float(np.mean((values - mean) ** 4)) / sigma**4 if sigma else 1.0
     sigma_error = sigma / 2 * float(np.sqrt((max(fourth, NORMAL) - 1) / count))

@@ -20,14 +20,14 @@ from toolkit.studies.study.study_file import Study, StudyVariable
 
 @dataclass(frozen=True)
 class UncertainStudy:
-    """A checked study.
+    """A checked study of uncertain numbers.
 
     Attributes
     ----------
     problem
-        Whose variables are the uncertain numbers.
+        Problem whose variables are the uncertain numbers.
     joint
-        Their distributions.
+        Joint distribution of these numbers.
     """
 
     problem: Problem
@@ -35,29 +35,32 @@ class UncertainStudy:
 
     @property
     def options(self) -> Uncertainty:
-        """How the responses are found out about."""
+        """Options of how the uncertain responses are found."""
         return self.problem.study.uncertainty
 
     @cached_property
     def germs(self) -> np.ndarray:
-        """Of the designs with gradients, (runs, n): the first is the one of all means, the others are points of Sobol's sequence."""
+        """Germs of the designs with gradients, (runs, n).
+
+        The first is the one of all means, the others are points of Sobol's sequence.
+        """
         scattered = self.joint.germs_of(scrambled(self.options.runs - 1, len(self.joint.marginals), self.options.seed))
         return np.vstack([self.joint.germs_at_mean(), scattered])
 
     @cached_property
     def designs(self) -> np.ndarray:
-        """Their numbers, (runs, n)."""
+        """Uncertain numbers of the designs with gradients, (runs, n)."""
         return np.vstack([self.joint.mean, self.joint.numbers(self.germs[1:])])
 
     @cached_property
     def random_germs(self) -> np.ndarray:
-        """Of the random designs, (monte_carlo, n): more of them leave the first ones as they are."""
+        """Germs of the random designs, (monte_carlo, n): a larger number of them leaves the first ones unchanged."""
         shares = np.random.default_rng([self.options.seed, 1]).random((self.options.monte_carlo, len(self.joint.marginals)))
         return self.joint.germs_of(shares)
 
     @cached_property
     def random_designs(self) -> np.ndarray:
-        """Their numbers, (monte_carlo, n)."""
+        """Uncertain numbers of the random designs, (monte_carlo, n)."""
         return self.joint.numbers(self.random_germs)
 
 

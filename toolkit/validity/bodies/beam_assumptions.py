@@ -1,4 +1,4 @@
-"""What beam elements leave out whatever their motion: bending and stretch by weight and inertia between nodes.
+"""Bending and stretch by weight and inertia between nodes, which beam elements leave out whatever their motion.
 
 Weight less inertia, and pressure on the side of a piece of a solid, p per length, bend an element of length l by moments of up to
 p l^2 / 12 more than its shape functions say; displacements of the nodes are those of the exact beam. In parts of the
@@ -45,7 +45,7 @@ def is_pressed(scene: Scene) -> bool:
 
 
 def pressure_on_elements(solution: Solution, name: str, behind: Chain, instants: np.ndarray) -> np.ndarray | float:
-    """Of a body in pieces, or a part of one, (n_t, n_e, 3); zero of others."""
+    """Forces per length of pressures on the elements of a body in pieces, or of a part of one, (n_t, n_e, 3); zero of others."""
     scene, found = solution.system.placed, 0.0
     part: Any = scene.body(name)
     whole, own = getattr(part, "whole", name), slice(getattr(part, "first", None), getattr(part, "last", None))
@@ -61,7 +61,7 @@ def pressure_on_elements(solution: Solution, name: str, behind: Chain, instants:
 
 
 INSTANTS = 24
-"""Among so many the largest strain energy is looked for."""
+"""Number of instants among which the largest strain energy is sought."""
 FIBRE = np.sqrt(3.0)
 """Distance of the outer fibre of a rectangle in radii of gyration."""
 
@@ -77,14 +77,14 @@ class Beams(NamedTuple):
 
 
 def beams_of(behind: Chain) -> Beams:
-    """What the elements are, from how they deform; the radius is that of bending about the stiffer axis."""
+    """Beam elements of a chain, from how they deform; the radius is that of bending about the stiffer axis."""
     law, (ends, lengths, along) = behind.forms.law, sides_of(behind)
     stiffest = np.linalg.eigvalsh(_bending(behind))[:, -1] / 2
     return Beams(ends, lengths, along, law[:, 0, 0] * lengths, stiffest / law[:, 0, 0])
 
 
 def _bending(behind: Chain) -> np.ndarray:
-    """2 E I / L of the elements about the axes across them, (n_e, 1, 1) or (n_e, 3, 3)."""
+    """Bending stiffness 2 E I / L of the elements about the axes across them, (n_e, 1, 1) or (n_e, 3, 3)."""
     law, along = behind.forms.law, sides_of(behind)[2]
     turns = (law.shape[1] - 1) // 2
     bending: np.ndarray = law[:, 1 : 1 + turns, 1 : 1 + turns] - law[:, 1 : 1 + turns, 1 + turns :]
@@ -95,7 +95,7 @@ def _bending(behind: Chain) -> np.ndarray:
 
 
 def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
-    """Bodies of whose stress, where it is asked for, weight and inertia between their nodes are a part that counts."""
+    """Doubts about bodies whose stress is asked for and lacks what weight and inertia do between their nodes."""
     scene, moving = solution.system.placed, has_inertia(solution)
     pressed, heavy = is_pressed(scene), moving or bool(np.real(scene.gravity).any())
     for body in whole_bodies(scene) if pressed or heavy else ():
@@ -119,7 +119,7 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
 
 
 def energy_between_nodes(solution: Solution) -> Iterator[Caution]:
-    """Strain energies that are asked for at an instant, of which weight and inertia between nodes are a part that counts."""
+    """Doubts about strain energies at an instant that lack what weight and inertia do between nodes."""
     scene, last = solution.system.scene, len(solution.times) - 1
     if not has_inertia(solution) and not np.real(scene.gravity).any():
         return
@@ -141,7 +141,7 @@ def energy_between_nodes(solution: Solution) -> Iterator[Caution]:
 
 
 def _energy_missed(solution: Solution, asked: str | None, step: int) -> float:
-    """What elements miss of the strain energy of one body, or of all, at one state.
+    """Strain energy of one body, or of all, that elements miss at one state.
 
     Of an element of length l that a force per length p bends and stretches between nodes that are right,
 
@@ -169,16 +169,16 @@ def _density(scene: Scene, body: Any, found: Beams) -> np.ndarray:
 
 
 ALMOST = 1e-3
-"""Of a tenth, by which a factor may be more than the one that is told."""
+"""Part of a tenth by which a factor may exceed the one in a message."""
 
 
 def times_as_many(factor: float) -> str:
-    """A factor that is enough, in words, not rounded down to what is there already."""
+    """A phrase with a factor that is enough, not rounded down to what is there already."""
     return f"{max(np.ceil(10 * factor - ALMOST) / 10, 1.1):.3g} times"
 
 
 class Strains(NamedTuple):
-    """Strains of fibres (n_t, n_e): what elements miss between their nodes, across and along, what they tell, and both with their signs.
+    """Strains of fibres (n_t, n_e): missed by elements across and along, told by them, and both with their signs.
 
     The last is known where all shapes of the elements are there; a basis lacks shapes under forces of joints besides.
     """
@@ -191,7 +191,7 @@ class Strains(NamedTuple):
 
 
 def _missed(parts: list[Strains], anywhere: bool) -> tuple[float, float, float]:
-    """What the largest strain of a body's parts misses, across and along, and the largest that they tell.
+    """Parts of the largest strain that a body's elements miss, across and along, and the largest that they tell.
 
     The largest is what a response asks for. What elements miss where they are strained little does not count, unless it is asked for
     `anywhere`; nor is it all that is missed at most, where signs are known.
@@ -206,13 +206,13 @@ def _missed(parts: list[Strains], anywhere: bool) -> tuple[float, float, float]:
 
 
 def _looks_anywhere(scene: Scene, body: str) -> bool:
-    """Whether a response looks at the body's stress at a place of its own, and not for the largest."""
+    """Whether a response asks for the body's stress at a place of its own, and not for the largest."""
     asked = [each.source if isinstance(each, OverTime) else each for each in scene.responses.values()]
     return any(isinstance(each, LocalStress) and each.body == body for each in asked)
 
 
 def _strains(solution: Solution, name: str) -> Strains | None:
-    """Those of a part at its largest deformations; None where these are not known."""
+    """Strains of a part at its largest deformations; None where these are not known."""
     scene = solution.system.placed
     behind, body = chain(scene, name), scene.body(name)
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
@@ -235,7 +235,7 @@ def _strains(solution: Solution, name: str) -> Strains | None:
 
 
 def _with_loads(found: Beams, forces: np.ndarray, pull: np.ndarray) -> np.ndarray:
-    """Largest strains (n_t, n_e) of elements whose nodes are right, and which forces per length p (n_t, n_e, d) bend and stretch between.
+    """Largest strains (n_t, n_e) of elements under forces per length p (n_t, n_e, d) between nodes that are right.
 
     With e along the element, which tells M_1, M_2 and N, its ends and its middle have
 
@@ -250,7 +250,7 @@ def _with_loads(found: Beams, forces: np.ndarray, pull: np.ndarray) -> np.ndarra
 
 
 def _across(along: np.ndarray, pull: np.ndarray) -> np.ndarray:
-    """e x p, (n_t, n_e, 1 or 3)."""
+    """Cross product e x p of directions and forces per length, (n_t, n_e, 1 or 3)."""
     if along.shape[1] == 3:
         return np.cross(along[None], pull)
     return (along[:, 0] * pull[:, :, 1] - along[:, 1] * pull[:, :, 0])[:, :, None]
@@ -262,13 +262,13 @@ def _strain(found: Beams, normal: np.ndarray, moment: np.ndarray) -> np.ndarray:
 
 
 def _fibre_strains(found: Beams, forces: np.ndarray) -> np.ndarray:
-    """Largest strains (n_t, n_e) of forces of elements (n_t, n_e, k)."""
+    """Largest strains (n_t, n_e) of fibres, from forces of elements (n_t, n_e, k)."""
     moments = np.linalg.norm(forces[:, :, 1:].reshape(*forces.shape[:2], 2, -1), axis=3).max(axis=2)
     return _strain(found, forces[:, :, 0], moments)
 
 
 def _outside_the_basis(scene: Scene, name: str, behind: Chain, found: Beams, pull: np.ndarray) -> np.ndarray:
-    """What of the displacements of the plane's nodes under forces per length (n_t, n_e, 2) no shape of the basis knows, (n_t, n)."""
+    """Displacements of the plane's nodes under forces per length (n_t, n_e, 2) that no shape of the basis knows, (n_t, n)."""
     half = pull * found.lengths[:, None] / 2
     turn = (found.along[:, 0] * half[:, :, 1] - found.along[:, 1] * half[:, :, 0]) * found.lengths / 6
     loads = np.zeros((len(behind.nodes), len(pull), behind.per_node))

@@ -1,4 +1,4 @@
-"""How far the pieces of a solid bend between their ends: what no frame knows that carries a whole piece.
+"""Bending of the pieces of a solid between their ends, which no frame that carries a whole piece has.
 
 Ends that turn by theta_1 and theta_2 against the line through both bow a piece of length L as a beam, and bring them nearer by
 
@@ -24,7 +24,7 @@ from toolkit.validity.bodies.deformation import LIMIT, instants_of, whole_bodies
 
 
 def bent_pieces(solution: Solution) -> Iterator[Caution]:
-    """Solids whose pieces bend so far that more of them are needed, whatever the number of frames."""
+    """Doubts about solids whose pieces bend so far that more of them are needed, whatever the number of frames."""
     scene = solution.system.placed
     for body in whole_bodies(scene):
         if not is_in_pieces(scene, body):
@@ -40,8 +40,10 @@ def bent_pieces(solution: Solution) -> Iterator[Caution]:
 
 
 def shortening(solution: Solution, body: str) -> tuple[float, float, int]:
-    """By how much the pieces of a body shorten at the worst instant, in parts of its largest displacement then; the largest angle of an
-    end in rad, and the number of pieces."""
+    """Shortening of the pieces of a body at the worst instant, relative to its largest displacement then.
+
+    With it the largest angle of an end in rad, and the number of pieces.
+    """
     scene = solution.system.placed
     instants = instants_of(solution, body)
     bows, turns = [], []
@@ -67,7 +69,7 @@ def _across(turns: np.ndarray, along: np.ndarray) -> np.ndarray:
 
 
 def _bow(first: np.ndarray, second: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-    """(n_t, n_e)."""
+    """Shortening of pieces by the rotations of their ends, (n_t, n_e)."""
     squares = [np.sum(one * other, axis=2) for one, other in ((first, first), (first, second), (second, second))]
     found: np.ndarray = lengths * (2 * squares[0] - squares[1] + 2 * squares[2]) / 30
     return found

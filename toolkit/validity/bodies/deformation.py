@@ -27,29 +27,29 @@ from toolkit.validity.bodies.cut.places import displacements, undeformed_places
 from toolkit.validity.bodies.spinning.stiffened import kept_back
 
 ROUND_OFF = 1e-12
-"""Part of a body's extent below which a displacement is the round-off of none."""
+"""Displacement, relative to a body's extent, below which it is round-off."""
 LIMIT = 0.05
 """Part of the largest displacement that the geometric error may be: an element that turns by 0.1 rad, 6 degrees, is about there.
 Up to here the estimate is good to some ten percent, and the errors of stresses and positions are of the same order as the number itself."""
 
 INSTANTS = 50
-"""The meter looks at so many instants of a run, those of the largest elastic coordinates."""
+"""Number of instants of a run that the meter examines, those of the largest elastic coordinates."""
 
 
 class Measured(Protocol):
-    """How far a body is deformed, and its estimated error."""
+    """Deformation of a body, and its estimated geometric error."""
 
     @property
     def rotation(self) -> float:
-        """Largest rotation in the frame, rad."""
+        """Largest rotation in the frame, in rad."""
 
     @property
     def displacement(self) -> float:
-        """Largest displacement."""
+        """Largest displacement in the frame."""
 
     @property
     def error(self) -> float:
-        """A distance."""
+        """Estimated geometric error as a distance."""
 
     @property
     def size(self) -> float:
@@ -57,16 +57,16 @@ class Measured(Protocol):
 
     @property
     def time(self) -> float:
-        """The instant of the largest error."""
+        """Time of the largest error."""
 
     @property
     def relative(self) -> float:
-        """The error in parts of the largest displacement."""
+        """Geometric error relative to the largest displacement."""
 
 
 @dataclass(frozen=True)
 class Deformation:
-    """How far a body is deformed at the instant of the largest geometric error; lengths in the units of the scene."""
+    """Deformation of a body at the instant of the largest geometric error; lengths in the units of the scene."""
 
     rotation: float  # largest rotation of a node in the body's frame, rad
     displacement: float  # largest displacement of a node in the body's frame
@@ -76,22 +76,22 @@ class Deformation:
 
     @property
     def relative(self) -> float:
-        """The error in parts of the largest displacement, where this is more than round-off."""
+        """Geometric error relative to the largest displacement; zero where this is round-off."""
         return self.error / self.displacement if self.displacement > ROUND_OFF * self.size else 0.0
 
     @property
     def exceeded(self) -> bool:
-        """Whether the linear body is out of its range."""
+        """Whether the geometric error exceeds its limit, so that the linear body is out of its range."""
         return not self.relative <= LIMIT
 
 
 def flexible_bodies(scene: Scene) -> list[str]:
-    """Names of the bodies that deform; of a cut body those of its parts."""
+    """Names of the bodies that deform; for a cut body the names of its parts."""
     return list(deforming(scene))
 
 
 def deformations(solution: Solution) -> dict[str, Deformation | None]:
-    """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements."""
+    """Measured deformation of every flexible body; None where the reduced model does not hold its finite elements."""
     if Deformation not in solution.known:
         solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.placed)}
     found: dict[str, Deformation | None] = solution.known[Deformation]
@@ -104,7 +104,7 @@ def whole_bodies(scene: Scene) -> list[str]:
 
 
 def deformation(solution: Solution, body: str) -> Deformation | None:
-    """The meter's numbers for one body."""
+    """Measured deformation of one body; None where its finite elements are not known."""
     written = solution.system.placed.bodies.get(body)
     if isinstance(written, CutBody):
         return _of_parts(solution, body, written)
@@ -113,7 +113,10 @@ def deformation(solution: Solution, body: str) -> Deformation | None:
 
 
 def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | None:
-    """Of a cut body: the errors of its parts, each in its own frame, add up to one of the whole, which the whole is measured by."""
+    """The meter's numbers for a cut body.
+
+    The errors of its parts, each in its own frame, add up to one of the whole, relative to the whole's displacement.
+    """
     scene = solution.system.placed
     instants = instants_of(solution, body)
     found = [_bent_part(solution, name, instants) for name in written.parts(body)]
@@ -130,7 +133,7 @@ def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | 
 
 
 def _bent_part(solution: Solution, name: str, instants: np.ndarray) -> tuple[BentPart, np.ndarray] | None:
-    """A part where it is, and the largest rotation of its nodes in its frame, (n_t,); None where its elements are not known."""
+    """A part with its errors, and the largest rotation of its nodes in its frame, (n_t,); None without known elements."""
     scene = solution.system.placed
     part: Any = scene.body(name)
     behind = chain(scene, name)
@@ -146,7 +149,7 @@ def _bent_part(solution: Solution, name: str, instants: np.ndarray) -> tuple[Ben
 
 
 def _held_node(scene: Scene, written: Any) -> int | None:
-    """A node that holds a grounded body."""
+    """Number of a node that holds a grounded body; None of other bodies."""
     model = scene.model(written.model, "elements", "mesh")
     if written.frame != "grounded" or model.elements is None:
         return None
@@ -154,7 +157,7 @@ def _held_node(scene: Scene, written: Any) -> int | None:
 
 
 def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
-    """The meter's numbers for one body whose finite elements are known."""
+    """Measured deformation of one body whose finite elements are known."""
     elastic, instants = np.real(solution.q[:, elastic_coordinates(solution, body)]), instants_of(solution, body)
     u, held_back = behind.displacements(elastic[instants]), kept_back(solution, body, instants)
     lacks = behind.second_order(u)
@@ -168,7 +171,7 @@ def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
 
 
 def instants_of(solution: Solution, body: str) -> np.ndarray:
-    """`largest_instants` of a body, or of a part of one, found once."""
+    """Instants of the largest deformation of a body, or of a part of one, by `largest_instants`, found once."""
     key = largest_instants, body
     if key not in solution.known:
         solution.known[key] = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))

@@ -1,4 +1,4 @@
-"""Frequencies that what describes the bodies makes too high: elements that are too long, or shapes that are left out."""
+"""Frequencies that the models of bodies make too high, by elements that are too long or shapes that are left out."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from toolkit.validity.bodies.tension.tension_cautions import tension_of_vibratio
 
 FACTOR = 1440.0
 ITERATIONS = 40
-"""Of Newton's method, which gains a factor of 1.5 in a step far from the root of a cubic, and doubles the digits near it."""
+"""Iterations of Newton's method, which gains a factor of 1.5 far from the root of a cubic, and doubles the digits near it."""
 
 
 def resolved_frequency(scene: Scene, body: str) -> float:
-    """The frequency that the elements of a body make `LIMIT` too large, in 1/time; inf where they are not known."""
+    """Frequency that the elements of a body make too large by `LIMIT`, in 1/time; inf where they are not known."""
     behind = chain(scene, body)
     if behind is None:
         return float(np.inf)
@@ -40,7 +40,7 @@ def resolved_frequency(scene: Scene, body: str) -> float:
 
 
 def raised_by_elements(frequency: float, limit: float) -> float:
-    """Part e by which a frequency is too high where `limit` is `resolved_frequency`.
+    """Relative error e by which a frequency is too high where `limit` is `resolved_frequency`.
 
     The error is that of the true frequency, which is 1 + e times less.
 
@@ -53,7 +53,7 @@ def raised_by_elements(frequency: float, limit: float) -> float:
 
 
 def too_fast_for_elements(scene: Scene, frequencies: Mapping[str, float], doubt: bool) -> Iterator[Caution]:
-    """Frequencies, by what they are called, that the elements of a flexible body make too large."""
+    """Cautions about frequencies, by name, that the elements of a flexible body make too large."""
     label = unit(scene.units, "rate")
     for body in whole_bodies(scene):
         if is_in_pieces(scene, body):
@@ -75,7 +75,7 @@ def too_fast_for_elements(scene: Scene, frequencies: Mapping[str, float], doubt:
 def cautions_of_frequencies(
     solution: Solution, frequencies: Mapping[str, float], doubt: bool, differentiated: bool
 ) -> Iterator[Caution]:
-    """By the models of the bodies, about the last state.
+    """Cautions about frequencies around the last state that the models of the bodies make too high.
 
     Parameters
     ----------
@@ -91,10 +91,10 @@ def cautions_of_frequencies(
 
 
 def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | None) -> Iterator[Caution]:
-    """Of a list of the lowest modes about the last state, in cycles per time; parts that keep few modes are compared with all of theirs.
+    """Cautions about a list of the lowest modes around the last state, in cycles per time.
 
-    Frequencies that are asked for by their `count` are doubted as those of responses are. Of all that there are, where None is asked for,
-    the fastest are those of the elements, and no doubt.
+    Parts that keep few modes are compared with all of theirs. Frequencies that are asked for by their `count` are doubted as
+    those of responses are. Of all that there are, where None is asked for, the fastest are those of the elements, and no doubt.
     """
     yield from cautions_of_raised(solution, frequencies)
     yield from critical_loads(solution, lateral=True)

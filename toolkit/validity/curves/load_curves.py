@@ -21,45 +21,45 @@ IN_ONE = 0.05
 LEVEL = 0.05
 """Part of a load's level that counts as its variation: a ripple of less than a hundredth of it changes little."""
 PICKED, FEWEST = 50_000, 4
-"""How many steps are looked at, shared out among the pieces of the curve, and how many of a piece at least."""
+"""Largest number of steps that are examined, shared out among the pieces of the curve, and the least number of a piece."""
 SAMPLES, LEAST, MOST = 4096, 8, 512
-"""How many samples a curve gets at least, and from how few to how many a step: an error of a few percent at most."""
+"""Least number of samples of a curve, and the least and largest number in a step: an error of a few percent at most."""
 SHARED = 0.05
-"""Part of what the worst piece of a curve loses from which on another is one that loses it."""
+"""Loss of a piece of a curve, relative to that of the worst piece, above which it counts among the pieces that lose it."""
 BLOCK = 1 << 16
-"""Samples that are evaluated at a time."""
+"""Number of samples that are evaluated at a time."""
 GOLDEN = (5**0.5 - 1) / 2
-"""Multiples of it, without their whole parts, are spread evenly, and in step with no period."""
+"""Golden section, whose multiples without their whole parts are spread evenly, and in step with no period."""
 
 
 class OverTime(Protocol):
-    """What is looked at: a curve, or its derivative by one of its numbers."""
+    """A curve over time, or its derivative by one of its numbers."""
 
     @property
     def is_constant(self) -> bool:
-        """As that of a `Curve`."""
+        """Whether the curve has one value at all times, as in `Curve`."""
 
     def corners(self) -> tuple[Any, ...]:
-        """As those of a `Curve`."""
+        """Times of the curve's corners, as in `Curve`."""
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
-        """As that of a `Curve`; the first column counts."""
+        """Values at times (n_t,), as in `Curve`; the first column counts."""
 
 
 @dataclass(frozen=True)
 class Loss:
-    """What a run did not see of a curve.
+    """Part of a curve that a run did not see.
 
     Attributes
     ----------
     part
-        Of the curve's variation.
+        Lost part of the curve's variation.
     in_one
         Part that a single step loses in which a whole piece of the curve may hide, signed: of the impulse of a load.
     time
         Where most of it was lost.
     shortest
-        Of the pieces that lose it, between two corners of the curve.
+        Shortest of the pieces that lose it, between two corners of the curve.
     corners
         Corners of these pieces within the run.
     """
@@ -87,7 +87,7 @@ def unseen_curves(solution: Solution) -> Iterator[Caution]:
 
 
 def loss_of(curve: OverTime, times: np.ndarray, has_zero: bool = True) -> Loss | None:
-    """What the straight lines between a curve's values at the times of a run lose of it; None if it does not vary.
+    """Loss of a curve by the straight lines between its values at the times of a run; None if it does not vary.
 
     The area between curve and lines, as a part of the area between the curve and the level that it has at the start, at the end or in the
     mean, whichever leaves least: what is constant may be in balance, so that only what varies moves anything. The area counts without
@@ -119,7 +119,7 @@ def loss_of(curve: OverTime, times: np.ndarray, has_zero: bool = True) -> Loss |
 
 
 def _variation(f: np.ndarray, lengths: np.ndarray, ends: np.ndarray, has_zero: bool) -> float:
-    """Area between a curve and what it would be if it did nothing, from samples (n, count) within pieces of time of these lengths (n,)."""
+    """Area between a curve and its idle level, from samples (n, count) within pieces of time of these lengths (n,)."""
     areas = np.repeat(lengths / f.shape[1], f.shape[1])
     mean = float(areas @ f.ravel()) / float(areas.sum())
     rest = 0.0 if has_zero else float(ends[0])
@@ -128,19 +128,19 @@ def _variation(f: np.ndarray, lengths: np.ndarray, ends: np.ndarray, has_zero: b
 
 
 def _values(curve: OverTime, times: np.ndarray) -> np.ndarray:
-    """Values at times of any shape."""
+    """Values of a curve at times of any shape."""
     return np.real(curve.evaluate(times.ravel())[:, 0]).reshape(times.shape)
 
 
 def _pieces(curve: OverTime, start: float, end: float) -> np.ndarray:
-    """Beginning and end of the pieces of a run between which the curve has corners, (n, 2)."""
+    """Beginning and end of the pieces of a run between corners of the curve, (n, 2)."""
     corners = np.unique(np.real(np.array([start, *curve.corners(), end])))
     corners = corners[(corners >= start) & (corners <= end)]
     return np.stack([corners[:-1], corners[1:]], axis=1)
 
 
 def _picked(pieces: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Pieces and steps that meet and are looked at, for how many each stands, and where between two others its samples are.
+    """Pieces and steps that meet and are examined, for how many each stands, and where between two others its samples are.
 
     The first and the last step of a piece stand for themselves, because a corner may lie in them; of many others one is taken from each
     of equal groups, at places that change from group to group, as those of the samples do.
@@ -170,7 +170,7 @@ def _samples(
 
 
 def _advice(curve: Curve, loss: Loss) -> str:
-    """Steps that see it."""
+    """Sentence on steps that would see the curve."""
     period = min(curve.periods(), default=np.inf)
     what, shortest = ("period", period) if period < loss.shortest else ("piece", loss.shortest)
     told = f"Try solver.step = {shortest / 10:.2g}, a tenth of its shortest {what}"

@@ -21,7 +21,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.curves.load_curves import loss_of
 
 HIDDEN = 0.5
-"""Part of what a curve changes by that may lie between the times of a run: with less, runs with other steps see another part of it."""
+"""Part of a curve's change that may lie between the times of a run: with less, runs with other steps see another part of it."""
 TIME = LABELLED["time"]
 
 
@@ -33,7 +33,7 @@ class Slope:
     is_constant = False
 
     def corners(self) -> tuple[float, ...]:
-        """Those of the curve: where its slope jumps, this one jumps."""
+        """Times of the curve's corners: where its slope jumps, its derivative by the variable jumps."""
         return tuple(np.real(self.curve.corners()))
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
@@ -42,7 +42,7 @@ class Slope:
 
 
 def unseen_moves(solution: Solution, variables: Collection[str]) -> Iterator[Caution]:
-    """Doubts about derivatives by the times of curves, of the variables that gradients of a motion are by."""
+    """Doubts about derivatives by variables that move the times of curves, in gradients of a motion."""
     scene = solution.system.scene
     for name in variables:
         moved = _moved(scene, name)

@@ -24,16 +24,17 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 CORRECTIONS = 6
-"""How often coordinates are put back on the joints."""
+"""Number of corrections by which coordinates are put back on the joints."""
 SINGULAR = 1e-5
-"""Smallest singular value, in parts of the largest, up to which joints repeat each other: its square is what places are known to there."""
+"""Smallest singular value, relative to the largest, up to which joints repeat each other: its square is the accuracy of
+positions there."""
 OPENS = 1e-3
-"""Part of what a variable changes at the joints that opens a dead point; less is round-off."""
+"""Part of a variable's change of the gaps that must do work to open a dead point; less is round-off."""
 
 
 @dataclass(frozen=True)
 class JointsAlone:
-    """Joints of a system that no others repeat, with gaps and coordinates in parts of the scene's size (or rad)."""
+    """Joints of a system that no others repeat; gaps and coordinates are relative to the model size (or in rad)."""
 
     system: System
 
@@ -51,11 +52,11 @@ class JointsAlone:
         return self.system.evaluate(inputs, padded, self._rest, self._rest, design=design)
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """J (n_lam, n_q), which knows no time."""
+        """Constraint Jacobian J (n_lam, n_q), which does not depend on time."""
         return self.jacobians(q[None])[0]
 
     def jacobians(self, states: np.ndarray) -> np.ndarray:
-        """The same of several states (k, n_q), (k, n_lam, n_q)."""
+        """Constraint Jacobians of several states (k, n_q), (k, n_lam, n_q)."""
         system, weights = self.system, self.system.weights
         q, rest = np.zeros((2, len(states), system.n))
         q[:, : system.n_q] = states
@@ -67,14 +68,14 @@ class JointsAlone:
         return arrays * weights[self._kept, None] / weights[: system.n_q]
 
     def closed(self, time: float, q: np.ndarray) -> tuple[float, np.ndarray]:
-        """Coordinates put back on the joints by the smallest moves."""
+        """Time, and coordinates put back on the joints by the smallest moves."""
         weights = self.system.weights
         for _ in range(CORRECTIONS):
             q = q - np.linalg.pinv(self.jacobian(q), rcond=SINGULAR) @ self.gaps(time, q) / weights[: self.system.n_q]
         return time, q
 
     def gaps(self, time: float, q: np.ndarray) -> np.ndarray:
-        """Those of the joints (n_lam,)."""
+        """Constraint violations of the joints (n_lam,)."""
         return np.real(self._terms(time, q).applied)[self._kept] * self.system.weights[self._kept]
 
     def doing_work(self, time: float, q: np.ndarray, forces: np.ndarray) -> tuple[str, ...]:
@@ -86,23 +87,24 @@ class JointsAlone:
 
 
 MOST_COORDINATES, LOOKED_AT = 60, 200
-"""Larger scenes are not looked at, nor more states."""
+"""Largest number of coordinates of scenes that are examined, and of states."""
 ALIKE = 0.5
 """Determinant of the cosines between the free motions of two states from which on their signs can be compared."""
 HALVINGS = 40
-"""How closely a dead point is looked for between two states."""
+"""Number of bisections by which a dead point is found between two states."""
 MEETS = 1e-9
-"""Gap of joints, a part of the scene's size (or rad), that is none: where lengths are off by more, branches do not meet."""
+"""Constraint violation, relative to the model size (or in rad), that counts as zero: where lengths are off by more,
+branches do not meet."""
 
 
 @dataclass(frozen=True)
 class DeadPoint:
-    """Where a motion passes one.
+    """A dead point that a motion passes.
 
     Attributes
     ----------
     time
-        When.
+        Time of the passage.
     meets
         Whether the branches meet there; otherwise a step has jumped.
     opened_by
@@ -115,7 +117,7 @@ class DeadPoint:
 
 
 def dead_points(solution: Solution) -> list[DeadPoint]:
-    """Those between the states of a motion, in the order of time."""
+    """Dead points between the states of a motion, in the order of time."""
     system = solution.system
     if not (system.compiled and solution.steps and system.n_q <= MOST_COORDINATES and _has_loops(system)):
         return []
@@ -136,7 +138,7 @@ def _changes(solution: Solution, joints: JointsAlone, states: Sequence[int]) -> 
 
 
 def _alike(free: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Whether free motions (..., f, n_q) are so alike that a change of sign is none of theirs."""
+    """Whether free motions (..., f, n_q) are so alike that they do not change the sign themselves."""
     return np.abs(np.linalg.det(free @ np.swapaxes(others, -1, -2))) > ALIKE
 
 
@@ -148,12 +150,12 @@ def _has_loops(system: System) -> bool:
 
 
 def _sides(jacobians: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Signs of the determinants; (..., n_lam, n_q), (..., f, n_q)."""
+    """Signs of the determinants of Jacobians (..., n_lam, n_q) with free motions (..., f, n_q) below them."""
     return np.linalg.slogdet(np.concatenate([jacobians, free], axis=-2))[0]
 
 
 def _between(solution: Solution, joints: JointsAlone, low: float, high: float, free: np.ndarray) -> DeadPoint | None:
-    """The dead point between two states, halved until it is found; None if it is the free motions that have turned."""
+    """Dead point between two states, found by bisection; None if the free motions have turned instead."""
 
     def closed(place: float) -> tuple[float, np.ndarray]:
         return joints.closed(*_state(solution, place))
@@ -174,7 +176,7 @@ def _between(solution: Solution, joints: JointsAlone, low: float, high: float, f
 
 
 def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
-    """Time and coordinates, between two states on a straight line."""
+    """Time and coordinates at a place between two states, by a straight line."""
     n = min(int(place), len(solution.times) - 2)
     time, q = ((1 - (place - n)) * each[n] + (place - n) * each[n + 1] for each in (solution.times, np.real(solution.q)))
     return float(time), q

@@ -26,7 +26,7 @@ from toolkit.scene.scene import Scene
 
 @dataclass(frozen=True)
 class FrameChoice:
-    """What the joints of a scene say about the frame of one body."""
+    """Reference condition that the joints of a scene ask for in the frame of one body."""
 
     condition: str  # of its model, in words
     reason: str
@@ -35,12 +35,12 @@ class FrameChoice:
 
     @property
     def words(self) -> str:
-        """Everything in one sentence."""
+        """A phrase with the condition, the reason and the advice."""
         return f"{self.condition}; {self.reason}" + (f": {self.advice}" if self.advice else ", as it should be")
 
 
 def frame_choices(scene: Scene) -> dict[str, FrameChoice]:
-    """Flexible bodies with a frame that turns, and what their joints say about it; those are left out of which they say nothing."""
+    """Flexible bodies with a frame that turns -> the choice that their joints ask for; bodies without one are left out."""
     return {
         name: found
         for name, body in scene.bodies.items()
@@ -49,7 +49,7 @@ def frame_choices(scene: Scene) -> dict[str, FrameChoice]:
 
 
 def advice_of_frame(scene: Scene, body: str) -> str:
-    """What to do about the frame of one body, a sentence to append; empty if there is nothing to do."""
+    """Sentence with advice on the frame of one body, to be appended; empty if there is nothing to do."""
     found = frame_choices(scene).get(body)
     return f" It is {found.reason}: {found.advice}." if found and found.advice else ""
 
@@ -80,7 +80,7 @@ def _held(scene: Scene, name: str) -> Iterator[tuple[str, bool]]:
 
 
 def _on_chord(scene: Scene, body: ModelBody, condition: str, held: list[str]) -> FrameChoice | None:
-    """Of the points that joints hold, the two that are farthest apart."""
+    """Advice for a frame on the chord through those two points held by joints that are farthest apart."""
     interfaces = scene.model(body.model).interfaces or {}
     pairs = [Chord(one, other) for k, one in enumerate(held) for other in held[k + 1 :]]
     place = {name: interfaces[name].here[0][:, 0] for name in held}

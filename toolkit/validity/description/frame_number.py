@@ -1,4 +1,4 @@
-"""Numbers of floating frames that were chosen, and by what."""
+"""Numbers of floating frames that were chosen, and the error that decided."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ANALYSES = {"static": "equilibrium", "transient": "motion"}
 
 
 def frames_chosen(scene: Scene) -> dict[str, Any]:
-    """Body -> its number of frames and what that was chosen by; of those bodies alone whose number was chosen."""
+    """Body -> its number of frames and the error it was chosen by, for the bodies whose number was chosen."""
     return {
         name: {"frames": number, "kept_run": choice.kept_run}
         if choice.kept_run
@@ -33,7 +33,7 @@ def frames_chosen(scene: Scene) -> dict[str, Any]:
 
 
 def choices_of_frames(scene: Scene) -> Iterator[Caution]:
-    """What was chosen, with the rule."""
+    """Cautions with the chosen numbers of frames, and the rule."""
     for name, (number, choice) in choices_in(scene).items():
         if choice.kept_run:
             yield Caution(
@@ -58,7 +58,7 @@ def choices_of_frames(scene: Scene) -> Iterator[Caution]:
 
 
 def _not_known(scene: Scene, name: str, number: int, choice: FrameChoice) -> Caution:
-    """That a run which was to tell whether a number suffices has failed."""
+    """A caution that a run failed which was to tell whether a number of frames suffices."""
     by = "by comparison with fewer" if len(choice.numbers) > 1 else "by the meter of large deformation alone"
     return Caution(
         "frames-not-known",
@@ -70,7 +70,7 @@ def _not_known(scene: Scene, name: str, number: int, choice: FrameChoice) -> Cau
 
 
 def _unreduced(scene: Scene, name: str) -> str:
-    """That one frame leaves `modes_per_frame` no parts to reduce."""
+    """Sentence that one frame leaves `modes_per_frame` no parts to reduce; empty where it does."""
     body = scene.bodies[name]
     if not isinstance(body, ChosenFrames) or body.frames != 1 or body.modes_per_frame is None:
         return ""
@@ -81,7 +81,7 @@ def _unreduced(scene: Scene, name: str) -> str:
 
 
 def _of_gradients(number: int, choice: FrameChoice) -> str:
-    """What the gradients needed."""
+    """Sentence on the errors of gradients with the numbers that were tried; empty without gradients."""
     if not choice.gradients:
         return ""
     tried = [f"{frames} would leave {error:.1%}" for frames, error in choice.gradients if frames != number]
@@ -90,7 +90,7 @@ def _of_gradients(number: int, choice: FrameChoice) -> str:
 
 
 def choices_in(scene: Scene) -> dict[str, tuple[int, FrameChoice]]:
-    """Body -> its number of frames and the choice; of those bodies alone whose number was chosen."""
+    """Body -> its number of frames and the choice, for the bodies whose number was chosen."""
     found = {}
     for name, body in scene.bodies.items():
         choice = body.choice if isinstance(body, CutBody | ChosenFrames) else None

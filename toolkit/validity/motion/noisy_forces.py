@@ -14,9 +14,9 @@ from toolkit.system.solution import Solution
 NOISY = 0.03
 """Noise of a joint's force, a part of its largest one, above which forces are not to be trusted."""
 SMALL = 1e-3
-"""Forces of a joint below this part of the largest in the scene count as that."""
+"""Part of the largest force in the scene that a joint's largest force counts as, at least."""
 IN_A_ROW = 4
-"""So many states in a row have to alternate: a load that jumps does it twice."""
+"""Number of states in a row that have to alternate: a load that jumps does it twice."""
 
 
 class JointNoise(NamedTuple):
@@ -27,7 +27,7 @@ class JointNoise(NamedTuple):
 
 
 def force_noise(solution: Solution) -> dict[str, Any]:
-    """Amplitude that joint forces have at the shortest wave that steps can hold, of two steps.
+    """Amplitude of joint forces at the shortest wave that steps can hold, of two steps.
 
         d_n = lam_n - (h_+ lam_(n-1) + h_- lam_(n+1)) / (h_- + h_+),   amplitude = min |d_n| / 2 of four neighbours with alternating signs
 
@@ -37,7 +37,7 @@ def force_noise(solution: Solution) -> dict[str, Any]:
     Parameters
     ----------
     solution : Solution
-        Of `simulate`, with all its states.
+        Result of `simulate`, with all its states.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def force_noise(solution: Solution) -> dict[str, Any]:
 
 
 def noise_of_joints(solution: Solution) -> dict[str, JointNoise]:
-    """That of every joint; nothing of a run of fewer than six states."""
+    """Noise of every joint's force by name; empty for a run of fewer than six states."""
     system, first = solution.system, solution.system.n_q
     rows = {
         name: slice(row - first, row - first + len(system.scene.joints[name].row_names))
@@ -77,8 +77,10 @@ def noise_at(joint: JointNoise, step: int) -> float:
 
 
 def noise_of_values(values: np.ndarray, times: np.ndarray, size: float) -> float:
-    """The same of a number that is made of such a force, (n_t,), at states in a row, as a part of a size: of a magnitude it is less than of
-    the components that jump across it."""
+    """Noise of a number made of joint forces, (n_t,), at states in a row, relative to a size.
+
+    Of a magnitude it is less than of the components that jump across it.
+    """
     if len(times) < IN_A_ROW + 2 or not size > 0:
         return np.inf
     return float(_amplitudes(values[:, None], np.diff(times)).max()) / size
@@ -99,7 +101,7 @@ def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
 def noisy_forces(
     options: RunOptions, noise: Mapping[str, Any], asked: Sequence[str] | None = None, quiet: Sequence[str] = ()
 ) -> Iterator[Caution]:
-    """Joint forces that alternate; the noise as `force_noise` gives it.
+    """A caution about joint forces that alternate; the noise as `force_noise` gives it.
 
     A doubt, unless nothing that was asked for is one of them: `asked` names the responses that are, and `quiet` those that are
     such forces too, but at another time, or means. Without `asked` all states are asked for.

@@ -1,4 +1,4 @@
-"""Whether a design variable would open the curve of a cam, which its follower has passed the end of."""
+"""Design variables that would open the curve of a cam whose end its follower has passed."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from toolkit.system.solution import Solution
 
 STEP = 1e-30
 LOOKED_AT = 500
-"""So many instants are looked at."""
+"""Number of instants that are examined."""
 
 
 def opened_profiles(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every variable that moves the end of a cam's curve away from its beginning, where the cam has passed both.
+    """Doubts about variables that move the end of a cam's curve away from its beginning, where the cam has passed both.
 
     The follower would jump there, and its derivative by that variable misses it.
     """
@@ -72,5 +72,5 @@ def _vectors(pose: np.ndarray) -> np.ndarray:
 
 
 def _value(form: Form, vectors: np.ndarray) -> float:
-    """Of a form of products of vectors."""
+    """Value of a form of products of vectors."""
     return float(sum(np.real(value) * (vectors[i] @ vectors[k]) for i, k, value in form.pairs))

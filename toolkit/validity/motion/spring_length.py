@@ -14,11 +14,11 @@ from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution
 
 LOOKED_AT = 500
-"""So many instants are compared with the next; between two that point against each other every step is."""
+"""Number of instants that are compared with the next; between two that point against each other every step is."""
 
 
 def springs_through_zero(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every spring with a relaxed length, and every controller of a distance, whose ends change sides within one step.
+    """Doubts about springs with a relaxed length, and controllers of a distance, whose ends change sides within one step.
 
     Its force jumps by 2 k l_0 there. Values follow the jump to first order in the step; derivatives hold it at its time, and miss how the
     design moves it.
@@ -46,7 +46,7 @@ def springs_through_zero(solution: Solution) -> Iterator[Caution]:
 
 
 def _turns(solution: Solution, springs: list[PointSpring | DistanceControlled], steps: np.ndarray) -> list[np.ndarray]:
-    """For each spring the places in `steps` after which the vector from end to end points against what it was before."""
+    """Places in `steps`, for each spring, after which the vector from end to end points against the one before."""
     system = solution.system
     ends = np.array([[system.numbering.marker(grip) for grip in each.grips] for each in springs])
     poses = poses_at(system, solution.q[steps])[:, :, : system.scene.dimension]

@@ -1,4 +1,4 @@
-"""What the search for a consistent start did to what was written: positions that moved, bodies that start deforming."""
+"""Effects of the search for a consistent start: positions that moved, bodies that start deforming."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ from toolkit.validity.bodies.spinning.spin import fastest_spin
 from toolkit.validity.start.start_state import start_state
 
 MOVED = 1e-9
-"""Move of a body, a part of the scene's size or in rad, below which its position is as good as written with nine digits."""
+"""Move of a body, relative to the model size or in rad, below which its position is as good as written with nine digits."""
 
 
 def _written_shapes(scene: Scene) -> dict[str, ModelBody]:
-    """Flexible bodies whose deflection at the start is written."""
+    """Flexible bodies with a written deflection at the start, by name."""
     return {name: body for name, body in scene.bodies.items() if isinstance(body, ModelBody) and body.deflected["deflection"]}
 
 
 def bent_otherwise(solution: Solution) -> Iterator[Caution]:
-    """Where closing the joints has changed a deflection that is written."""
+    """Remarks on written deflections that closing the joints has changed."""
     scene = solution.system.placed
     for name, body in _written_shapes(scene).items():
         q_f = np.real(solution.q[0, elastic_coordinates(solution, name)])
@@ -52,7 +52,7 @@ def bent_otherwise(solution: Solution) -> Iterator[Caution]:
 
 
 def shapes_without_effect(solution: Solution) -> Iterator[Caution]:
-    """Of a state of rest: it has no use for a deflection at the start."""
+    """A remark that a state of rest has no use for a deflection at the start."""
     for name in [*_written_shapes(solution.system.placed)][:1]:
         yield Caution(
             "deflection-without-effect",
@@ -62,13 +62,13 @@ def shapes_without_effect(solution: Solution) -> Iterator[Caution]:
 
 
 DEFORMS = 1e-3
-"""Velocity of deformation, a part of the fastest of the start, from which it is told."""
+"""Velocity of deformation, relative to the fastest of the start, above which there is a remark."""
 MOST_NAMED = 3
-"""Bodies that one caution names, those that moved furthest."""
+"""Largest number of bodies that one caution names, those that moved furthest."""
 
 
 def cautions_of_start(solution: Solution) -> Iterator[Caution]:
-    """Cautions of the start of a run over time; of an equilibrium, how its joints were closed, and that it is one at rest."""
+    """Cautions about the start of a run over time; of an equilibrium, about closed joints and that it is one at rest."""
     options = solution.options or solution.system.scene.solver
     if len(solution.whole_run) < 2:
         yield from _closed_by_statics(solution, options)
@@ -94,7 +94,7 @@ def cautions_of_start(solution: Solution) -> Iterator[Caution]:
 
 
 def moved_bodies(solution: Solution) -> dict[str, tuple[float, float]]:
-    """By how much the start of a run differs from the written positions: body -> (distance of its origin, angle in rad)."""
+    """Difference of a run's start from the written positions: body -> (distance of its origin, angle in rad)."""
     given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.placed
     return {name: _move(body, given[at], found[at]) for name, body in scene.bodies.items() for at in [solution.coordinates(name)]}
 

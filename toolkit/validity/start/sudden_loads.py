@@ -13,7 +13,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.motion.creeping_friction import told_frictions
 
 MOST_NAMED = 3
-"""Loads, and times, that one sentence names."""
+"""Largest number of loads, and of times, that one sentence names."""
 
 
 def sudden_loads(scene: Scene) -> list[str]:
@@ -22,18 +22,18 @@ def sudden_loads(scene: Scene) -> list[str]:
 
 
 def _written(load) -> Iterator[bool]:
-    """Of each field that a load is proportional to, whether it is not zero."""
+    """Whether each field that a load is proportional to is not zero."""
     return (bool(np.any(np.real(getattr(load, field)) != 0)) for field in load.proportional)
 
 
 def _at_start(load) -> float:
-    """What its time curve is at t = 0."""
+    """Value of a load's time curve at t = 0; one without a curve."""
     curve = getattr(load, "curve", None)
     return 1.0 if curve is None else float(np.real(curve.evaluate(np.zeros(1))[0, 0]))
 
 
 def told_loads(scene: Scene, options: RunOptions) -> str:
-    """What to know of loads that begin with a blow; empty where none does, or a motion starts in their equilibrium."""
+    """Sentences on loads that begin at once at t = 0; empty where none does, or a motion starts in their equilibrium."""
     names = sudden_loads(scene)
     if not names or options.start != "given" or options.quasi_static:
         return ""
@@ -45,12 +45,12 @@ def told_loads(scene: Scene, options: RunOptions) -> str:
 
 
 def _padded(solution: Solution) -> np.ndarray:
-    """Coordinates (n,) of the start."""
+    """Coordinates (n,) of the start, with zeros for the multipliers."""
     return np.append(np.real(solution.q[0]), np.zeros(solution.system.n - solution.system.n_q))
 
 
 def halved_steps(solution: Solution) -> Iterator[Caution]:
-    """Steps that were not taken as asked for, because Newton could do them in halves only."""
+    """A remark on steps that were halved, because Newton's method did not converge in whole ones."""
     if not solution.halved:
         return
     options = solution.options or solution.system.scene.solver

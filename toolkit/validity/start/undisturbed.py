@@ -28,24 +28,26 @@ from toolkit.system.flexible_bodies import deforming
 from toolkit.system.solution import Solution
 
 STILL = 1e-6
-"""Part of the scene's size or rad below which nothing that is meant has moved in a direction."""
+"""Move in a direction, relative to the model size or in rad, up to which nothing has moved there."""
 GROWTH = 100.0
-"""Growth of a disturbance from which it is told, as of other motions that hardly anything sets off."""
+"""Growth of a disturbance above which there is a doubt, as of other motions that hardly anything sets off."""
 PARTS = (1.0, 0.5, 0.25)
-"""Of the motion, up to which its directions are looked at: what round-off sets off has moved at the end."""
+"""Parts of the motion up to which its directions are examined: what round-off sets off has moved at the end."""
 MOST_COORDINATES, MOST_STATES, SEEN = 60, 1000, 200
-"""Larger scenes are not looked at; of longer motions every second state, or third; directions are those of so many states."""
+"""Largest number of coordinates of a scene that is examined, and of states (of longer motions every second or third one); and
+number of states that directions are found from."""
 ENOUGH = 3
-"""States per coordinate, of which fewer leave directions open by their number alone."""
+"""Least number of states per coordinate: fewer leave directions open by their number alone."""
 SAMPLES, GOLDEN = 12, (5**0.5 - 1) / 2
-"""So many states in which the equations of disturbances are compared, in no step with what alternates: by the golden section."""
+"""Number of states in which the equations of disturbances are compared; spread by the golden section, in no step with
+vibrations."""
 THETA = 0.51
 CLOSED = 1e-6
-"""Part of the right-hand side that a solution leaves open where a matrix is regular."""
+"""Largest residual, relative to the right-hand side, of a solution where a matrix is regular."""
 
 
 class Course(NamedTuple):
-    """How disturbances of unit size grow, at most until some state."""
+    """Largest growth of disturbances of unit size, the time at which it is reached, and the coordinate."""
 
     growth: float
     until: float
@@ -65,9 +67,9 @@ def undisturbed(solution: Solution) -> Iterator[Caution]:
 
 
 def largest_growth(solution: Solution) -> Course | None:
-    """Of the first part of the motion in which something grows by more than `GROWTH`; None where none does, or nothing is known.
+    """Growth of disturbances in the first part of the motion in which it exceeds `GROWTH`; None where it does not.
 
-    Scenes with bodies that deform are not looked at: their vibrations are.
+    Scenes with bodies that deform are not examined: their vibrations are. None stands for these and other unknown cases, too.
     """
     system, options = solution.system, solution.options or solution.system.scene.solver
     few = system.n_q == system.n_b <= MOST_COORDINATES and not deforming(system.scene)
@@ -107,7 +109,7 @@ def _disturbances(solution: Solution, still: np.ndarray) -> np.ndarray:
 
 
 def _matrices(solution: Solution, n: int) -> tuple[np.ndarray, ...]:
-    """M, C, K (n_q, n_q) and J (n_c, n_q) about a state of a motion."""
+    """Matrices M, C, K (n_q, n_q) and J (n_c, n_q) of the linearised equations about a state of a motion."""
     system, n_q = solution.system, solution.system.n_q
     q, v, acc = (np.zeros(system.n) for _ in range(3))
     q[:n_q], v[:n_q], acc[:n_q], acc[n_q:] = solution.q[n], solution.v[n], solution.a[n], solution.multipliers[n]
@@ -117,7 +119,7 @@ def _matrices(solution: Solution, n: int) -> tuple[np.ndarray, ...]:
 
 
 def _stays_small(solution: Solution, still: np.ndarray, begin: np.ndarray, end: int) -> bool:
-    """Whether disturbances have equations of their own, which are the same in some states and let nothing grow: then all is known."""
+    """Whether disturbances have equations of their own that are equal in some states and let nothing grow: then all is known."""
     weights = solution.system.weights[: solution.system.n_q]
     seen = []
     for n in (int(end * (GOLDEN * k % 1.0)) for k in range(SAMPLES)):
@@ -156,7 +158,7 @@ def _course(solution: Solution, still: np.ndarray, begin: np.ndarray, end: int) 
 
 
 def _lengths(solution: Solution, end: int) -> np.ndarray:
-    """Weights (n_q,) of coordinates; of a scene that travels by more than its size, in parts of the way."""
+    """Weights (n_q,) of coordinates; of a scene that travels by more than its size, relative to the way."""
     system, n_q = solution.system, solution.system.n_q
     weights = system.weights[:n_q]
     way = float((np.ptp(np.real(solution.q[: end + 1]), axis=0) * weights).max())
@@ -167,7 +169,7 @@ def _lengths(solution: Solution, end: int) -> np.ndarray:
 def _step(
     before: tuple[np.ndarray, ...], here: tuple[np.ndarray, ...], y: np.ndarray, v: np.ndarray, h: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """One step of disturbances (n_q, n) and their velocities; y meets the joints at its end."""
+    """Disturbances (n_q, n) and their velocities after one step; y meets the joints at its end."""
     mass, damping, stiffness = ((one + other) / 2 for one, other in zip(before[:3], here[:3], strict=True))
     rows, n_q, n = here[3], len(y), len(y) + len(here[3])
     left: np.ndarray = np.zeros((n, n))
@@ -181,7 +183,7 @@ def _step(
 
 
 def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Where joints repeat each other, the smallest of the solutions."""
+    """Solution of linear equations; where joints repeat each other, the smallest of the solutions."""
     try:
         found: np.ndarray = np.linalg.solve(matrix, right)
         if np.abs(matrix @ found - right).max(initial=0.0) <= CLOSED * np.abs(right).max(initial=0.0):

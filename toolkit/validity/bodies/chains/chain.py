@@ -14,7 +14,7 @@ from toolkit.validity.bodies.chains.second_order import Forms, displacements_und
 
 @dataclass(frozen=True, eq=False)
 class Chain(ABC):
-    """Elements with two nodes each, and how the elastic coordinates move them."""
+    """A chain of elements with two nodes each, and how the elastic coordinates move them."""
 
     shapes: np.ndarray  # (n, n_f)
     held: np.ndarray  # (m, n) rows of displacements that the body's frame does not feel
@@ -25,11 +25,11 @@ class Chain(ABC):
     @property
     @abstractmethod
     def nodes(self) -> np.ndarray:
-        """Undeformed places, (n_nodes, d)."""
+        """Undeformed positions of the nodes, (n_nodes, d)."""
 
     @abstractmethod
     def make_forms(self) -> Forms:
-        """How the elements deform."""
+        """Deformations of the elements per displacement, to be kept as `forms`."""
 
     @abstractmethod
     def make_stiffening(self) -> np.ndarray:
@@ -37,7 +37,7 @@ class Chain(ABC):
 
     @cached_property
     def forms(self) -> Forms:
-        """How the elements deform."""
+        """Deformations of the elements per displacement, and their law of forces."""
         return self.make_forms()
 
     @cached_property
@@ -55,7 +55,7 @@ class Chain(ABC):
         return elastic @ self.shapes.T
 
     def second_order(self, u: np.ndarray) -> np.ndarray:
-        """What the linear displacements (n_t, n) lack, to second order."""
+        """Displacements of second order that the linear displacements (n_t, n) lack."""
         return second_order_displacement(self.forms, self.held, u)
 
     def under(self, loads: np.ndarray) -> np.ndarray:
@@ -63,7 +63,7 @@ class Chain(ABC):
         return displacements_under(self.forms, self.held, loads)
 
     def axial_forces(self, u: np.ndarray) -> np.ndarray:
-        """Of the elements under displacements (n_t, n), (n_t, n_e), positive in tension."""
+        """Axial forces of the elements (n_t, n_e), positive in tension, under displacements (n_t, n)."""
         return self.forms.forces(u)[:, :, 0]
 
     def by_node(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -73,7 +73,7 @@ class Chain(ABC):
         return each[:, :, :d], each[:, :, d:]
 
     def distances(self, u: np.ndarray) -> np.ndarray:
-        """Lengths (n_t, n_nodes) of nodal displacements (n_t, n)."""
+        """Magnitudes (n_t, n_nodes) of nodal displacements (n_t, n)."""
         found: np.ndarray = np.linalg.norm(self.by_node(u)[0], axis=2)
         return found
 

@@ -27,12 +27,12 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.led_points import Beside, Line, beside, lines
 
 LIMIT = 0.05
-"""Of a response, from which on its change is told: as much as bodies may be deformed beyond what is linear."""
+"""Relative change of a response above which there is a doubt: as much as bodies may be deformed beyond what is linear."""
 STEPS = 20
-"""So many instants of a motion are looked at for the largest value of a response, and so many that one is made of."""
+"""Number of instants at which the largest value of a response is sought, and of those at which its change is evaluated."""
 
 Known = dict[int, Beside | None]
-"""Instant -> what is beside a line's block."""
+"""Instant -> the deformed body beside a line's block."""
 
 
 def lines_on_bodies(solution: Solution, vibrations: Mapping[str, int], values: bool = True) -> Iterator[Caution]:
@@ -54,7 +54,7 @@ def lines_on_bodies(solution: Solution, vibrations: Mapping[str, int], values: b
 
 
 def _worst(changes: Iterator[tuple[str, float, float, float]]) -> str:
-    """What is told of the answer that changes most; empty where none does. Of name, value, change, and what the change is a part of."""
+    """A phrase on the answer that changes most, from name, value, change, and scale of the change; empty where none does."""
     worst, told = LIMIT, ""
     for name, value, change, size in changes:
         part = abs(change) / size if size > 0 else 0.0
@@ -75,7 +75,7 @@ def _words(line: Line, known: Known, told: str) -> str:
 
 
 def _changes(solution: Solution, line: Line, known: Known) -> Iterator[tuple[str, float, float, float]]:
-    """Of all responses but those of vibrations."""
+    """Name, value, change and scale of all responses but those of vibrations."""
     responses: Mapping[str, Any] = solution.system.scene.responses
     for name, response in responses.items():
         left_out = (response.needs_rest and solution.steps) or (response.needs_motion and not solution.steps)
@@ -97,7 +97,7 @@ def _found(solution: Solution, line: Line, known: Known, instant: int) -> Beside
 
 
 def _at_rest(solution: Solution, line: Line, response: Response, known: Known) -> tuple[float, float]:
-    """A response's value, and what is to be added to it along the deformed body."""
+    """Value of a response of an equilibrium, and its change along the deformed body."""
     value, found = float(np.real(response.value(solution))), _found(solution, line, known, 0)
     if found is None:
         return value, 0.0
@@ -105,7 +105,7 @@ def _at_rest(solution: Solution, line: Line, response: Response, known: Known) -
 
 
 def _moved(solution: Solution, instants: list[int], change: np.ndarray) -> Solution:
-    """The states at some instants with changes (n_t, n) of their coordinates and multipliers."""
+    """States at some instants with changes (n_t, n) of their coordinates and multipliers."""
     n_q = solution.system.n_q
     names = ("times", "v", "a", "dq", "dv", "da", "dmultipliers")
     kept = {name: getattr(solution, name)[instants] for name in names}
@@ -114,7 +114,7 @@ def _moved(solution: Solution, instants: list[int], change: np.ndarray) -> Solut
 
 
 def _of_stress(solution: Solution, line: Line, response: StressResponse, known: Known) -> tuple[float, float]:
-    """The same of a largest stress, by some instants of a motion."""
+    """Value of a largest stress of a motion, and its change along the deformed body, by some instants."""
     last = len(solution.times) - 1
     instants = [last] if response.when == "end" else spread(last, STEPS)
     none = np.zeros(solution.system.n)
@@ -125,7 +125,7 @@ def _of_stress(solution: Solution, line: Line, response: StressResponse, known: 
 
 
 def _changed(solution: Solution, line: Line, response: Response, known: Known) -> tuple[float, float]:
-    """The same of any response of a motion, by its derivatives."""
+    """Value of any response of a motion, and its change along the deformed body, by its derivatives."""
     partials, n_q = response.partials(solution), solution.system.n_q
     slopes = [each for each in (partials.q, partials.multipliers) if each is not None]
     felt = np.flatnonzero(np.any([np.nan_to_num(each).any(axis=1) for each in slopes], axis=0)) if slopes else np.zeros(0, int)
@@ -140,7 +140,7 @@ def _changed(solution: Solution, line: Line, response: Response, known: Known) -
 
 
 def _largest(solution: Solution, response: Response) -> float:
-    """Of a response at one time, at any time of the motion."""
+    """Largest magnitude of a response at one time over the motion; zero of other responses."""
     if not (solution.steps and isinstance(response, Instant)):
         return 0.0
     return max(abs(float(np.real(response.at(solution, k).value))) for k in spread(len(solution.times) - 1, STEPS))
@@ -149,7 +149,7 @@ def _largest(solution: Solution, response: Response) -> float:
 def _of_vibrations(
     solution: Solution, line: Line, asked: Mapping[str, int], known: Known
 ) -> Iterator[tuple[str, float, float, float]]:
-    """Of frequencies about the last state, in cycles per time."""
+    """Name, value, change and scale of frequencies about the last state, in cycles per time."""
     found = _found(solution, line, known, len(solution.times) - 1) if asked else None
     if found is None or solution.spins:
         return

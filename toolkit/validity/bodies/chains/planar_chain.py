@@ -36,12 +36,12 @@ SHORTENING = np.array([[4.0, -1.0], [-1.0, 4.0]]) / 30
 BENDING = np.array([[4.0, 2.0], [2.0, 4.0]])
 """Moments at both ends, times L / EI, per rotation of the ends against the chord."""
 OF_PLANE = [0, 3, 6]
-"""Its deformations among those of one in space: the elongation, and the rotations of both ends about z."""
+"""Numbers of a planar element's deformations among those in space: the elongation, and rotations of both ends about z."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlanarChain(Chain):
-    """Elements of any section in the plane."""
+    """A chain of beam elements of any section in the plane."""
 
     places: np.ndarray  # (n_nodes, 2)
     connectivity: np.ndarray  # (n_e, 2)
@@ -57,14 +57,14 @@ class PlanarChain(Chain):
         return planar_forms(self.places, self.connectivity, self.made_of)
 
     def make_stiffening(self) -> np.ndarray:
-        """Of the axial force alone."""
+        """Forms of the geometric stiffness by the axial force alone, (n_e, 1, p, p)."""
         phi, lengths = self.forms.rows[:, 1:], sides_of(self).lengths
         bow = np.einsum("eip,ij,ejq->epq", phi, SHORTENING, phi)
         return self.forms.curved[:, :1] + (lengths[:, None, None] * bow)[:, None]
 
 
 def planar_forms(nodes: np.ndarray, connectivity: np.ndarray, made_of: BeamSections) -> Forms:
-    """Elongation, and the rotations of both ends against the chord, of elements between nodes (n_nodes, 2)."""
+    """Elongation, and rotations of both ends against the chord, of elements between nodes (n_nodes, 2)."""
     rows, curved = deformations(np.column_stack([nodes, np.zeros(len(nodes))]), connectivity)
     rows, curved = rows[:, OF_PLANE][:, :, IN_PLANE], curved[:, OF_PLANE][:, :, IN_PLANE][..., IN_PLANE]
     dofs = (3 * connectivity[:, :, None] + np.arange(3)).reshape(-1, 6)

@@ -10,7 +10,7 @@ from toolkit.validity.bodies.chains.chain import Chain
 
 
 class Sides(NamedTuple):
-    """Their nodes, lengths and directions."""
+    """Elements of a chain as straight lines: their nodes, lengths and directions."""
 
     ends: np.ndarray  # (n_e, 2)
     lengths: np.ndarray  # (n_e,)
@@ -18,7 +18,7 @@ class Sides(NamedTuple):
 
 
 def sides_of(behind: Chain) -> Sides:
-    """Where the elements are, undeformed."""
+    """Straight lines of the undeformed elements of a chain."""
     numbers = behind.forms.dofs // behind.per_node
     ends = numbers[:, [0, -1]]
     sides = behind.nodes[ends[:, 1]] - behind.nodes[ends[:, 0]]

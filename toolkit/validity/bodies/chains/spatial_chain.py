@@ -28,7 +28,7 @@ from toolkit.validity.bodies.chains.spatial_forms import spatial_forms
 
 @dataclass(frozen=True, eq=False)
 class SpatialChain(Chain):
-    """Elements of any section in space."""
+    """A chain of beam elements of any section in space."""
 
     places: np.ndarray  # (n_nodes, 3)
     connectivity: np.ndarray  # (n_e, 2)
@@ -44,7 +44,7 @@ class SpatialChain(Chain):
         return spatial_forms(self.places, self.connectivity, self.stiffness)
 
     def make_stiffening(self) -> np.ndarray:
-        """Of all forces."""
+        """Forms of the geometric stiffness by all forces of the elements, (n_e, 7, 12, 12)."""
         found, (e, lengths) = self.forms.curved.copy(), self._sides
         moments = found[:, 1:].reshape(-1, 2, 3, 12, 12)
         found[:, 1:] = np.einsum("ecd,encpq->endpq", self._counting(), moments, optimize=True).reshape(-1, 6, 12, 12)
@@ -54,7 +54,10 @@ class SpatialChain(Chain):
         return found
 
     def _counting(self) -> np.ndarray:
-        """What of the moments at an end makes the element give way sideways, (n_e, 3, 3): torque, and bending about the stiffer axis."""
+        """Part of the moments at an end that makes the element buckle sideways, (n_e, 3, 3).
+
+        That is the torque, and bending about the stiffer axis.
+        """
         law, e = self.forms.law, self._sides[0]
         along = e[:, :, None] * e[:, None, :]
         aside = np.eye(3) - along
@@ -65,14 +68,17 @@ class SpatialChain(Chain):
 
     @cached_property
     def _sides(self) -> tuple[np.ndarray, np.ndarray]:
-        """Directions (n_e, 3) and lengths (n_e,)."""
+        """Directions (n_e, 3) and lengths (n_e,) of the elements."""
         sides = self.places[self.connectivity[:, 1]] - self.places[self.connectivity[:, 0]]
         lengths = np.linalg.norm(sides, axis=1)
         return sides / lengths[:, None], lengths
 
 
 def rows_of_part(nodes: np.ndarray) -> np.ndarray:
-    """Rows (6, n) that the frame of a part does not feel: it starts at its first node, goes through its last and rolls with both."""
+    """Rows (6, n) of displacements that the frame of a part does not feel.
+
+    The frame starts at its first node, goes through its last and rolls with both.
+    """
     side, n = nodes[-1] - nodes[0], 6 * len(nodes)
     found, chord = np.zeros((6, n)), side / np.linalg.norm(side)
     found[:3, :3] = np.eye(3)

@@ -1,4 +1,4 @@
-"""How straight beam elements in space deform to second order when they turn with their chords.
+"""Deformations to second order of straight beam elements in space that turn with their chords.
 
 An element of length L and direction e, with displacements u_i and rotation vectors phi_i of its ends, has
 
@@ -22,13 +22,13 @@ from toolkit.kinematics.spatial import skew
 from toolkit.validity.bodies.chains.second_order import Forms
 
 DEFORMATIONS = 7
-"""Elongation, and three rotations of each end."""
+"""Number of deformations of an element: the elongation, and three rotations of each end."""
 LEVI_CIVITA = -np.array([skew(axis) for axis in np.eye(3)])
-"""Of (a x b)_c = sum_ij LEVI_CIVITA[c, i, j] a_i b_j."""
+"""Symbol of the cross product: (a x b)_c = sum_ij LEVI_CIVITA[c, i, j] a_i b_j."""
 
 
 def spatial_forms(nodes: np.ndarray, connectivity: np.ndarray, stiffness: np.ndarray) -> Forms:
-    """Of elements with stiffness (n_e, 12, 12) on displacements and rotations x, y, z of both ends."""
+    """Deformations of elements in space with stiffness (n_e, 12, 12) on displacements and rotations x, y, z of both ends."""
     rows, curved = deformations(nodes, connectivity)
     e = rows[:, 0, 6:9]
     still = np.zeros((len(e), 12, DEFORMATIONS))  # a displacement of every deformation
@@ -39,7 +39,7 @@ def spatial_forms(nodes: np.ndarray, connectivity: np.ndarray, stiffness: np.nda
 
 
 def deformations(nodes: np.ndarray, connectivity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Elongation and rotations of both ends of elements between nodes (n_nodes, 3), to first order (n_e, 7, 12), and Q (n_e, 7, 12, 12)."""
+    """Elongation and end rotations of elements between nodes (n_nodes, 3): first order (n_e, 7, 12), and Q (n_e, 7, 12, 12)."""
     sides = nodes[connectivity[:, 1]] - nodes[connectivity[:, 0]]
     lengths = np.linalg.norm(sides, axis=1)
     e = sides / lengths[:, None]
@@ -49,7 +49,7 @@ def deformations(nodes: np.ndarray, connectivity: np.ndarray) -> tuple[np.ndarra
 
 
 def _linear(e: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Rows of a (n_e, 12), c (n_e, 3, 12), r (n_e, 12) and theta (n_e, 2, 3, 12)."""
+    """Linear forms of a (n_e, 12), c (n_e, 3, 12), r (n_e, 12) and theta (n_e, 2, 3, 12)."""
     a, c, r, theta = (np.zeros((len(e), *shape, 12)) for shape in ((), (3,), (), (2, 3)))
     for end, sign in ((0, -1), (1, 1)):
         moves, turns = slice(6 * end, 6 * end + 3), slice(6 * end + 3, 6 * end + 6)
@@ -65,7 +65,7 @@ def _stretch(c: np.ndarray, lengths: np.ndarray) -> np.ndarray:
 
 
 def _rotations(e: np.ndarray, lengths: np.ndarray, a: np.ndarray, c: np.ndarray, r: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """(n_e, 6, 12, 12)."""
+    """Second-order forms Q of the rotations of both ends, (n_e, 6, 12, 12)."""
     across = np.cross(e[:, :, None], c, axis=1)
     turn = c + e[:, :, None] * r[:, None]
     common = a[:, None, :, None] * c[:, :, None] / lengths[:, None, None, None] + r[:, None, :, None] * across[:, :, None] / 2

@@ -27,19 +27,19 @@ from toolkit.validity.bodies.turning_frame import compliance_across, motion_agai
 from toolkit.validity.description.frame_choice import frame_choices
 
 CLAMPED, PINNED = 12 / np.pi**2, 3 / np.pi**2
-"""Of N c / L, in parts of the critical load of a straight bar."""
+"""Factors of N c / L that give the load relative to the critical load of a straight bar."""
 
 
 STILL = 1e-9
 """Part of the largest movement of a point below which it is round-off."""
 SHORT = 1e-6
-"""Part of its length by which a line has to reach beyond what holds its start."""
+"""Part of its length by which a line has to reach beyond the points that hold its start."""
 SEEN = 1e-12
-"""Of the compliance across: a basis whose shapes stretch by less between two points knows of no force along them."""
+"""Part of the compliance across below which the compliance along is none: the basis then knows of no force along the line."""
 
 
 class Carried(NamedTuple):
-    """The force along a body at some instants."""
+    """The force along a body at some instants, relative to its critical load."""
 
     load: np.ndarray  # mu (n_t,), negative in tension
     along: np.ndarray  # e (d,)
@@ -47,7 +47,9 @@ class Carried(NamedTuple):
 
 
 def carried(solution: Solution, body: str, instants: np.ndarray, still: np.ndarray | None) -> Carried | None:
-    """Of the point where it is largest; where the basis holds no shape that stretches, by what loads and joints put on that point.
+    """Largest force along a body at some instants, of all interface points at which its lines end.
+
+    Where the basis holds no shape that stretches, it is the force that loads and joints put on that point; None without a line.
 
     Parameters
     ----------
@@ -60,16 +62,16 @@ def carried(solution: Solution, body: str, instants: np.ndarray, still: np.ndarr
 
 
 def still_points(places: np.ndarray, shapes: np.ndarray) -> np.ndarray | None:
-    """The points (n, d) that no shape moves; None if each is moved by some."""
+    """Points (n, d) that no shape moves; None if each is moved by some."""
     moves = np.abs(shapes).max(axis=(1, 2))
     points = places[moves <= STILL * moves.max()]
     return points if len(points) else None
 
 
 def lines_between(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Interface point, start (d,), and the motion (d, 1 + n_f) of the end of a line against it: of a chord, or from what is still.
+    """Interface point, start (d,), and relative motion (d, 1 + n_f) of the end of each line: of a chord, or from fixed points.
 
-    A point that what is still lies beyond, too, ends no line: it is held from two sides, as one between two clamped ends.
+    A line ends at no point between those that no shape moves: that point is held from two sides, as one between two clamped ends.
     """
     design = design_point(solution.system.placed, body, "interfaces")
     if (chord := chord_of(design.model.reference_condition)) is not None and {*chord} <= {*(design.model.interfaces or {})}:
@@ -90,7 +92,7 @@ def _is_ahead(side: np.ndarray, behind: np.ndarray) -> bool:
 
 
 class _Line(NamedTuple):
-    """A line through a body."""
+    """A line through a body between two of its points."""
 
     motion: np.ndarray  # (d, 1 + n_f) of its one end against the other
     across: np.ndarray  # c / L (d, d)
@@ -98,7 +100,7 @@ class _Line(NamedTuple):
 
 
 def _lines(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[tuple[str, _Line]]:
-    """Interface points and the lines that end there."""
+    """Interface points of a body and the lines that end there."""
     scene = solution.system.placed
     chord = chord_of(design_point(scene, body, "interfaces").model.reference_condition)
     for name, _, motion in lines_between(solution, body, still):

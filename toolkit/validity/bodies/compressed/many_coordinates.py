@@ -18,15 +18,18 @@ from toolkit.solvers.static.stability.static_array import StaticArray
 from toolkit.system.system import System
 
 ACCURACY = 1e-8
-"""Of a ratio, in parts of it: far below what a verdict tells."""
+"""Relative accuracy of a ratio: far below the digits of a verdict."""
 MOST = 50
-"""Of the iteration's twenty motions: a ratio that is apart from others is found in a few."""
+"""Largest number of restarts of the iteration with twenty motions: a ratio that is apart from others is found in a few."""
 Flexibility = Callable[[np.ndarray], np.ndarray]
-"""From forces f (n,) to the motion x with B x + phi_q^T nu = f, phi_q x = 0."""
+"""Function from forces f (n,) to the motion x with B x + phi_q^T nu = f, phi_q x = 0."""
 
 
 def flexibility(system: System, matrix: StaticArray) -> Flexibility | None:
-    """Of a symmetric static matrix; None where it is dense, not known to be stable, or of more than bodies and joints."""
+    """Flexibility of a symmetric static matrix.
+
+    None where the matrix is dense, not known to be stable, or of more than bodies and joints.
+    """
     n_q, scale = system.n_q, balance(system, matrix)
     factors = sparse_factors(system, balanced(system, matrix, scale)) if n_q == system.n_b else None
     if factors is None:
@@ -40,8 +43,10 @@ def flexibility(system: System, matrix: StaticArray) -> Flexibility | None:
 
 
 def largest_ratio(matrix: scipy.sparse.sparray, metric: scipy.sparse.sparray, flexible: Flexibility) -> float | None:
-    """The largest mu of symmetric forms A and B (n, n); None if the iteration finds none, as where none is positive: most mu are near to
-    zero, and no number is near to zero in parts of it."""
+    """Largest ratio mu of symmetric forms A and B (n, n); None if the iteration finds none, as where none is positive.
+
+    Most mu are near to zero, and the relative accuracy of such a number is never reached.
+    """
     n = metric.shape[0]
     start = flexible(np.random.default_rng(0).normal(size=n))
     solved = scipy.sparse.linalg.LinearOperator((n, n), matvec=flexible, dtype=float)

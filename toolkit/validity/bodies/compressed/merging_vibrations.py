@@ -36,15 +36,15 @@ from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import LIMIT, flexible_bodies
 
 ENOUGH = 4.0
-"""Excess that is told to be divided: twice as many frames lack a quarter."""
+"""Relative excess for which the number of frames is advised: twice as many frames lack a quarter."""
 
 
 MERGED = 1e-6
-"""Imaginary part of the square of a frequency, in parts of it, from which on two vibrations have merged."""
+"""Relative imaginary part of the square of a frequency above which two vibrations have merged."""
 
 
 class Vibrations(NamedTuple):
-    """Without dampers, from the slowest on."""
+    """Undamped vibrations of a state, from the slowest on."""
 
     frequencies: np.ndarray  # (n,) in cycles per time
     conditions: np.ndarray  # (n,) 1 where the stiffness is symmetric, 0 where two merge
@@ -53,7 +53,7 @@ class Vibrations(NamedTuple):
 
 
 class Merging(NamedTuple):
-    """Vibrations by the equations, with what they lack, and what the body is that lacks most."""
+    """Vibrations by the equations and with the geometric stiffness that they lack, and the body that lacks most."""
 
     told: Vibrations
     true: Vibrations
@@ -62,13 +62,13 @@ class Merging(NamedTuple):
 
 
 def asked_vibrations(solution: Solution) -> dict[str, int]:
-    """Responses that are a vibration's, and its number from the slowest on."""
+    """Responses that ask for a vibration -> its number from the slowest on."""
     found = {name: each for name, each in solution.system.scene.responses.items() if isinstance(each, Frequency | LeastFrequency)}
     return {name: getattr(each, "number", 1) for name, each in found.items() if not (solution.steps and each.needs_rest)}
 
 
 def merging_vibrations(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
-    """Doubts about an equilibrium under forces that follow bodies, and about what its responses tell of vibrations.
+    """Doubts about an equilibrium under forces that follow bodies, and about its vibrations.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def merging_vibrations(solution: Solution, lateral: bool = False) -> Iterator[Ca
 
 
 def merging_of(solution: Solution, asked: Mapping[str, int], of_loads: bool | None = None) -> Iterator[Caution]:
-    """Doubts about vibrations of an equilibrium.
+    """Doubts about vibrations of an equilibrium under forces that follow bodies.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def _size(part: float) -> str:
 
 
 def _times(found: Merging, k: int, of_loads: bool) -> float:
-    """Derivatives of a frequency by the equations in parts of true ones, where that is furthest from one."""
+    """Ratio of the derivatives of a frequency by the equations to true ones, where it is furthest from one."""
     told, true = found.told, found.true
     parts = [told.frequencies[k] and true.conditions[k] * true.frequencies[k] / (told.conditions[k] * told.frequencies[k])]
     if of_loads and true.slopes[k]:
@@ -147,7 +147,7 @@ def _times(found: Merging, k: int, of_loads: bool) -> float:
 
 
 def _found(solution: Solution) -> Merging | None:
-    """None where the stiffness is symmetric, or nothing is lacking."""
+    """Vibrations with and without the missing geometric stiffness; None where the stiffness is symmetric or complete."""
     if Merging not in solution.known:
         known = {
             body: law for body in flexible_bodies(solution.system.placed) if (law := stiffening(solution.system.placed, body))

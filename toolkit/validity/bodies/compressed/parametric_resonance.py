@@ -32,27 +32,27 @@ from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import LIMIT, flexible_bodies
 
 ALTERNATES = 6
-"""Times that forces cross their mean, below which they do not alternate."""
+"""Number of times that forces cross their mean, below which they do not alternate."""
 ENOUGH = 0.2
 """Part of the stiffness that alternates, times how often it crosses its mean, below which nothing grows by more than a quarter."""
 STILL = 0.1
-"""How far coordinates may move, in parts of the scene's size or rad, so that vibrations about the start are those of the motion."""
+"""Largest move of coordinates, relative to the model size or in rad, where vibrations about the start hold for the motion."""
 SLOWEST = 6
-"""So many vibrations are looked at."""
+"""Number of the slowest vibrations that are examined."""
 RESOLVED = 1.0
-"""omega dt of a vibration that the states of a run still show."""
+"""Largest omega dt of a vibration that the states of a run still show."""
 GROWS = 2.0
-"""Growth of a disturbance over the run from which on it is one, and no beat."""
+"""Growth of a disturbance over the run above which it is a resonance, and no beat."""
 SETS_OFF = 100.0
-"""Growth from which on a state that is exactly straight is no answer: whatever is not straight in a real one is so many times as large."""
+"""Growth above which an exactly straight state is doubted: any imperfection of a real one becomes so many times as large."""
 STRAIGHT = 1e-9
-"""Part of the scene's size below which a vibration is round-off."""
+"""Amplitude, relative to the model size, below which a vibration is round-off."""
 PARTS = 64
-"""Of the run, at whose ends the growth is looked at."""
+"""Number of parts of the run at whose ends the growth is evaluated."""
 
 
 class Vibration(NamedTuple):
-    """One vibration of a scene, its stiffness and its course, of all states (n_t,)."""
+    """One vibration of a scene, with its stiffness and its course over all states (n_t,)."""
 
     omega: float
     damping: float  # d
@@ -63,7 +63,7 @@ class Vibration(NamedTuple):
 
 
 class Resonance(NamedTuple):
-    """What forces along a body do to one vibration."""
+    """Growth of one vibration by alternating forces along a body."""
 
     body: str
     frequency: float
@@ -73,7 +73,7 @@ class Resonance(NamedTuple):
 
 
 def parametric_resonance(solution: Solution) -> Iterator[Caution]:
-    """A doubt about a motion where forces along a body alternate so that a vibration across it grows, and the motion does not show it."""
+    """Doubts about a motion in which alternating forces along a body make a vibration grow that the motion does not show."""
     found = resonance(solution)
     if found is None:
         return
@@ -98,7 +98,7 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
 
 
 def resonance(solution: Solution) -> Resonance | None:
-    """The vibration that alternating forces make largest; None where none alternates, or nothing grows."""
+    """Vibration that grows most by alternating forces; None where none alternates, or nothing grows."""
     if not solution.steps or len(solution.times) < ALTERNATES or _moved(solution) > STILL:
         return None
     scene = solution.system.placed
@@ -112,8 +112,10 @@ def resonance(solution: Solution) -> Resonance | None:
 
 
 def _alternates(solution: Solution, body: str, law: Stiffening) -> bool:
-    """Whether axial forces take stiffness and give it back, often and by enough: of the whole that a part was cut from, by the square of
-    their number."""
+    """Whether axial forces take stiffness and give it back, often and by enough.
+
+    For a part, the whole that it was cut from counts, by the square of the number of parts.
+    """
     part = np.real(solution.q[:, elastic_coordinates(solution, body)]) @ (law.compliances @ law.forces)
     scene = solution.system.placed
     whole = getattr(scene.body(body), "whole", None)
@@ -125,14 +127,14 @@ def _alternates(solution: Solution, body: str, law: Stiffening) -> bool:
 
 
 def _moved(solution: Solution) -> float:
-    """How far coordinates move at most, in parts of the scene's size or rad."""
+    """Largest move of any coordinate, relative to the model size or in rad."""
     n_b = solution.system.n_b
     moved = np.ptp(np.real(solution.q[:, :n_b]), axis=0) * solution.system.weights[:n_b]
     return float(moved.max(initial=0.0))
 
 
 def _vibrations(solution: Solution, known: Mapping[str, Stiffening]) -> Iterator[Vibration]:
-    """The slowest vibrations about the first state."""
+    """Slowest vibrations about the first state."""
     system, n_q = solution.system, solution.system.n_q
     first = {name: getattr(solution, name)[:1] for name in ("times", "q", "v", "a", "multipliers")}
     start = replace(solution, **first)
@@ -175,7 +177,7 @@ def _states(solution: Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _known(solution: Solution, start: Solution, shape: np.ndarray) -> np.ndarray:
-    """k_1 (n_t,), by how the stiffness of the equations changes with coordinates, joint forces, and loads themselves."""
+    """Stiffness k_1 (n_t,) that the equations know, by its change with coordinates, joint forces, and loads."""
     system, n_q = solution.system, solution.system.n_q
     whole = np.append(shape, np.zeros(system.n - n_q))
     by_z = np.real(pencil_change(start, 0.0, whole, whole, damped=False)[0])
@@ -195,7 +197,7 @@ def _known(solution: Solution, start: Solution, shape: np.ndarray) -> np.ndarray
 
 
 def _resonance(solution: Solution, body: str, each: Vibration) -> Resonance | None:
-    """None where nothing grows, or the equations show how much."""
+    """Growth of one vibration; None where nothing grows."""
     growth = _growth(solution.times, each, each.known + each.lacking)
     if growth < GROWS:
         return None
@@ -204,7 +206,7 @@ def _resonance(solution: Solution, body: str, each: Vibration) -> Resonance | No
 
 
 def _steps(times: np.ndarray, each: Vibration, change: np.ndarray) -> np.ndarray:
-    """Matrices (n_t - 1, 2, 2) of (omega y, y') over each step, whose stiffness is that in its middle."""
+    """Transition matrices (n_t - 1, 2, 2) of (omega y, y') over each step, with the stiffness in its middle."""
     step, half = np.diff(times), each.damping / 2
     stiffness = each.omega**2 + (change[1:] + change[:-1]) / 2
     rate = np.sqrt(stiffness - half**2 + 0j)
@@ -216,7 +218,7 @@ def _steps(times: np.ndarray, each: Vibration, change: np.ndarray) -> np.ndarray
 
 
 def _growth(times: np.ndarray, each: Vibration, change: np.ndarray) -> float:
-    """The largest growth of the energy's root of any disturbance from the start on."""
+    """Largest growth of the root of the energy of any disturbance from the start on."""
     parts = np.array_split(_steps(times, each, change), PARTS)
     total, largest = np.eye(2), 1.0
     for part in parts:
@@ -226,7 +228,7 @@ def _growth(times: np.ndarray, each: Vibration, change: np.ndarray) -> float:
 
 
 def _product(matrices: np.ndarray) -> np.ndarray:
-    """Of matrices (n, 2, 2), the last one on the left; by halves."""
+    """Product of matrices (n, 2, 2), the last one on the left, by halves."""
     while len(matrices) > 1:
         if len(matrices) % 2:
             matrices = np.concatenate([matrices, np.eye(2)[None]])
@@ -235,7 +237,7 @@ def _product(matrices: np.ndarray) -> np.ndarray:
 
 
 def _course(times: np.ndarray, each: Vibration) -> float:
-    """The largest y under what excites the motion as it was found."""
+    """Largest y under the force that excites the motion as it was found."""
     y, rate, acceleration = each.course
     force = acceleration + each.damping * rate + (each.omega**2 + each.known) * y
     steps, change = _steps(times, each, each.known + each.lacking), each.known + each.lacking

@@ -1,4 +1,4 @@
-"""How a whole scene yields to small forces at one of its states: bodies, joints and what else is stiff."""
+"""Compliance of a whole scene to small forces at one of its states: of bodies, joints and what else is stiff."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from toolkit.solvers.static.stability.static_array import StaticArray, static_ar
 from toolkit.system.solution import Solution
 
 LONGER = 30.0
-"""Times the motion: a thousandth of the stiffness of what vibrates once in it."""
+"""Period, relative to the duration, of the vibration whose inertia holds free motions: a thousandth of the stiffness at one."""
 Solver = Callable[[np.ndarray], np.ndarray]
 
 
 class Yielding(NamedTuple):
-    """From forces (n_q,) to motions (n_q,) that joints allow."""
+    """Compliance of a scene at one state: maps forces (n_q,) to motions (n_q,) that joints allow."""
 
     solved: Solver  # of all unknowns, balanced
     scale: np.ndarray  # (n,) what balances them
@@ -29,7 +29,7 @@ class Yielding(NamedTuple):
         return self._solution(forces)[: self.n_q]
 
     def multipliers(self, forces: np.ndarray) -> np.ndarray:
-        """What joints hold these forces with."""
+        """Multipliers by which joints hold these forces."""
         return self._solution(forces)[self.n_q :]
 
     def _solution(self, forces: np.ndarray) -> np.ndarray:
@@ -39,7 +39,7 @@ class Yielding(NamedTuple):
 
 
 def yielding(solution: Solution, n: int) -> Yielding | None:
-    """At state `n`; None where it has no unique answer.
+    """Compliance of the scene at state `n`; None where it is not unique.
 
     What nothing holds in a motion has its inertia, of a vibration that takes much longer than the motion.
     """
@@ -59,7 +59,7 @@ def yielding(solution: Solution, n: int) -> Yielding | None:
 
 
 def _of_coordinates(mass: StaticArray, n_q: int) -> StaticArray:
-    """The same without rows and columns of multipliers."""
+    """A mass matrix with zero rows and columns at the multipliers."""
     kept = np.arange(mass.shape[0]) < n_q
     if isinstance(mass, np.ndarray):
         found: np.ndarray = mass * kept * kept[:, None]
@@ -69,7 +69,7 @@ def _of_coordinates(mass: StaticArray, n_q: int) -> StaticArray:
 
 
 def _solver(matrix: StaticArray) -> Solver | None:
-    """Of A x = f; None where A is singular."""
+    """Solver of A x = f; None where A is singular."""
     if not isinstance(matrix, np.ndarray):
         try:
             return scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix)).solve  # type: ignore[no-any-return]

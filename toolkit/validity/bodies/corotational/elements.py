@@ -26,7 +26,7 @@ from toolkit.validity.bodies.chains.planar_chain import planar_law
 
 
 class Deformed(NamedTuple):
-    """All elements in a deformed state, first axis elements; complex if the displacements are."""
+    """Deformed state of all elements, first axis elements; complex if the displacements are."""
 
     chord: np.ndarray  # l
     stretch: np.ndarray  # a
@@ -51,12 +51,12 @@ class Corotational:
 
     @cached_property
     def sides(self) -> np.ndarray:
-        """From the first to the second end of every element, (n_e, 2)."""
+        """Vectors from the first to the second end of every undeformed element, (n_e, 2)."""
         return self.nodes[self.connectivity[:, 1]] - self.nodes[self.connectivity[:, 0]]
 
     @cached_property
     def lengths(self) -> np.ndarray:
-        """L, (n_e,)."""
+        """Lengths L of the undeformed elements, (n_e,)."""
         return np.linalg.norm(self.sides, axis=1)
 
     @cached_property
@@ -65,7 +65,7 @@ class Corotational:
         return planar_law(self.made_of, self.lengths)
 
     def deformed(self, u: np.ndarray) -> Deformed:
-        """Lengths, deformations and their derivatives at displacements u; complex u gives complex steps."""
+        """Chord lengths, deformations and their derivatives at displacements u; complex u gives complex steps."""
         moved, along = u.reshape(-1, 3)[self.connectivity], self.sides / self.lengths[:, None]
         across = np.column_stack([-along[:, 1], along[:, 0]])
         side = self.sides + moved[:, 1, :2] - moved[:, 0, :2]
@@ -127,7 +127,7 @@ def _outer(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _angle(cosine: np.ndarray, sine: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """The angle that is nearest to `near` of all with this cosine and sine; differentiable by complex steps."""
+    """Angle with this cosine and sine that is nearest to `near`; differentiable by complex steps."""
     angle = np.arctan2(np.real(sine), np.real(cosine))
     turns = np.round((np.real(near) - angle) / (2 * np.pi))
     return angle + np.arcsin(sine * np.cos(angle) - cosine * np.sin(angle)) + 2 * np.pi * turns

@@ -21,7 +21,7 @@ STRAIGHT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class BentPart:
-    """Nodes of a part by their numbers in the body, where they are, and their errors in the same axes."""
+    """A part of a body: its nodes by their numbers in the body, their positions, and their errors in the same axes."""
 
     nodes: np.ndarray  # (n,)
     places: np.ndarray  # (n_t, n, 3)
@@ -29,7 +29,7 @@ class BentPart:
 
 
 def in_space(moves: np.ndarray, turns: np.ndarray | None = None) -> np.ndarray:
-    """Vectors (.., 3) of those in the plane or in space, (.., d); with rotations (.., 1) or (.., 3) behind them (.., 6)."""
+    """Vectors in space (.., 3) from those in the plane or in space, (.., d); with rotations (.., 1 or 3) behind them (.., 6)."""
     found = np.zeros((*moves.shape[:-1], 3 if turns is None else 6))
     found[..., : moves.shape[-1]] = moves
     if turns is not None:
@@ -38,7 +38,7 @@ def in_space(moves: np.ndarray, turns: np.ndarray | None = None) -> np.ndarray:
 
 
 def joined_errors(parts: Sequence[BentPart], held: int | None) -> np.ndarray:
-    """Errors (n_t, n_nodes, 3) of the nodes of a body, of which one is held or none."""
+    """Errors (n_t, n_nodes, 3) of the nodes of a body, of which one or none is held, joined from those of its parts."""
     count, times = 1 + max(part.nodes.max() for part in parts), len(parts[0].errors)
     places, found = np.zeros((times, count, 3)), np.zeros((times, count, 6))
     joined, waiting = set(parts[0].nodes[:1].tolist()), list(parts)
@@ -63,7 +63,7 @@ def _rigid(motion: np.ndarray, arms: np.ndarray) -> np.ndarray:
 
 
 def _without_best(errors: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Without the rigid motion that leaves the least squares."""
+    """Errors (n_t, n, 3) without the rigid motion that leaves the least squares."""
     arms = places - places.mean(axis=1, keepdims=True)
     inertia = np.einsum("tni,tni,jk->tjk", arms, arms, np.eye(3)) - np.einsum("tnj,tnk->tjk", arms, arms)
     moment = np.cross(arms, errors).sum(axis=1)

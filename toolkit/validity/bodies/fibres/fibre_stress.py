@@ -1,4 +1,4 @@
-"""What the stress of beams in space, which is that along their fibres, lacks of von Mises': shear by twist, and bending between fibres.
+"""Difference of the stress along fibres of beams in space to von Mises': shear by twist, and bending between fibres.
 
 With the torque T, bending moments M and the normal force N of an element, and the shear stress tau of `spatial_sections`,
 
@@ -27,11 +27,11 @@ from toolkit.validity.bodies.fibres.spatial_sections import SAME, sections_of
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
 ROUND_OFF = 1e-9
-"""Part of von Mises' stress below which fibres tell none."""
+"""Part of von Mises' stress below which the stress along fibres is round-off."""
 
 
 def fibres_alone(solution: Solution) -> Iterator[Caution]:
-    """Doubts about bodies of beams in space whose stress, where it is asked for, lacks a part that counts."""
+    """Doubts about bodies of beams in space whose stress is asked for and lacks a part that counts."""
     scene = solution.system.placed
     for body in whole_bodies(scene):
         if body in bodies_of_stress(scene) and not is_in_pieces(scene, body) and is_of_fibres(scene, body):
@@ -75,8 +75,10 @@ def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
 
 
 def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] | None:
-    """The largest stress that fibres tell, and von Mises' largest; None where elements or sections are not known, infinite where a section
-    has no fibre but its middle."""
+    """Largest stress along fibres, and the largest von Mises stress.
+
+    None where elements or sections are not known, infinite where a section has no fibre but its middle.
+    """
     scene = solution.system.placed
     behind = chain(scene, name)
     if behind is None:
@@ -105,7 +107,7 @@ def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] |
 
 
 class Fibres(NamedTuple):
-    """Fibres of a part whose stress is told."""
+    """Fibres of a part at which stress is evaluated."""
 
     operator: np.ndarray  # (n_s, 12) rows of their stress on the coordinates of their elements
     owner: np.ndarray  # (n_s,) numbers of these among those of the part
@@ -114,7 +116,7 @@ class Fibres(NamedTuple):
 
 
 def _fibres(scene: Scene, body: str, name: str, count: int) -> Fibres | None:
-    """Those of a part with so many elements; None where its sections are not known."""
+    """Fibres of a part with so many elements; None where its sections are not known."""
     design = flexible_body(scene, body).design_point(
         scene, "stress", "elements", "element_derivatives", "element_affine", *SECTIONS
     )

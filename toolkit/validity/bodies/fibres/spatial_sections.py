@@ -22,14 +22,17 @@ from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.sides import sides_of
 
 ODD = np.arange(1, 40, 2)
-"""Terms of the series: they fall with exp(-n pi / 2) and 1 / n^5."""
+"""Odd numbers n of the terms of the series, which fall with exp(-n pi / 2) and 1 / n^5."""
 SAME = 1e-6
 """Relative difference of lengths and second moments that is round-off of a section's numbers."""
 
 
 class Sections(NamedTuple):
-    """Of elements: directions, areas, least second moments with their axes, outer radii, whether they are round or else rectangles, and the
-    largest shear stress over the torque."""
+    """Sections of elements in space.
+
+    They are directions, areas, least second moments with their axes, outer radii, whether they are round or else rectangles, and
+    the largest shear stress over the torque.
+    """
 
     along: np.ndarray  # (n_e, 3)
     area: np.ndarray  # (n_e,)
@@ -64,8 +67,11 @@ def sections_of(behind: Chain, made_of: BeamSections, fibres: np.ndarray, owner:
 def _shear(
     area: np.ndarray, least: np.ndarray, most: np.ndarray, radius: np.ndarray, twisting: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Whether sections are round, and their largest shear stress over the torque; nan where they are neither round nor rectangles: where
-    fibres lie elsewhere, or G J / E stands for no modulus of shear, from 1/3 E to E."""
+    """Whether sections are round, and their largest shear stress over the torque.
+
+    It is nan where they are neither round nor rectangles: where fibres lie elsewhere, or G J / E stands for no modulus of shear,
+    from 1/3 E to E.
+    """
     equal, squares = np.abs(most - least) < SAME * most, radius**2 * area
     solid = (squares > (2 - SAME) * least) & (squares < (4 + SAME) * least)  # from a thin tube to a full circle
     round_ones = equal & solid & _is_modulus(twisting / (least + most))

@@ -1,4 +1,4 @@
-"""By how much shapes that were left out change the frequencies and damping ratios that responses ask for."""
+"""Changes of the frequencies and damping ratios that responses ask for, by shapes that were left out."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from toolkit.validity.bodies.reduced.richer_pencil import richer_pencil
 UNDAMPED = 1e-9
 """Damping ratio that is round-off."""
 HELD = 1e-6
-"""Part of the fastest vibration below which one is the round-off of a motion that nothing holds."""
+"""Part of the fastest vibration below which a vibration is round-off: a motion that nothing holds."""
 NEAR, LEFT = 0.01, 3e-4
 """Parts of a frequency by which two vibrations differ at most that may change places, if it is off by as much; and which it may always be
 off by, see `richer_pencil`."""
 
 
 def changed_vibrations(solution: Solution) -> dict[str, float]:
-    """Response -> part of its value by which it is too large; empty where nothing is reduced, without what is not damped.
+    """Response -> relative error of its vibration by left-out shapes; empty where nothing is reduced, without undamped ones.
 
-    Of vibrations that are so close to each other that they may change places, what it would lack to any of them.
+    Of vibrations that are so close to each other that they may change places, the largest of their errors counts.
     """
     scene, n_q = solution.system.scene, solution.system.n_q
     asked = {name: each for name, each in scene.responses.items() if isinstance(each, OfVibration)}
@@ -40,7 +40,10 @@ def changed_vibrations(solution: Solution) -> dict[str, float]:
 
 
 def _part(response: OfVibration, s: complex, true: np.ndarray) -> float:
-    """By which the number from s is larger than those of its place among the true ones; nan of what is zero, inf where they are."""
+    """Relative error of the number from s, against those near its place among the true ones; the largest counts.
+
+    It is nan where both are zero, and inf where only the true numbers are, or where there is none of its place.
+    """
     if response.number > len(true):
         return np.inf
     wanted = true[response.number - 1]
@@ -55,7 +58,7 @@ def _part(response: OfVibration, s: complex, true: np.ndarray) -> float:
 
 
 def cautions_of_changed(solution: Solution) -> Iterator[Caution]:
-    """All responses that lack much."""
+    """A caution about all responses whose vibrations left-out shapes change by much."""
     parts = {name: part for name, part in changed_vibrations(solution).items() if abs(part) > TOLD}
     if parts:
         yield Caution(

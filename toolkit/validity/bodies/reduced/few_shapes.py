@@ -32,16 +32,16 @@ from toolkit.validity.bodies.reduced.gripped_vibrations import raised_by_grips
 from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD, listed_parts
 
 ENOUGH = float(np.sqrt((1 + TOLD) ** 2 - 1))
-"""Frequency in parts of the slowest one that is left out, which may be too high by `TOLD`."""
+"""Frequency, relative to the slowest one left out, that may be too high by `TOLD`."""
 
 OF_GRADIENTS = 0.02
-"""Part of a frequency from which its derivative may be off by a tenth: by a thickness it was up to five times as much."""
+"""Relative error of a frequency from which its derivative may be off by a tenth: by a thickness, by up to five times as much."""
 BETTER = 'Build it with kind = "craig-bampton", whose shapes know its interface points.'
-"""What helps where eigenmodes alone are held."""
+"""Remedy where the basis holds eigenmodes alone."""
 
 
 class FewShapes(NamedTuple):
-    """Of one body: the slowest frequency that its basis leaves out, in cycles per time; nan if it is not known, and then why."""
+    """Slowest frequency that the basis of one body leaves out, in cycles per time; nan if it is not known, with the reason."""
 
     body: str
     slowest: float
@@ -52,7 +52,7 @@ class FewShapes(NamedTuple):
 def cautions_of_few_shapes(
     solution: Solution, frequencies: Mapping[str, float], doubt: bool, differentiated: bool
 ) -> Iterator[Caution]:
-    """Frequencies, by what they are called, that a basis may make too large, and bodies of which it is not known by how much."""
+    """Cautions about frequencies, by name, that a basis may make too large, and about bodies where the error is not known."""
     scene = solution.system.scene
     vibrating = {name: abs(value) for name, value in frequencies.items() if value}
     if not vibrating:
@@ -87,7 +87,7 @@ def cautions_of_few_shapes(
 def _of_gripped(
     solution: Solution, frequencies: Mapping[str, float], gripped: list[FewShapes], doubt: bool, differentiated: bool
 ) -> Iterator[Caution]:
-    """Frequencies that bodies raise which joints or springs hold where shapes move that are left out."""
+    """Cautions about frequencies raised by bodies that joints or springs hold where left-out shapes move."""
     parts = raised_by_grips(solution, frequencies, {each.body: each.slowest for each in gripped})
     where = ", ".join(f"{each.body} at {each.gripped}" for each in gripped)
     if parts is None:
@@ -110,14 +110,15 @@ def _of_gripped(
 
 
 def raised_at_most(frequency: float, slowest: float) -> float:
-    """Part by which a frequency may be too high where the slowest one is left out."""
+    """Largest relative error of a frequency where the slowest vibration left out is known."""
     return float(np.sqrt(1 + (frequency / slowest) ** 2) - 1)
 
 
 def left_out(scene: Scene) -> Iterator[FewShapes]:
-    """Of all bodies whose model does not keep all coordinates, cut or not, but those of frozen shapes away from their design.
+    """Slowest left-out frequency of all bodies whose model does not keep all coordinates, cut or not.
 
-    What these leave out are no shapes of their design, so that the bound does not hold: `basis_errors` measures what they lack.
+    Bodies of frozen shapes away from their design are not among them: what these leave out are no shapes of their design, so that
+    the bound does not hold. `basis_errors` measures what they lack.
     """
     off = {each.name for each in frozen_bodies(scene)}
     for name in whole_bodies(scene):
@@ -142,8 +143,11 @@ def left_out(scene: Scene) -> Iterator[FewShapes]:
 
 
 def _coupled(scene: Scene, body: str) -> bool:
-    """Whether inertia couples shapes that are left out with the frame's motion or kept ones: not where the frame stands still, nor of free
-    modes about mean axes, which float by themselves, at the numbers that they were found with."""
+    """Whether inertia couples shapes that are left out with the frame's motion or kept shapes.
+
+    It does not where the frame stands still, nor of free modes about mean axes, which float by themselves, at the numbers that
+    they were found with.
+    """
     written = flexible_body(scene, body)
     design = written.design_point(scene)
     nominal = design.model.invariants
@@ -152,7 +156,7 @@ def _coupled(scene: Scene, body: str) -> bool:
 
 
 def _pulled(scene: Scene, body: str, held: bool) -> list[str]:
-    """Points at which joints or springs hold a body, and which shapes that are left out may move."""
+    """Points at which joints or springs hold a body, and which left-out shapes may move."""
     springs = [load for load in scene.loads.values() if isinstance(load, Load) and not load.proportional]
     grips = {grip for each in (*scene.joints.values(), *springs) for grip in each.grips}
     gripped = {point for name, point in grips if name == body}
@@ -164,7 +168,10 @@ def _pulled(scene: Scene, body: str, held: bool) -> list[str]:
 
 
 def _speeded(scene: Scene, body: str) -> float:
-    """Slowest vibration of the kept shapes at the scene's numbers, in parts of that at the nominal design, as of those left out."""
+    """Slowest vibration of the kept shapes at the scene's numbers, relative to that at the nominal design.
+
+    The vibrations of the shapes left out are taken to change alike.
+    """
     design = flexible_body(scene, body).design_point(scene)
     nominal = design.model.invariants
     here = type(nominal)(**{name: design.value(name) for name in vars(nominal)})

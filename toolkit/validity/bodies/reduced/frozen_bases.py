@@ -16,12 +16,12 @@ from toolkit.scene.scene import Scene
 
 PARTS = ("affine", "derivatives", *RICHER_PARTS)
 MODES_ALONE = "frozen: eigenmodes"
-"""How the words for a basis begin whose shapes know no interface points."""
+"""Beginning of the name of a basis whose shapes know no interface points."""
 
 
 @dataclass(frozen=True)
 class FrozenBody:
-    """One body.
+    """A body whose basis is frozen.
 
     Attributes
     ----------
@@ -43,12 +43,12 @@ class FrozenBody:
 
     @property
     def known(self) -> bool:
-        """Whether its file holds the body in more shapes."""
+        """Whether the body's file holds it in more shapes."""
         return self.shapes[1] > 0
 
 
 def frozen_bodies(scene: Scene, variables: Collection[str] = ()) -> list[FrozenBody]:
-    """Those whose shapes are not for the design of the scene, or that some variables would turn."""
+    """Frozen bodies whose shapes are not for the design of the scene, or that some variables would turn."""
     return [*filter(None, (_frozen(scene, name, body, variables) for name, body in scene.bodies.items()))]
 
 
@@ -80,7 +80,7 @@ def _frozen(scene: Scene, name: str, body: Any, variables: Collection[str]) -> F
 
 
 def _moved(scene: Scene, body: ModelBody) -> Iterator[tuple[str, tuple[float, float]]]:
-    """Parameters and places whose values are others than those of the model."""
+    """Parameters and positions whose values differ from those of the model."""
     model = scene.model(body.model)
     nominal = {place_parameter(name): float(each.arc_length) for name, each in (model.interfaces or {}).items()} | model.nominal
     given = {**body.model_values(), **{place_parameter(name): s for name, s in scene.arc_lengths(body).items()}}

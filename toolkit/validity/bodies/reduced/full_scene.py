@@ -26,12 +26,12 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
 
 SAME = 1e-6
-"""Part of a shape by which it differs from others if it is one of them."""
+"""Relative difference of a shape from others up to which it is one of them."""
 
 
 @dataclass(frozen=True)
 class ReducedPart:
-    """One part with all coordinates, what is kept of them, and where it is in the full scene."""
+    """One part with all coordinates, the shapes that are kept of it, and its rows in the full scene."""
 
     part: Part
     shapes: PartShapes
@@ -39,16 +39,16 @@ class ReducedPart:
 
     @property
     def columns(self) -> np.ndarray:
-        """All elastic coordinates per reduced one."""
+        """Columns of all elastic coordinates per reduced one."""
         return self.shapes.columns(self.part.invariants.stiffness)
 
     @property
     def inner(self) -> np.ndarray:
-        """Elastic coordinates (n_i,) that are not kept."""
+        """Numbers of the elastic coordinates (n_i,) that are not kept."""
         return np.delete(np.arange(self.part.n_f), self.shapes.kept)
 
     def moved(self, forces: np.ndarray) -> np.ndarray:
-        """-delta (n_t, n_f) under forces r (n_t, n_f)."""
+        """Displacements -delta (n_t, n_f) in left-out shapes under forces r (n_t, n_f)."""
         inner, found = self.inner, np.zeros_like(forces)
         own, phi = self.part.invariants.stiffness[np.ix_(inner, inner)], self.shapes.modes
         if inner.size:
@@ -60,7 +60,7 @@ class ReducedPart:
         return found
 
     def richer(self, fastest: float) -> np.ndarray:
-        """Its columns with all modes, with the kept coordinates held, that are slower than `fastest`, in rad/time, (n_f, n)."""
+        """Columns of the part (n_f, n) with all modes slower than `fastest`, in rad/time, the kept coordinates held."""
         inner, kept, columns = self.inner, len(self.shapes.kept), self.columns
         if not inner.size:
             return columns
@@ -77,18 +77,18 @@ class ReducedPart:
 
 @dataclass(frozen=True)
 class FullScene:
-    """With all coordinates of the bodies that are reduced."""
+    """The scene with all coordinates of the bodies that are reduced."""
 
     system: System
     parts: dict[str, dict[str, ReducedPart]]  # of every such body, by name
 
     @cached_property
     def expanded(self) -> scipy.sparse.csr_array:
-        """Its coordinates per coordinate of the reduced scene, (n_q, n_q)."""
+        """Coordinates of the full scene per coordinate of the reduced scene, (n_q, n_q)."""
         return self.expansion(lambda part: part.columns)
 
     def expansion(self, columns: Callable[[ReducedPart], np.ndarray]) -> scipy.sparse.csr_array:
-        """Its coordinates per coordinate of a scene whose parts have these columns (n_f, n)."""
+        """Coordinates of the full scene per coordinate of a scene whose parts have these columns (n_f, n)."""
         parts = {name: each for own in self.parts.values() for name, each in own.items()}
         blocks, first = [], [*self.system.numbering.first.items()]
         for (name, start), (_, end) in zip(first, [*first[1:], ("", self.system.n_q)], strict=True):
@@ -98,7 +98,7 @@ class FullScene:
         return scipy.sparse.csr_array(scipy.sparse.block_diag(blocks))
 
     def last_state(self, solution: Solution) -> Solution:
-        """The state that a run of the reduced scene ends in."""
+        """State that a run of the reduced scene ends in, in the coordinates of the full scene."""
         n_q, states = self.system.n_q, np.zeros((3, 1, self.system.n))
         states[:, 0, :n_q] = [self.expanded @ each[-1] for each in (solution.q, solution.v, solution.a)]
         states[2, 0, n_q:] = solution.multipliers[-1]
@@ -108,7 +108,7 @@ class FullScene:
 
 
 def full_scene_of(solution: Solution) -> FullScene | None:
-    """That of a run, made when it is first asked for."""
+    """Full scene of a run, made when first asked for; None if nothing is reduced."""
     if FullScene not in solution.known:
         solution.known[FullScene] = full_scene(solution.system.scene)
     found: FullScene | None = solution.known[FullScene]
@@ -122,7 +122,7 @@ def reduced_bodies(scene: Scene) -> dict[str, CutBody]:
 
 
 def full_scene(scene: Scene) -> FullScene | None:
-    """None of a scene in which nothing is reduced."""
+    """The scene with all coordinates of its reduced bodies; None if nothing is reduced."""
     bodies = reduced_bodies(scene)
     if not bodies:
         return None
@@ -133,7 +133,7 @@ def full_scene(scene: Scene) -> FullScene | None:
 
 
 def _parts(scene: Scene, full: System, name: str, body: CutBody) -> dict[str, ReducedPart]:
-    """Those of one body by name."""
+    """Reduced parts of one body by name."""
     found, every = {}, full.scene.all_bodies()
     for part_name, reduced in body.parts(name).items():
         whole = every[part_name]

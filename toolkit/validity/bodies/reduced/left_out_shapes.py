@@ -1,4 +1,4 @@
-"""How far the forces of a run would bend reduced parts in shapes that were left out.
+"""Deflection of reduced parts by the forces of a run in shapes that were left out.
 
 The full scene is put into the states of the run, where its equations are not in balance, inertia included. What is left of the forces would
 move the parts by delta (see `full_scene`): their part in the motion as long as none of these shapes vibrates.
@@ -22,19 +22,19 @@ from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.reduced.full_scene import FullScene, ReducedPart, full_scene_of
 
 INSTANTS = 50
-"""States of a run that are looked at, equally far apart."""
+"""Number of states of a run that are examined, equally far apart."""
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Of one body, the largest at any of the instants."""
+    """Largest displacement and stress, at any of the instants, that the left-out shapes of one body would add."""
 
     displacement: float  # of a node, in parts of the largest displacement of the body
     stress: float  # in parts of its largest stress
 
 
 def left_out_shapes(solution: Solution) -> dict[str, LeftOut]:
-    """What every body lacks whose parts do not keep all coordinates."""
+    """Displacement and stress that every body lacks whose parts do not keep all coordinates, by name."""
     if LeftOut not in solution.known:
         full = full_scene_of(solution)
         forces = np.zeros(0) if full is None else _unbalanced(solution, full)
@@ -45,7 +45,7 @@ def left_out_shapes(solution: Solution) -> dict[str, LeftOut]:
 
 
 def shapes_missed(solution: Solution) -> Iterator[Caution]:
-    """Bodies whose parts keep too few shapes."""
+    """Doubts about bodies whose parts keep too few shapes."""
     for name, found in left_out_shapes(solution).items():
         if not max(found.displacement, found.stress) <= LIMIT:
             modes = solution.system.scene.bodies[name].modes_per_frame  # type: ignore[attr-defined]
@@ -58,12 +58,12 @@ def shapes_missed(solution: Solution) -> Iterator[Caution]:
 
 
 def shapes_measured(solution: Solution) -> dict[str, Any]:
-    """Body -> what its parts lack, as a record."""
+    """Body -> displacement and stress that its parts lack, as a record."""
     return {name: asdict(each) for name, each in left_out_shapes(solution).items()}
 
 
 def _unbalanced(solution: Solution, full: FullScene) -> np.ndarray:
-    """What is left of the forces at the coordinates of the full scene, (n_t, n_q)."""
+    """Residual forces at the coordinates of the full scene in states of the run, (n_t, n_q)."""
     n = np.unique(np.linspace(0, len(solution.times) - 1, INSTANTS).round().astype(int))
     system, n_q = full.system, full.system.n_q
     states: np.ndarray = np.zeros((3, len(n), system.n))
@@ -91,11 +91,11 @@ def _of_body(solution: Solution, name: str, parts: list[ReducedPart], forces: np
 
 
 def _farthest(part: Part, elastic: np.ndarray) -> float:
-    """The largest displacement of a node by elastic coordinates (n_t, n_f)."""
+    """Largest displacement of a node by elastic coordinates (n_t, n_f)."""
     moves = (elastic @ part.recovery[:, 1:].T).reshape(len(elastic), -1, part.per_node)[:, :, : part.nodes.shape[1]]
     return float(np.sqrt((moves * moves).sum(axis=2)).max())
 
 
 def _largest_stress(operator: np.ndarray, elastic: np.ndarray) -> float:
-    """By elastic coordinates (n_t, n_f)."""
+    """Largest stress by elastic coordinates (n_t, n_f)."""
     return float(np.abs(elastic @ operator.reshape(-1, operator.shape[-1]).T).max(initial=0.0))

@@ -1,4 +1,4 @@
-"""What the shapes hold of stress, strain energy and small displacements which a reduced basis leaves out, under the forces of a run.
+"""Stress, strain energy and small displacements of the shapes that a reduced basis leaves out, under a run's forces.
 
 Its reduced model tells what unit loads at rest do in these shapes (`LeftOutShapes`): with the forces c at its points, and what its weight
 and its inertia pull at every mass,
@@ -38,14 +38,14 @@ from toolkit.validity.bodies.element_accelerations import CANCELLED, pull_of_fra
 
 
 class MovedPoint(NamedTuple):
-    """What a response looks at, and what carries it."""
+    """A point that a response looks at, and the flexible body that carries it."""
 
     response: Any  # a displacement or rotation
     body: str  # flexible
     interface: str
 
     def missed(self, solution: Solution, moves: np.ndarray, instants: np.ndarray) -> np.ndarray:
-        """What a displacement and rotation of the interface point (n_t, 3 or 6) in the axes of the model adds, (n_t,)."""
+        """Change of the response (n_t,) by the interface point's displacement and rotation (n_t, 3 or 6) in the model's axes."""
         scene, d = solution.system.scene, solution.system.scene.dimension
         written: Any = flexible_body(scene, self.body)
         axes = written.poses(np.real(solution.q[instants][:, solution.coordinates(self.body)]))[1]
@@ -66,7 +66,7 @@ class MovedPoint(NamedTuple):
 
 
 def moved_points(scene: Scene) -> Iterator[tuple[str, MovedPoint]]:
-    """Responses of this kind by name."""
+    """Displacements and rotations that responses ask for, of points that a flexible body carries, by name."""
     for name, response in scene.responses.items():
         if isinstance(response, Displacement | Rotation):
             ((body, point),) = response.grips(scene)
@@ -78,14 +78,14 @@ def moved_points(scene: Scene) -> Iterator[tuple[str, MovedPoint]]:
 
 
 def _fixed_to(scene: Scene, body: str) -> Iterator[tuple[str, str]]:
-    """The body and the point that a rigid body is fixed to, if one joint holds it."""
+    """Body and point that a rigid body is fixed to, if one joint holds it."""
     mine = [joint for joint in scene.joints.values() if body in joint.bodies]
     if len(mine) == 1 and mine[0].kind == "rigid":
         yield from (grip for grip in mine[0].grips if grip[0] != body)
 
 
 def _carries_alone(scene: Scene, body: str) -> bool:
-    """Whether a grounded flexible body has no joints but with bodies that nothing else holds."""
+    """Whether a grounded flexible body has joints only with bodies that nothing else holds."""
     written = scene.bodies.get(body)
     if not isinstance(written, ModelBody) or written.frame_size:
         return False
@@ -94,15 +94,15 @@ def _carries_alone(scene: Scene, body: str) -> bool:
 
 
 LOOKED_AT = 24
-"""Instants, evenly spread over a motion, that are looked at beside those of the largest deformation."""
+"""Number of instants, evenly spread over a motion, that are examined beside those of the largest deformation."""
 MOST_DEFORMED = 16
-"""How many of these."""
+"""Number of instants of the largest deformation."""
 STILL = 1e-12
-"""Rotation, and displacement in parts of the scene's size, that is round-off."""
+"""Rotation, and displacement relative to the model size, up to which it is round-off."""
 
 
 def missed_statics(solution: Solution) -> Iterator[Caution]:
-    """Doubts about stress, strain energy and displacements that responses ask for."""
+    """Doubts about stress, strain energy and displacements that responses ask for and left-out shapes would change."""
     asked = _asked(solution)
     known = _left_out(solution, asked) if asked else {}
     if not known:
@@ -128,7 +128,7 @@ def _told(solution: Solution, parts: dict[str, float], about: list[str]) -> str:
 
 
 def _asked(solution: Solution) -> dict[str, Any]:
-    """Name -> what responses look at, of those that look at stress, at strain energy, or at points that reduced bodies carry."""
+    """Response -> what it looks at, for stress, strain energy, or points that reduced bodies carry."""
     looked_at = {name: _source(response) for name, response in solution.system.scene.responses.items()}
     known = {name: each for name, each in looked_at.items() if isinstance(each, StrainEnergy | LocalStress | StressResponse)}
     return known | dict(moved_points(solution.system.scene))
@@ -143,7 +143,7 @@ def _concerns(asked: Any, body: str) -> bool:
 
 
 def _left_out(solution: Solution, asked: dict[str, Any]) -> dict[str, LeftOutShapes]:
-    """Bodies that responses concern and whose models tell what their bases leave out."""
+    """Left-out shapes of the bodies that responses concern, as far as their models hold them."""
     scene, found = solution.system.scene, {}
     for name in filter(scene.bodies.__contains__, deforming(scene)):
         if any(_concerns(each, name) for each in asked.values()) and not design_point(scene, name).model.keeps_all:
@@ -154,7 +154,7 @@ def _left_out(solution: Solution, asked: dict[str, Any]) -> dict[str, LeftOutSha
 
 
 def _instants(solution: Solution, asked: dict[str, Any], bodies: list[str]) -> np.ndarray:
-    """Numbers of the instants that are looked at, in order of time."""
+    """Numbers of the instants that are examined, in order of time."""
     last = len(solution.times) - 1
     responses = [solution.system.scene.responses[name] for name in asked]
     own = [each.step(solution) for each in responses if isinstance(each, Instant)]
@@ -163,7 +163,7 @@ def _instants(solution: Solution, asked: dict[str, Any], bodies: list[str]) -> n
 
 
 class _Reduced:
-    """One body at the instants that are looked at: what its basis tells, and what it misses."""
+    """One body at the instants that are examined: what its basis tells, and what it misses."""
 
     def __init__(self, solution: Solution, body: str, left_out: LeftOutShapes, instants: np.ndarray) -> None:
         self.design, self.left_out = design_point(solution.system.scene, body), left_out
@@ -175,14 +175,14 @@ class _Reduced:
 
     @cached_property
     def energies(self) -> np.ndarray:
-        """Told and true, (2, n_t)."""
+        """Strain energy that the basis tells, and the true one, (2, n_t)."""
         stiffness = np.real(self.design.value("stiffness"))
         forms = (self.elastic, stiffness), (self.loads, self.softer * self.left_out.compliance)
         told, missed = (np.einsum("ti,ij,tj->t", x, form, x) / 2 for x, form in forms)
         return np.stack([told, told + missed])
 
     def is_round_off(self, asked: Any, size: float) -> bool:
-        """Whether a size is what is left of weight that inertia cancels, as in free fall, or of no motion at all."""
+        """Whether a size is round-off: of weight that inertia cancels, as in free fall, or of no motion at all."""
         if isinstance(asked, MovedPoint):
             return size <= STILL * (1.0 if isinstance(asked.response, Rotation) else self.scene.size)
         first, gravity = len(self.points) * self.per_point, np.real(self.scene.gravity)
@@ -194,19 +194,19 @@ class _Reduced:
 
     @cached_property
     def stresses(self) -> np.ndarray:
-        """Told and true, (2, n_t, n_stress)."""
+        """Stress that the basis tells, and the true one, (2, n_t, n_stress)."""
         operator = np.real(self.design.value("stress_operator")).reshape(-1, self.elastic.shape[1])
         told = self.elastic @ operator.T
         return np.stack([told, told + self.stressed * self.loads @ self.left_out.stress_operator.T])
 
     def moves(self, interface: str) -> np.ndarray:
-        """Displacement and rotation of an interface point that are missed, (n_t, 3 or 6), in the axes of the model."""
+        """Missed displacement and rotation of an interface point, (n_t, 3 or 6), in the axes of the model."""
         first, size = self.points.index(interface), self.per_point
         return self.softer * self.loads @ self.left_out.compliance[:, size * first : size * (first + 1)]
 
 
 def softer_and_stressed(design: DesignPoint) -> tuple[float, float]:
-    """How much more the body yields to a force than at its nominal design, and how much larger stress is; of what is kept, on the whole."""
+    """Ratio of the body's compliance to that at its nominal design, and ratio of its stress; of kept shapes, on the whole."""
     nominal = design.model.invariants
     stiffness, operator = (np.real(design.value(name)) for name in ("stiffness", "stress_operator"))
     softer = float(np.mean(np.diag(nominal.stiffness) / np.diag(stiffness)))
@@ -215,7 +215,7 @@ def softer_and_stressed(design: DesignPoint) -> tuple[float, float]:
 
 
 def amplitudes_of_loads(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray:
-    """Loads c (n_t, n) in the order of `LeftOutShapes`."""
+    """Amplitudes c (n_t, n) of the unit loads, in the order of `LeftOutShapes`."""
     wrenches = wrenches_at_points(solution, body, instants)
     none = np.zeros((len(instants), len(solution.system.scene.space.wrench)))
     alike, by_place, by_shape = pull_of_frame(solution, body, instants)
@@ -234,7 +234,7 @@ def _concerned(asked: Any, bodies: dict[str, _Reduced]) -> dict[str, _Reduced]:
 
 
 def _part(solution: Solution, name: str, asked: Any, bodies: dict[str, _Reduced], instants: np.ndarray) -> float:
-    """By how much a response is off, in parts of the largest that what it looks at is during the run."""
+    """Relative error of a response, against the largest value over the run of what it looks at."""
     mine = [*_concerned(asked, bodies).values()]
     told, true = _moves(solution, asked, mine[0], instants) if isinstance(asked, MovedPoint) else _curves(solution, asked, mine)
     size = float(np.abs(true).max())
@@ -248,14 +248,14 @@ def _part(solution: Solution, name: str, asked: Any, bodies: dict[str, _Reduced]
 
 
 def _moves(solution: Solution, asked: MovedPoint, body: _Reduced, instants: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same of a displacement or rotation."""
+    """Told and true values (n_t,) of a displacement or rotation."""
     look = asked.response.instants(solution)
     told = np.real([look(int(n)).value for n in instants])
     return told, told + asked.missed(solution, body.moves(asked.interface), instants)
 
 
 def _curves(solution: Solution, asked: Any, bodies: list[_Reduced]) -> tuple[np.ndarray, np.ndarray]:
-    """What is told of what a response looks at, and what is true, (n_t,)."""
+    """Told and true values (n_t,) of the stress or strain energy that a response looks at."""
     if isinstance(asked, StrainEnergy):
         told, true = np.sum([each.energies for each in bodies], axis=0)
         return told, true

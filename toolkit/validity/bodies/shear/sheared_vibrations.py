@@ -26,26 +26,26 @@ from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
 from toolkit.validity.bodies.shear.soft_elements import STIFF, SoftElements, soft_elements
 
 WAVES = 3.0
-"""Times the error of a free wave, which vibrations between supports may have more of."""
+"""Factor by which vibrations between supports may have a larger error than a free wave."""
 STEP = 1e-2
-"""Part of the shear by which it is changed for the derivative by the thickness."""
+"""Relative change of the shear for the derivative by the thickness."""
 NAMED = 3
-"""So many vibrations are named at the most."""
+"""Largest number of vibrations that are named."""
 
 
 class Raised(NamedTuple):
-    """Parts by which one frequency is too large, and its derivative by the thickness of all beams."""
+    """Relative errors of one frequency, and of its derivative by the thickness of all beams."""
 
     value: float
     derivative: float
 
     def counts(self, differentiated: bool) -> bool:
-        """Whether one of those that are asked for does."""
+        """Whether an error of those that are asked for exceeds `LIMIT`."""
         return self.value > LIMIT or (differentiated and self.derivative > LIMIT)
 
 
 def sheared_vibrations(solution: Solution, asked: Mapping[str, float], differentiated: bool) -> Iterator[Caution]:
-    """Frequencies, by what they are called, in cycles per time, that shear makes lower.
+    """Doubts about frequencies, by name, in cycles per time, that shear makes lower.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def _words(found: Raised, differentiated: bool) -> str:
 
 
 def raised_by_stiff_shear(solution: Solution, asked: Mapping[str, float], differentiated: bool) -> dict[str, Raised]:
-    """Of those of the frequencies that shear might count in."""
+    """Errors of those frequencies in which shear might count, by name."""
     scene, times = solution.system.placed, 1 + differentiated
     part = times * WAVES * max((_slowness(scene, name) for name in whole_bodies(scene) if asked), default=0.0)
     short = {name: value for name, value in asked.items() if part * value > LIMIT}
@@ -82,7 +82,7 @@ def raised_by_stiff_shear(solution: Solution, asked: Mapping[str, float], differ
 
 
 def _slowness(scene: Scene, name: str) -> float:
-    """Error of a free bending wave, in parts of its frequency, per cycle per time; zero where there are no beams."""
+    """Relative error of a free bending wave per cycle per time; zero where there are no beams."""
     behind = None if is_in_pieces(scene, name) else chain(scene, name)
     if behind is None:
         return 0.0
@@ -93,7 +93,10 @@ def _slowness(scene: Scene, name: str) -> float:
 
 
 def _raised(solution: Solution, asked: Mapping[str, float]) -> dict[str, Raised]:
-    """By the vibrations with shear that are most alike; scaled by the mass, so that their products with each other tell."""
+    """Errors of frequencies, from the vibrations with shear that are most alike.
+
+    These are scaled by the mass, so that their products with each other tell.
+    """
     weights = solution.system.weights[: solution.system.n_q]
     motions, reduced = free_pencil(weights, real_pencil(any_pencil_of(solution)))
     soft = _soft_bodies(solution, motions)
@@ -111,7 +114,10 @@ def _raised(solution: Solution, asked: Mapping[str, float]) -> dict[str, Raised]
 
 
 def _of(values: list[np.ndarray], k: int) -> Raised:
-    """By the frequencies without shear, with it, and with more of it, which goes with the square of the thickness."""
+    """Errors of frequency k, from those without shear, with it, and with more of it.
+
+    Shear goes with the square of the thickness.
+    """
     known, true, softer = (float(each[k]) for each in values)
     if not true > 0:
         return Raised(np.inf, np.inf) if known > 0 else Raised(0.0, 0.0)
@@ -120,7 +126,7 @@ def _of(values: list[np.ndarray], k: int) -> Raised:
 
 
 def _soft_bodies(solution: Solution, motions: np.ndarray) -> list[SoftElements]:
-    """Elements of all beams, on the motions that joints allow."""
+    """Shear of the elements of all beams, on the motions that joints allow."""
     found = []
     for name in deforming(solution.system.placed):
         behind = None if is_in_pieces(solution.system.placed, name) else chain(solution.system.placed, name)

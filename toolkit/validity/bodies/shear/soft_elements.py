@@ -1,4 +1,4 @@
-"""What shear takes from the stiffness of Euler-Bernoulli elements.
+"""Stiffness that shear takes from Euler-Bernoulli elements.
 
 An element of length L bends by the rotations theta_1 and theta_2 of its ends against its chord. In theta_1 + theta_2 it carries a shear
 force, and there shear makes it softer; in theta_1 - theta_2 it carries none:
@@ -22,7 +22,7 @@ STIFF = 2.6 / (5 / 6)
 
 
 KNOWN = 1e-6
-"""Part by which theta_1 + theta_2 are softer in elements that know shear already: below it is none that counts."""
+"""Relative softness in theta_1 + theta_2 above which elements know shear already."""
 
 
 class BentElements(NamedTuple):
@@ -48,7 +48,7 @@ class SoftElements(NamedTuple):
 
 
 def bent_elements(behind: Chain) -> BentElements:
-    """Of a chain, by its law of forces per deformation."""
+    """Bending of the elements of a chain, from its law of forces per deformation."""
     law, found = behind.forms.law, beams_of(behind)
     turns = (law.shape[1] - 1) // 2
     aside = np.eye(turns)[None]
@@ -63,7 +63,7 @@ def bent_elements(behind: Chain) -> BentElements:
 
 
 def soft_elements(behind: Chain, motions: np.ndarray) -> SoftElements:
-    """Of a chain, on coordinates that move its elastic ones by the columns of `motions` (n_f, n)."""
+    """Shear of the elements of a chain, on coordinates that move its elastic ones by the columns of `motions` (n_f, n)."""
     forms, bent = behind.forms, bent_elements(behind)
     turns = bent.bending.shape[1]
     rows = np.einsum("etk,etp->ekp", bent.planes, forms.rows[:, 1 : 1 + turns] + forms.rows[:, 1 + turns :])
@@ -71,7 +71,7 @@ def soft_elements(behind: Chain, motions: np.ndarray) -> SoftElements:
 
 
 def shear_energies(behind: Chain, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Energies (n_t,) of displacements (n_t, n): of shear by the same forces, V^2 L / (2 kappa G A), and all that elements know.
+    """Energies (n_t,) of displacements (n_t, n): V^2 L / (2 kappa G A) of shear by the same forces, and all that elements know.
 
     The first in the moments M_1 + M_2 = V L is (M_1 + M_2)^2 Phi L / (24 E I).
     """

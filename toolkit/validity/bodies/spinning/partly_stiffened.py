@@ -1,4 +1,4 @@
-"""What a body lacks that its own spin stiffens: the tension by which it is carried round, where its frame's origin is off the axis.
+"""Missing stiffening of a body by its own spin: the tension that carries it round, where its frame's origin is off the axis.
 
 Its model knows the centrifugal forces of a spin omega about its frame's origin. Where that is accelerated by a_0, or the centre of mass of
 a body that floats about mean axes, joints carry another force m a_0 into the body. Of a clamped uniform beam
@@ -26,19 +26,20 @@ from toolkit.validity.bodies.spinning.critical_speed import critical_speed
 
 OF_SPIN, OF_HUB = 1.17, 1.57
 TOLD, DOUBTFUL = 0.005, 0.025
-"""Parts of the lowest frequency above which it is told, and doubted: frequencies in the plane of the spin lack about twice as much."""
+"""Missing parts of the lowest frequency above which there is a remark, or a doubt: in the plane of the spin, about twice as much
+is missing."""
 CARRIED = 0.01
-"""Distance of the centre of mass from the axis, in parts of the body's radius of gyration, from which joints carry a body that floats."""
+"""Distance of the centre of mass from the axis, relative to the radius of gyration, from which joints carry a floating body."""
 
 
 def stiffened(solution: Solution) -> list[str]:
-    """Bodies that ask for it."""
+    """Names of the bodies that ask for stiffening by their spin."""
     bodies = deforming(solution.system.placed).items()
     return [name for name, body in bodies if body.spin_stiffening and not isinstance(body, FramedPart)]
 
 
 def partly_stiffened(solution: Solution) -> Iterator[Caution]:
-    """Bodies that lack a part of their stiffening at the instant of their fastest spin."""
+    """Cautions about bodies that lack a part of their stiffening at the instant of their fastest spin."""
     for body in stiffened(solution):
         spins = spins_of(solution, body)
         instant = first_largest(np.linalg.norm(spins, axis=1))
@@ -48,7 +49,7 @@ def partly_stiffened(solution: Solution) -> Iterator[Caution]:
 
 
 def told(body: str, part: float) -> str:
-    """In words."""
+    """Message about a body that lacks a part of its stiffening."""
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
     return (
         f"the spin stiffens {body!r} by its own centrifugal forces about the origin of its frame, but not by the forces with which joints "
@@ -58,7 +59,7 @@ def told(body: str, part: float) -> str:
 
 
 def off_the_axis(solution: Solution, body: str, spin: np.ndarray, instant: int) -> float:
-    """Part of the lowest frequency across the plane of a spin (3,) that a body lacks because its frame's origin is off the axis."""
+    """Part of the lowest frequency across the plane of a spin (3,) that a body lacks because its origin is off the axis."""
     speed = float(np.linalg.norm(spin))
     if speed == 0:
         return 0.0

@@ -16,11 +16,11 @@ from toolkit.system.system import System
 SLOW = 1e-2
 """Spin, as a part of the lowest circular frequency, up to which it is a remark: gyroscopic forces change frequencies by about this part."""
 NONE = 1e-9
-"""The same below which it is round-off."""
+"""Spin, as a part of the lowest circular frequency, below which it is round-off."""
 
 
 def cautions_of_spin(solution: Solution, frequencies: np.ndarray) -> Iterator[Caution]:
-    """Cautions of modes with these frequencies, in cycles per time, about a state at rest."""
+    """Cautions about modes with these frequencies, in cycles per time, around a state at rest of a scene that spins."""
     found = fastest_spin(solution)
     if found is None:
         return
@@ -40,7 +40,7 @@ def cautions_of_spin(solution: Solution, frequencies: np.ndarray) -> Iterator[Ca
 
 
 def fastest_spin(solution: Solution) -> tuple[str, float, str] | None:
-    """The body that turns fastest at the start, or at the time of the solution by drivers; its rate in rad/time, and when."""
+    """Body that turns fastest at the start or, by drivers, at the time of the solution; its rate in rad/time, and when."""
     system = solution.system
     if not written_velocities(system) and not np.any(system.plan.joints.curve >= 0):
         return None
@@ -59,7 +59,7 @@ def _start(system: System) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _velocities(system: System, q, v, dq, dv, time: float, written: dict[int, str]) -> np.ndarray:
-    """Those that the joints allow; where there are none, those that are given: statics does without."""
+    """Velocities that the joints allow; where there are none, those that are given: statics does without."""
     try:
         return np.real(project_velocities(system, q, v, dq, dv, time, written)[0])
     except ToolkitError:

@@ -1,4 +1,4 @@
-"""What tension does to a body of beam elements: by the axial forces of each."""
+"""Tension of a body of beam elements: by the axial forces of each."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from toolkit.validity.bodies.tension.pulled_body import Grown, PulledBody
 
 
 class Growth(NamedTuple):
-    """Growth of the elements of one body, and what it pulls with at its nodes."""
+    """Growth of the elements of one body, and the forces by which it pulls at the nodes."""
 
     law: Stiffening
     growth: np.ndarray  # g (n_e,)
@@ -21,12 +21,12 @@ class Growth(NamedTuple):
 
     @property
     def forces(self) -> np.ndarray:
-        """- B^T S g on the elastic coordinates, (n_f,)."""
+        """Forces - B^T S g of the growth on the elastic coordinates, (n_f,)."""
         found: np.ndarray = -self.law.behind.shapes.T @ self.pull
         return found
 
     def tension(self, moved: np.ndarray) -> np.ndarray:
-        """N_2 (n_e,), where `forces` move the elastic coordinates by `moved` (n_f,) in the scene."""
+        """Axial forces N_2 (n_e,) of the growth, where `forces` move the elastic coordinates by `moved` (n_f,) in the scene."""
         behind = self.law.behind
         u = behind.shapes @ moved
         if not behind.is_full:
@@ -36,14 +36,14 @@ class Growth(NamedTuple):
 
 
 def growths(law: Stiffening, elastic: np.ndarray) -> np.ndarray:
-    """g (n_t, n_e) at elastic coordinates (n_t, n_f)."""
+    """Growth g (n_t, n_e) of the elements at elastic coordinates (n_t, n_f)."""
     u = law.behind.displacements(elastic)[:, law.behind.forms.dofs]
     found: np.ndarray = np.einsum("tep,epq,teq->te", u, law.behind.stiffening[:, 0], u, optimize=True) / 2
     return found
 
 
 def grown(law: Stiffening, elastic: np.ndarray) -> Growth:
-    """At elastic coordinates (n_f,)."""
+    """Growth of the elements at elastic coordinates (n_f,)."""
     forms, growth = law.behind.forms, growths(law, elastic[None])[0]
     pull = np.zeros(forms.count)
     np.add.at(pull, forms.dofs, np.einsum("ekp,ek->ep", forms.rows, forms.law[:, :, 0] * growth[:, None]))
@@ -52,16 +52,16 @@ def grown(law: Stiffening, elastic: np.ndarray) -> Growth:
 
 @dataclass(frozen=True, eq=False)
 class PulledChain(PulledBody):
-    """Of the geometric stiffness of all elements."""
+    """A body of beam elements whose geometric stiffness is that of all elements."""
 
     law: Stiffening
 
     def stiffness(self, elastic: np.ndarray) -> StaticArray:
-        """G_1 of axial forces alone."""
+        """Geometric stiffness G_1 of axial forces alone."""
         return self.law.of_axial(self.law.forces @ elastic)
 
     def grown(self, elastic: np.ndarray) -> Grown:
-        """By the growth of all elements."""
+        """Forces and stiffness by the growth of all elements at elastic coordinates (n_f,)."""
         found = grown(self.law, elastic)
 
         def stiffness(moved: np.ndarray) -> StaticArray:
@@ -70,13 +70,13 @@ class PulledChain(PulledBody):
         return Grown(found.forces, stiffness)
 
     def measures(self, elastic: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Bounds of N / P by axial forces, and by the growth of lines were they held everywhere."""
+        """Bounds of N / P by axial forces, and by the growth of lines if they were held everywhere."""
         pulled = np.maximum(elastic @ self.law.forces.T, 0.0) @ self.law.compliances
         stretch = np.square(growths(self.law, elastic)) @ self.law.behind.forms.law[:, 0, 0]
         energy = np.sum(elastic @ self.law.stiffness * elastic, axis=1)
         return pulled, np.divide(2 * stretch, energy, out=np.zeros(len(energy)), where=energy > 0)
 
     def distances(self, elastic: np.ndarray) -> np.ndarray:
-        """Of the nodes."""
+        """Largest displacement of the nodes at coordinates (n_t, n_f), (n_t,)."""
         found: np.ndarray = self.law.behind.distances(self.law.behind.displacements(elastic)).max(axis=1)
         return found

@@ -33,17 +33,17 @@ STEEP = 5e-3
 """Part of a joint's force that a deflection pulls with from which its gradients are looked at: this part grows with the square of the
 deflection or more, by a thickness with ten times its relative change."""
 MANY = 100.0
-"""Times that a force is off above which they are not counted."""
+"""Factor by which a force is off above which a message gives no factor."""
 HARDLY = 0.1
-"""Part of the largest force in any joint below which a force is none that counts."""
+"""Part of the largest force in any joint below which a force does not count."""
 NAMED = 3
-"""So many responses are named at the most."""
+"""Largest number of responses that are named."""
 LOOKED_AT = 24
-"""Instants among which the largest force of a joint is looked for."""
+"""Number of instants among which the largest force of a joint is sought."""
 
 
 class Lacking(NamedTuple):
-    """What a joint's force lacks."""
+    """Part of a joint's force that the equations lack."""
 
     missing: float
     size: float  # the largest that it is in the motion
@@ -51,7 +51,7 @@ class Lacking(NamedTuple):
 
 
 def pulled_joints(solution: Solution) -> Iterator[Caution]:
-    """Responses that are forces of joints, at the end of a motion or over time, which lack what a deflection pulls with."""
+    """Doubts about responses that are joint forces, at the end or over time, and lack the pull of a deflection."""
     low = {name: each for name, each in lacking_joints(solution).items() if abs(each.missing) > LIMIT * each.counts > 0}
     if low:
         body, scene = most_pulled(solution), solution.system.placed
@@ -70,7 +70,7 @@ def pulled_joints(solution: Solution) -> Iterator[Caution]:
 
 
 def lacking_joints(solution: Solution) -> dict[str, Lacking]:
-    """Responses that are forces of joints, with what each lacks of what deflections pull with; empty where nothing grows."""
+    """Responses that are joint forces, with the pull of deflections that each lacks; empty where nothing grows."""
     if Lacking not in solution.known:
         solution.known[Lacking] = _lacking(solution)
     found: dict[str, Lacking] = solution.known[Lacking]
@@ -89,7 +89,7 @@ def _lacking(solution: Solution) -> dict[str, Lacking]:
 
 
 def joint_forces(scene: Scene) -> dict[str, tuple[JointForce, bool]]:
-    """Responses that are forces of a joint, or made of them, by name; and whether they are those at the end."""
+    """Responses that are joint forces, or made of them, by name; and whether they are those at the end."""
     found = {name: (getattr(each, "of", each), not isinstance(each, OverTime)) for name, each in scene.responses.items()}
     return {name: (each, at_end) for name, (each, at_end) in found.items() if isinstance(each, JointForce)}
 
@@ -108,7 +108,7 @@ def _most_grown(solution: Solution, known: Mapping[str, PulledBody]) -> int | No
 
 
 def _low(solution: Solution, known: Mapping[str, PulledBody], n: int, asked: Mapping[str, JointForce]) -> dict[str, Lacking]:
-    """Of responses at one state."""
+    """Joint forces that responses lack at one state, by name."""
     state = stiffened_state(solution, known, n) if asked else None
     if state is None or not np.any(state.growing):
         return {}

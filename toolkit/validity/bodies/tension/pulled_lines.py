@@ -1,4 +1,4 @@
-"""What tension does to a body whose elements are not known, a solid or a reduced beam in space: by the lines through which forces go.
+"""Tension of a body whose elements are not known, a solid or a reduced beam in space: along the lines of its forces.
 
 A line of length L along e leads from what holds the frame to a point that is used, or between the two points of a chord. It is longer by
 a = e . Z q and so carries the force N = a / c_a, with c_a = e Z K^-1 Z^T e. On the edges of the surface beside it that go along it, each of
@@ -31,14 +31,14 @@ from toolkit.validity.bodies.tension.pulled_body import Grown, PulledBody
 ALONG = 0.7
 """Cosine of the angle to a line above which an edge goes along it."""
 WIDE = 0.5
-"""Extent of what holds a body along an axis, in parts of the largest, from which it holds the body at two sides."""
+"""Extent along an axis of the points that hold a body, relative to the largest, above which they hold it at two sides."""
 
 PLATE = 3.0
-"""Of the stiffness of a line, where there are two."""
+"""Factor of the stiffness of a line, where there are two."""
 
 
 class Line(NamedTuple):
-    """One line through a body."""
+    """One line through a body, along which forces go."""
 
     row: np.ndarray  # e Z (n_f,), by which it grows; zero where its ends are held
     stretching: float  # N by a unit of growth, E A / L
@@ -47,19 +47,19 @@ class Line(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PulledLines(PulledBody):
-    """Of a few lines."""
+    """A body whose geometric stiffness is that of a few lines."""
 
     lines: tuple[Line, ...]
     body_stiffness: np.ndarray  # K (n_f, n_f)
     shapes: np.ndarray  # (n, d, n_f) of the points of its surface
 
     def stiffness(self, elastic: np.ndarray) -> StaticArray:
-        """G_1 of the forces along the lines."""
+        """Geometric stiffness G_1 of the forces along the lines."""
         found: np.ndarray = sum((each.stretching * (each.row @ elastic) * each.turning for each in self.lines), self._none)
         return found
 
     def grown(self, elastic: np.ndarray) -> Grown:
-        """By the growth of the lines."""
+        """Forces and stiffness by the growth of the lines at elastic coordinates (n_f,)."""
         growth = [elastic @ each.turning @ elastic / 2 for each in self.lines]
         forces = -sum((each.stretching * g * each.row for each, g in zip(self.lines, growth, strict=True)), 0 * elastic)
 
@@ -71,7 +71,7 @@ class PulledLines(PulledBody):
         return Grown(forces, stiffness)
 
     def measures(self, elastic: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """By the lines, were they held."""
+        """Bounds of N / P by forces along the lines, and by the growth of the lines if they were held."""
         pulled, stretch = np.zeros(len(elastic)), np.zeros(len(elastic))
         for each in self.lines:
             softness = np.trace(static_deflection(self.body_stiffness, each.turning))
@@ -81,7 +81,7 @@ class PulledLines(PulledBody):
         return pulled, np.divide(2 * stretch, energy, out=np.zeros(len(energy)), where=energy > 0)
 
     def distances(self, elastic: np.ndarray) -> np.ndarray:
-        """Of the points of its surface."""
+        """Largest displacement of the points of the surface at coordinates (n_t, n_f), (n_t,)."""
         found: np.ndarray = np.linalg.norm(np.einsum("pdf,tf->tpd", self.shapes, elastic), axis=2).max(axis=1)
         return found
 
@@ -107,7 +107,7 @@ class Edges(NamedTuple):
 
 
 def pulled_lines(solution: Solution, body: str) -> PulledLines | None:
-    """The lines of a body; None where it shows no edges, or no line in it has a length."""
+    """Lines of a body; None where its model holds no edges, or no line in it has a length."""
     design = design_point(solution.system.placed, body, "surface", "outline", "interfaces")
     key = (PulledLines, tuple(used_interfaces(solution.system.placed, body)))
     if key not in design.kept:
@@ -133,7 +133,7 @@ def shown_of(design: DesignPoint) -> Shown | None:
 
 
 def _lines(solution: Solution, body: str, design: DesignPoint, shown: Shown) -> Iterator[Line]:
-    """The longest line that ends at a point, or those from end to end."""
+    """Longest line that ends at a point, or the lines from end to end."""
     stiffness, still = np.real(design.value("stiffness")), still_points(shown.places, shown.shapes)
     ends = [(motion, start) for _, start, motion in lines_between(solution, body, still)]
     seen = [each for each in ends if compliance_along(stiffness, each[0], each[0][:, 0]) > 0]
@@ -147,7 +147,7 @@ def _lines(solution: Solution, body: str, design: DesignPoint, shown: Shown) -> 
 
 
 def _held_around(solution: Solution, body: str, design: DesignPoint, shown: Shown, still: np.ndarray) -> Iterator[Line]:
-    """From end to end of what holds the body, through the point that is nearest to its middle."""
+    """Lines from end to end of the points that hold the body, through the used point nearest to their middle."""
     middle, stiffness = still.mean(axis=0), np.real(design.value("stiffness"))
     motions = [np.real(design.interface(name).here[0]) for name in used_interfaces(solution.system.placed, body)]
     motions = [each for each in motions if np.any(each[:, 1:])]
@@ -168,7 +168,7 @@ def _held_around(solution: Solution, body: str, design: DesignPoint, shown: Show
 
 
 def compliance_along(stiffness: np.ndarray, motion: np.ndarray, side: np.ndarray) -> float:
-    """c_a of a point along a side; zero where the basis does not see it."""
+    """Compliance c_a of a point along a side; zero where the basis does not see it."""
     along = side / np.linalg.norm(side)
     row, moved = along @ motion[:, 1:], motion[:, 1:]
     found = float(row @ static_deflection(stiffness, row))
@@ -177,7 +177,7 @@ def compliance_along(stiffness: np.ndarray, motion: np.ndarray, side: np.ndarray
 
 
 def _line(shown: Shown, start: np.ndarray, side: np.ndarray, moved: np.ndarray, stretching: float) -> Iterator[Line]:
-    """With the edges beside it; none where no edge goes along it."""
+    """A line with the edges beside it; none where no edge goes along it."""
     found = edges_beside(shown, start, side)
     if found is not None:
         flat = (found.slopes * np.sqrt(found.weights)[:, None, None]).reshape(-1, found.slopes.shape[2])
@@ -186,7 +186,7 @@ def _line(shown: Shown, start: np.ndarray, side: np.ndarray, moved: np.ndarray, 
 
 
 def edges_beside(shown: Shown, start: np.ndarray, side: np.ndarray) -> Edges | None:
-    """Those of a surface that go along a line; None without any."""
+    """Edges of a surface that go along a line; None without any."""
     length = float(np.linalg.norm(side))
     along = side / length
     first, last = shown.edges.T

@@ -1,4 +1,4 @@
-"""What a state of a scene would be with the stiffness across its tension, which the equations lack.
+"""A state of a scene with the stiffness across its tension, which the equations lack.
 
 With K of the whole scene at the state, G_1 the geometric stiffness of the axial forces that the bodies know, and G_2 of those that their
 deflection z gives them (`grown_elements`), which grow with its square, the true deflection z + d has
@@ -27,15 +27,15 @@ from toolkit.validity.bodies.compressed.yielding_scene import Yielding, yielding
 from toolkit.validity.bodies.tension.pulled_body import PulledBody
 
 DEPENDENT = 1e-10
-"""Part of the largest energy below which a direction is the round-off of others."""
+"""Part of the largest energy below which a direction is round-off of others."""
 HALVINGS = 24
 STEPS = 12
-"""Of the iteration for the largest stiffening: a tenth of it is not felt in what is told."""
+"""Iterations for the largest stiffening: a tenth of it is not felt in messages."""
 Form = Callable[[np.ndarray], np.ndarray]
 
 
 class StiffenedState(NamedTuple):
-    """At one state of a solution; coordinates are those of the whole scene."""
+    """One state of a solution with the stiffness across its tension; coordinates are those of the whole scene."""
 
     instant: int
     yields: Yielding  # K^-1
@@ -48,7 +48,7 @@ class StiffenedState(NamedTuple):
     growing: np.ndarray  # (n_q,) what its growth pulls with at the coordinates, t times the forces of z
 
     def largest(self) -> float:
-        """The largest part by which T stiffens the scene against any motion, about."""
+        """Largest part by which T stiffens the scene against any motion, approximately."""
         x = self.yields(self.adds(np.random.default_rng(0).normal(size=len(self.there)) * self.elastic))
         found = 0.0
         for _ in range(STEPS):
@@ -62,7 +62,7 @@ class StiffenedState(NamedTuple):
 
 
 def stiffened_state(solution: Solution, known: Mapping[str, PulledBody], n: int) -> StiffenedState | None:
-    """At state `n`; None where the scene does not yield in one way to forces."""
+    """The stiffened state at state `n` of a solution; None where the scene's compliance is not unique."""
     yields = yielding(solution, n)
     if yields is None:
         return None
@@ -109,7 +109,7 @@ def _stiffness(first: Form, second: Form, there: np.ndarray, change: np.ndarray,
 
 
 def _change(yields: Yielding, first: Form, second: Form, there: np.ndarray) -> tuple[np.ndarray, float]:
-    """d and t."""
+    """Change d of the deflection, and the part t of the second-order tension."""
     loads = [each for form in (first, second) if np.any(each := form(there))]
     moves = [yields(each) for each in loads]
     for form in (first, second):
@@ -133,7 +133,7 @@ def _change(yields: Yielding, first: Form, second: Form, there: np.ndarray) -> t
 
 
 def _part(of: Callable[[float], float]) -> float:
-    """t with t = of(t), between none and all of the second-order tension."""
+    """Solution t of t = of(t), between none and all of the second-order tension."""
     low, high = 0.0, 1.0
     for _ in range(HALVINGS):
         middle = (low + high) / 2
@@ -142,7 +142,7 @@ def _part(of: Callable[[float], float]) -> float:
 
 
 def _independent(moves: np.ndarray, loads: np.ndarray) -> np.ndarray:
-    """Motions of unit energy (n_q, m) that span those under loads."""
+    """Independent motions of unit energy (n_q, m) that span those under loads."""
     size = np.abs(moves).max(axis=0)
     kept = size > 0
     moves, loads = moves[:, kept] / size[kept], loads[:, kept] / size[kept]

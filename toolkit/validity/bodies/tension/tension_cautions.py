@@ -1,4 +1,4 @@
-"""Doubts about bodies that tension stiffens across itself, in words."""
+"""Doubts about bodies that tension stiffens across itself."""
 
 from __future__ import annotations
 
@@ -20,11 +20,14 @@ from toolkit.validity.bodies.tension.stiffened_bodies import TooLarge, most_pull
 from toolkit.validity.bodies.tension.stiffened_state import StiffenedState, stiffened_state
 
 SLOW = 1e-9
-"""Part of the largest squared frequency below which one is the round-off of a motion that nothing holds."""
+"""Part of the largest squared frequency below which a frequency is round-off: a motion that nothing holds."""
 
 
 def raised_by_tension(solution: Solution) -> np.ndarray:
-    """True frequency over that of the equations, of all vibrations about the last state from the slowest on; empty without tension."""
+    """Ratio of true frequencies to those of the equations, for all vibrations around the last state; empty without tension.
+
+    They are in order from the slowest on.
+    """
     state = _last(solution)
     if state is None:
         return np.zeros(0)
@@ -39,7 +42,7 @@ def raised_by_tension(solution: Solution) -> np.ndarray:
 
 
 def _last(solution: Solution) -> StiffenedState | None:
-    """The last state of a solution, if tension counts in it."""
+    """Last state of a solution, if tension counts in it."""
     last = len(solution.times) - 1
     states = stiffened_states(solution)
     found = next((each for each in states if each.instant == last), None)
@@ -47,17 +50,17 @@ def _last(solution: Solution) -> StiffenedState | None:
 
 
 MANY = 20.0
-"""Times a number is too large above which they are not counted."""
+"""Factor by which a number is too large above which a message gives no factor."""
 NAMED = 3
-"""So many vibrations are named at the most."""
+"""Largest number of vibrations that are named."""
 OF_GRADIENTS = 0.1
-"""Part of a derivative of a motion from which it is told, as of other errors of gradients."""
+"""Relative error of a derivative of a motion above which there is a doubt, as of other errors of gradients."""
 GROWS = 3.0
-"""Times a deflection's error that of its derivative by the load is: w (1 + c w^2) = f gives c w^2 and 3 c w^2."""
+"""Ratio of the error of a deflection's derivative by the load to its own: w (1 + c w^2) = f gives c w^2 and 3 c w^2."""
 
 
 def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
-    """Flexible bodies that their tension stiffens.
+    """Doubts about flexible bodies that their tension stiffens.
 
     Parameters
     ----------
@@ -86,7 +89,7 @@ def _steeper(solution: Solution, found: TooLarge) -> str:
 
 
 def tension_of_vibrations(solution: Solution, asked: Mapping[str, int]) -> Iterator[Caution]:
-    """Vibrations that tension makes faster, by what they are called and their numbers from the slowest on."""
+    """A doubt about vibrations that tension makes faster, from their names and numbers from the slowest on."""
     times = raised_by_tension(solution) if asked and stiffened_states(solution) else np.zeros(0)
     high = {name: float(times[k - 1]) for name, k in asked.items() if k <= len(times) and times[k - 1] > 1 + LIMIT}
     if not high:
@@ -102,7 +105,7 @@ def tension_of_vibrations(solution: Solution, asked: Mapping[str, int]) -> Itera
 
 
 def _of_derivatives(solution: Solution, lateral: bool) -> Iterator[Caution]:
-    """Of an equilibrium that nothing bends: what would bend it."""
+    """Doubts about derivatives of an equilibrium that nothing bends, by what would bend it."""
     for state in stiffened_states(solution):
         times = _times_of_derivatives(solution, state) if solution.dq.shape[2] else 1 + state.largest() if lateral else 1.0
         if times > 1 + LIMIT:
@@ -115,7 +118,7 @@ def _of_derivatives(solution: Solution, lateral: bool) -> Iterator[Caution]:
 
 
 def _times_of_derivatives(solution: Solution, state: StiffenedState) -> float:
-    """How many times too large the derivatives of coordinates are that a solution holds, at most."""
+    """Largest factor by which the derivatives of coordinates that a solution holds are too large."""
     weights, worst = solution.system.weights[: solution.system.n_q], 1.0
     for moved in np.real(solution.dq[0]).T:
         force = state.adds(np.where(state.elastic, moved, 0.0))
