@@ -17,7 +17,7 @@ LIBRARIES := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1
 # Tests start hundreds of commands; where no bytecode is kept each of them compiles the project's text anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test robustness torch lint processors lowest wheel docs libraries
+.PHONY: demo test fast robustness torch lint processors lowest wheel docs libraries
 .DEFAULT_GOAL := demo
 
 demo: $(INSTALLED) libraries
@@ -37,6 +37,9 @@ else
 test: $(INSTALLED)
 	$(ALONE) $(BIN)/python -m pytest -n 2 --max-worker-restart 0 --dist loadfile --no-loadscope-reorder --ignore=tests/repository -m 'not robustness'
 endif
+
+fast: $(INSTALLED)
+	$(ALONE) $(BIN)/python -m pytest -q -m fast $(if $(ROOM),tests/$(ROOM),tests)
 
 robustness: $(INSTALLED)
 	$(ALONE) $(BIN)/python -m pytest -n 2 --max-worker-restart 0 --ignore=tests/repository -m robustness

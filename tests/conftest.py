@@ -33,12 +33,47 @@ SHARES = {"gw0": PLANE, "gw1": SPACE}
 LONG = 1000
 """Number of tests from which on it pays: a few tests compile what they need."""
 
+FAST = {
+    "analyses/test_statics_modes.py",
+    "command_line/test_study_options.py",
+    "compilation/test_joint_pattern.py",
+    "cost_summary/test_cost_summary.py",
+    "curves/test_curves.py",
+    "equations/test_balances.py",
+    "extremes/test_steps.py",
+    "foreign_decks/test_keyword_lines.py",
+    "foreign_meshes/test_vtk.py",
+    "foundation/test_vectors.py",
+    "frames/test_cut_wing.py",
+    "fuzz/test_hostile_cases.py",
+    "joints/test_gears.py",
+    "linear/test_sparse_lu.py",
+    "loads/test_controllers.py",
+    "preprocessing/test_beam.py",
+    "reduced_model/test_composition.py",
+    "render/test_wheels.py",
+    "responses/test_physics.py",
+    "results/test_results.py",
+    "scene/test_scene.py",
+    "scene_file/test_schemas.py",
+    "scenes/test_benchmarks.py",
+    "sensitivity/test_every_number.py",
+    "solvers/test_start_velocities.py",
+    "spinning/test_closed_forms.py",
+    "studies/test_engine.py",
+    "validity/test_snapping_motions.py",
+}
+"""One file of a room whose tests answer in seconds; those in space are left out, whose formulas take a minute to compile."""
+
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests in space come last, when their formulas are compiled; `make test` gives a file to one worker, for what its tests share.
+    """Mark what is fast, and sort: tests in space come last, when their formulas are compiled.
 
-    Of these the long files come first, so that both workers end at about the same time.
+    `make test` gives a file to one worker, for what its tests share. Long files come first, so that both workers end at about the same time.
     """
+    for item in items:
+        if "/".join(item.path.parts[-2:]) in FAST and "space" not in item.nodeid and "spatial" not in item.nodeid:
+            item.add_marker("fast")
     size = {path: path.stat().st_size for path in {item.path for item in items}}
     items.sort(key=lambda item: -size[item.path] if "spatial" in item.nodeid or "space" in item.nodeid else -inf)
 

@@ -15,7 +15,7 @@ from toolkit.foundation.units import LARGEST
 
 def _ordinary(value: float) -> float:
     if value and not 1 / LARGEST <= value <= LARGEST:
-        raise ValueError(f"numbers from {1 / LARGEST:g} to {LARGEST:g} can be meant; fix the exponent or the units")
+        raise ValueError(f"numbers from {1 / LARGEST:g} to {LARGEST:g} are valid; fix the exponent or the units")
     return value
 
 

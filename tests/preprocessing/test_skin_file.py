@@ -78,12 +78,12 @@ def test_whole_numbers_are_accepted_where_lengths_are_meant(edited):
         (
             "thickness = 1.5",
             "thickness = 1e300",
-            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; fix the exponent",
+            "section.thickness: numbers from 1e-20 to 1e+20 are valid; fix the exponent",
         ),
         (
             "thickness = 1.5",
             "thickness = 1e-30",
-            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; fix the exponent",
+            "section.thickness: numbers from 1e-20 to 1e+20 are valid; fix the exponent",
         ),
         ('file = "high_speed.dat"', 'file = "a\\u0000b"', "airfoil.file: a file name cannot hold a zero byte"),
         ("poisson_ratio = 0.35", "poisson_ratio = 0.5", "material.poisson_ratio: input should be less than 0.5 (given: 0.5)."),

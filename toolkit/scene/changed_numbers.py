@@ -41,7 +41,7 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
         try:
             real = float(value)
         except OverflowError as error:
-            raise InputError(f"{name} is larger than any number that can be meant. Fix the exponent.") from error
+            raise InputError(f"{name} is larger than any valid number. Fix the exponent.") from error
         mine = scene.paths_of(name)
         if (twice := next((path for path in mine if path in paths), None)) is not None:
             raise InputError(f"{name!r} is the same number as another one that is given, {twice}. Give it once.")

@@ -134,9 +134,9 @@ def cautions_of_frozen(found: BasisErrors | None) -> Iterator[Caution]:
         more = f" and {len(worst) - NAMED} more" if len(worst) > NAMED else ""
         yield Caution(
             FROZEN,
-            f"{'; '.join(map(_state, known))}: {', '.join(_words(name, off[name]) for name in worst[:NAMED])}{more}. So says the same "
-            f"analysis with {', '.join(f'{b.shapes[1]} shapes of {b.name} instead of {b.shapes[0]}' for b in known)}, the price of this "
-            f"check. Build {', '.join(b.model for b in known)} {_remedy(known[0])}.",
+            f"{'; '.join(map(_state, known))}: {', '.join(_words(name, off[name]) for name in worst[:NAMED])}{more}. Found by "
+            f"repeating the analysis with {', '.join(f'{b.shapes[1]} shapes of {b.name} instead of {b.shapes[0]}' for b in known)}. "
+            f"Fix: build {', '.join(b.model for b in known)} {_remedy(known[0])}.",
             doubt=abs(off[worst[0]].part) > LIMIT,
         )
 

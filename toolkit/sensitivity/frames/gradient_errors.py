@@ -215,9 +215,8 @@ def doubtful_values(found: FrameErrors, scales: Mapping[str, float]) -> Iterator
         more = f" and {len(off) - NAMED} more" if len(off) > NAMED else ""
         yield Caution(
             "large-deformation",
-            f"values are off where elements turn with the body: {told}{more}, in parts of the largest that "
-            f"they are. So says the same run with {_others(found.frames)}. Write "
-            f"{_written(found.advised(max(parts.values())))} in the scene.",
+            f"values are off where elements turn with the body: {told}{more}, relative to the peak. Found by "
+            f"repeating the run with {_others(found.frames)}. Fix: write {_written(found.advised(max(parts.values())))} in the scene.",
         )
 
 

@@ -270,7 +270,7 @@ def _unfinished(found: SearchResult, searches: list[SearchResult]) -> Iterator[C
         yield Caution(
             "unfinished-searches",
             f"{len(left)} of {len(searches)} searches ended at no optimum ({why}), so that there may be a better one. Give more "
-            "evaluations, or bounds nearer to what can be meant.",
+            "evaluations, or narrower bounds.",
             doubt=False,
         )
 
