@@ -69,7 +69,7 @@ FAST = {
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark what is fast, and sort: tests in space come last, when their formulas are compiled.
 
-    `make test` gives a file to one worker, for what its tests share. Long files come first, so that both workers end at about the same time.
+    `make test` gives a file to one worker, for what its tests share. Long files come first: so both workers end at about the same time.
     """
     for item in items:
         if "/".join(item.path.parts[-2:]) in FAST and "space" not in item.nodeid and "spatial" not in item.nodeid:
