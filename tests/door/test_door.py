@@ -310,7 +310,7 @@ WRONG = {
     "a value that cannot be": (lambda m: m.statics({"points.A.x": math.nan}), "points.A.x.*finite"),
     "a rod without area": (lambda m: m.statics({"bodies.body2.area": 0.0}), "bodies.body2.area: .*greater than 0"),
     "a solver without steps": (lambda m: m.simulate({"solver.step": -1.0}), "solver.step: .*greater than 0"),
-    "a number that is no float": (lambda m: m.statics({"t_w": 10**400}), "larger than any number"),
+    "a number that is no float": (lambda m: m.statics({"t_w": 10**400}), "larger than any valid number"),
     "a name that is none": (lambda m: m.statics({1: 1.0}), "1 is no name"),
     "nothing instead of numbers": (lambda m: m.statics(0), "numbers are given by name"),
     "a path instead of a scene": (lambda m: ffrf.compile("scene.toml"), r"compile takes a scene, .*ffrf\.read_scene"),

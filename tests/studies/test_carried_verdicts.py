@@ -175,3 +175,27 @@ def test_indicators_follow_the_force_as_a_linear_beam_does(cantilever):
     assert written[1].numbers == pytest.approx([1100.0])
     lost = indicators(replace(one, values={"tip": np.nan}))
     assert np.isinf(distances(parts[0], lost.numbers[None], lost.least[None]))
+
+
+UPRIGHT = """units = "m-kg-s"
+points = { P = [0.0, 0.0], C = [0.0, 1.0] }
+bodies.bob = { type = "rigid", mass = 1.0, inertia = 1e-3, center = "C" }
+joints.hinge = { type = "revolute", bodies = ["bob", "ground"], point = "P" }
+loads.g = { type = "gravity", acceleration = [0.0, -9.81] }
+loads.k = { type = "rotational-spring-damper", bodies = ["bob", "ground"], point = "P", stiffness = 9.81 }
+design.k = "loads.k.stiffness"
+responses.x = { type = "displacement", body = "bob", point = "C", component = "x" }
+solver = { end_time = 60.0, step = 0.05 }
+"""
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_an_upright_pendulum_is_doubted_from_where_its_spring_is_too_soft_whatever_comes_first(tmp_path, order):
+    """It stands from k = m g l on; a thousandth below it falls with exp(0.1 t)."""
+    (tmp_path / "scene.toml").write_text(UPRIGHT)
+    model = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml"), variables=["k"])
+    parts = np.linspace(-0.005, 0.0055, 8)[::order]
+    found = model.map([{"k": 9.81 * (1 + part)} for part in parts], gradients=True)
+    falls = parts < -((np.log(100) / 60) ** 2) / 9.81  # by a hundredfold
+    assert ["unstable-vibration" in each.verdict.codes for each in found] == falls.tolist()
+    assert sum("carried-verdict" in each.verdict.codes for each in found) > 3

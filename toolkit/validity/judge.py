@@ -33,7 +33,8 @@ from toolkit.validity.curves.idle_curves import idle_curves
 from toolkit.validity.curves.load_curves import unseen_curves
 from toolkit.validity.description.frame_number import frames_chosen
 from toolkit.validity.description.scene_cautions import cautions_of_scene
-from toolkit.validity.equilibrium import limits_passed, stays_in_unstable
+from toolkit.validity.equilibrium import limits_passed
+from toolkit.validity.instabilities import unstable_motions
 from toolkit.validity.motion.bushing_turns import bushings_turned_far
 from toolkit.validity.motion.creeping_friction import creeping_friction, friction_at_rest
 from toolkit.validity.motion.left_out import left_out
@@ -42,10 +43,8 @@ from toolkit.validity.motion.noisy_forces import noisy_forces
 from toolkit.validity.motion.open_profiles import opened_profiles
 from toolkit.validity.motion.snap_through import snap_through
 from toolkit.validity.motion.spring_length import springs_through_zero
-from toolkit.validity.start.middle_axis import middle_spins
 from toolkit.validity.start.start_cautions import cautions_of_start
 from toolkit.validity.start.sudden_loads import halved_steps
-from toolkit.validity.start.undisturbed import undisturbed
 
 
 @one_thread()
@@ -93,7 +92,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from creeping_friction(solution)
         yield from turns_in_a_step(solution)
         yield from left_out(solution)
-        yield from [*middle_spins(solution), *stays_in_unstable(solution)] or undisturbed(solution)
+        yield from unstable_motions(solution)
     else:
         yield from limits_passed(solution)
         if solution.spins:

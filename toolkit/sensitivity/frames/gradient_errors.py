@@ -40,6 +40,8 @@ WEIGHED = ("large-deformation", "critical-load", "tension", "reference-condition
 BENT = 1e-3
 """Rotation, rad, above which a body that may buckle is turned aside, so that a run with more frames shows it."""
 NONE = Largest(0.0, np.zeros(0))
+MANY = 10.0
+"""Part from which on an error is called many times the gradient: that is about zero then, and the ratio says nothing."""
 UNCERTAIN = 2.0
 """Factor by which the estimate of an error may be too small."""
 
@@ -193,7 +195,9 @@ def doubtful_gradients(
     in_motion = ", in parts of the largest in the motion" if scales else ""
     if off:
         worst = max(off, key=lambda pair: off[pair])
-        said.append(f"{'other ' if signs else ''}gradients are off by up to {off[worst]:.0%} ({' by '.join(worst)}{in_motion})")
+        said.append(
+            f"{'other ' if signs else ''}gradients are off by up to {_percent(off[worst])} ({' by '.join(worst)}{in_motion})"
+        )
     yield Caution(
         "geometric-gradients",
         f"{'; '.join(said)}: found by repeating the run with {_others(found.frames)}. Gradients of bodies that "
@@ -252,6 +256,11 @@ def _signs(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float], sc
 
 def _written(frames: Mapping[str, int]) -> str:
     return ", ".join(f"bodies.{body}.frames = {number}" for body, number in frames.items())
+
+
+def _percent(part: float) -> str:
+    """Part of a gradient in percent; many times where the gradient itself is about zero."""
+    return f"{part:.0%}" if part < MANY else "many times their size"
 
 
 def _others(frames: Mapping[str, tuple[int, int]]) -> str:

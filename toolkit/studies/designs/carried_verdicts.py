@@ -22,6 +22,7 @@ from toolkit.studies.designs.indicators import Indicators, distances, indicators
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.compressed.critical_load import Compression, compression
 from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.instabilities import CODES, instabilities
 from toolkit.validity.motion.motion import ENERGY
 from toolkit.validity.motion.noisy_forces import NOISY
 
@@ -33,14 +34,19 @@ SAME = 0.01
 """Distance up to which one verdict is enough; from farther, one is carried where those measured around it agree."""
 OF_FRAMES = "geometric-gradients"
 """Code of the doubt that is found anew for every design, by errors that are carried and by its own gradients."""
+OWN = CODES | {OF_FRAMES}
+"""Codes of cautions that are found anew for every design."""
+WEIGHED = "energy"
+"""Code of a caution that a comparison with half the step makes a doubt or a remark: it is measured at every design."""
 
 
 class Answers(NamedTuple):
-    """Numbers of a design that a verdict is carried by: its indicators, its gradients, and sizes of its variables."""
+    """Indicators, gradients and sizes of variables of a design, by which a verdict is carried, and cautions about its own stability."""
 
     indicators: Indicators
     gradients: Slopes
     sizes: Mapping[str, float]
+    unstable: tuple[Caution, ...] = ()
 
 
 class Measured(NamedTuple):
@@ -69,7 +75,7 @@ class Measured(NamedTuple):
     @property
     def doubts(self) -> frozenset[str]:
         """Codes of the doubts, without those that are found anew for every design."""
-        return frozenset(each.code for each in self.verdict.warnings if each.doubt) - {OF_FRAMES}
+        return frozenset(each.code for each in self.verdict.warnings if each.doubt) - OWN
 
 
 class Carried(NamedTuple):
@@ -81,7 +87,8 @@ class Carried(NamedTuple):
 
 def answers(result: Result) -> Answers:
     """Numbers of a run that verdicts are carried by."""
-    return Answers(indicators(result), result.gradients, sizes_of_variables(result) if result.gradients else {})
+    sizes = sizes_of_variables(result) if result.gradients else {}
+    return Answers(indicators(result), result.gradients, sizes, tuple(instabilities(result.solution, result.values)))
 
 
 def measured(result: Result, alone: bool = False) -> Measured:
@@ -90,8 +97,8 @@ def measured(result: Result, alone: bool = False) -> Measured:
     These are left out if no other design is near.
     """
     verdict, errors = result.verdict, result.weighed_frames
-    if alone:
-        return Measured(verdict, 0.0, errors, {})
+    if alone or any(each.code == WEIGHED for each in verdict.warnings):
+        return Measured(verdict, 0.0, errors, {} if errors is None else result.gradient_scales)
     return Measured(verdict, _room(_shares(result)), errors, {} if errors is None else result.gradient_scales, _of_values(result))
 
 
@@ -210,10 +217,10 @@ class CarriedVerdicts:
         carried = self.source(k)
         assert carried is not None
         judged, mine = self.measured[carried.source], self.found[k]
-        others = [_said_there(each, carried) for each in judged.verdict.warnings if each.code != OF_FRAMES]
+        others = [_said_there(each, carried) for each in judged.verdict.warnings if each.code not in OWN]
         about_gradients = doubtful_gradients(judged.frame_errors, mine.gradients, mine.sizes, judged.gradient_scales)
         measures = {**judged.verdict.measures, "carried": {"design": carried.source, "distance": carried.distance}}
-        return Verdict.of([*others, *about_gradients, _remark(carried)], measures)
+        return Verdict.of([*others, *mine.unstable, *about_gradients, _remark(carried)], measures)
 
 
 def _tables(found: Mapping[int, Answers]) -> dict[tuple[object, ...], tuple[np.ndarray, ...]]:
@@ -244,7 +251,7 @@ def _remark(carried: Carried) -> Caution:
     return Caution(
         "carried-verdict",
         f"what checks measure was measured at designs[{carried.source}]. No number, response, deformation, velocity or force differs "
-        f"from those there by more than {carried.distance:.1%}, so that measures differ by a factor of {growth(carried.distance):.2g} at "
+        f"from those there by more than {carried.distance:.1%}, so that measures differ by a factor of {growth(carried.distance):.3g} at "
         'most. judged = "each" measures all designs.',
         doubt=False,
     )
