@@ -38,8 +38,8 @@ MOST_COORDINATES, MOST_STATES, SEEN = 60, 1000, 200
 """Largest number of coordinates of a scene that is examined, and of states (of longer motions every second or third one); and
 number of states that directions are found from."""
 TURNED = 0.25
-"""Angle between two states, rad, from which on growth may be that of the steps: of a top just fast enough to stand a tilt seems to grow four
-million times in 8 s with 0.63 rad in a step, and 1300 times with 0.31."""
+"""Angle between two states, rad, from which on growth may be that of the steps: of a top just fast enough to stand a tilt seems to grow
+four million times in 8 s with 0.63 rad in a step, and 1300 times with 0.31."""
 ENOUGH = 3
 """Least number of states per coordinate: fewer leave directions open by their number alone."""
 SAMPLES, GOLDEN = 12, (5**0.5 - 1) / 2
