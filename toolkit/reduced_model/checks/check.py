@@ -88,6 +88,12 @@ def _check_beams(model: ReducedModel, path: Path) -> None:
     sections, beams = model.sections, model.mesh or model.elements
     if sections is None or beams is None:
         return
+    if beams.connectivity.dtype.kind not in "iu":
+        refuse(
+            path,
+            f"{'mesh' if model.mesh else 'elements'}/connectivity",
+            "holds numbers of nodes that are not stored as whole ones",
+        )
     if len(sections.axis) != len(beams.connectivity):
         refuse(path, "sections/axis", f"has {len(sections.axis)} elements instead of {len(beams.connectivity)}")
     sides = np.zeros((len(sections.axis), 3))
