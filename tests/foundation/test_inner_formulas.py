@@ -23,7 +23,8 @@ def test_nothing_is_made_ready_before_a_caller_is_compiled():
     found = np.ones(1)
     fill(found)
     assert found[0] == 2
-    assert len(vars(twice)["overloads"]) == 1
+    from_disk = sum(fill.stats.cache_hits.values())  # where an earlier run has compiled it, nothing is needed
+    assert len(vars(twice).get("overloads", ())) == (0 if from_disk else 1)
 
 
 def test_threads_that_need_a_formula_at_once_find_the_same_one():
