@@ -103,7 +103,7 @@ class Designs:
             judged = measured(run, task.alone) if task.judged else None
             if judged is None and len(self.runs) < KEPT and run.solution.dq.size + run.solution.q.size < SMALL:
                 self.runs[task.number] = run
-            return Solved(Outcome(numbers, run.values, run.gradients), answers(run), judged)
+            return Solved(Outcome(numbers, run.values, run.gradients), answers(run, judged is not None), judged)
         except ToolkitError as error:
             return Solved(Outcome(numbers, error=str(error)))
 

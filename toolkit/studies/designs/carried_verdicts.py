@@ -36,7 +36,7 @@ OF_FRAMES = "geometric-gradients"
 """Code of the doubt that is found anew for every design, by errors that are carried and by its own gradients."""
 OWN = CODES | {OF_FRAMES}
 """Codes of cautions that are found anew for every design."""
-WEIGHED = "energy"
+BY_HALF_STEPS = "energy"
 """Code of a caution that a comparison with half the step makes a doubt or a remark: it is measured at every design."""
 
 
@@ -85,10 +85,11 @@ class Carried(NamedTuple):
     distance: float
 
 
-def answers(result: Result) -> Answers:
-    """Numbers of a run that verdicts are carried by."""
+def answers(result: Result, judged: bool = False) -> Answers:
+    """Numbers of a run that verdicts are carried by; of one that is judged itself, without cautions that its own verdict has already."""
     sizes = sizes_of_variables(result) if result.gradients else {}
-    return Answers(indicators(result), result.gradients, sizes, tuple(instabilities(result.solution, result.values)))
+    unstable = () if judged else tuple(instabilities(result.solution, result.values))
+    return Answers(indicators(result), result.gradients, sizes, unstable)
 
 
 def measured(result: Result, alone: bool = False) -> Measured:
@@ -97,7 +98,7 @@ def measured(result: Result, alone: bool = False) -> Measured:
     These are left out if no other design is near.
     """
     verdict, errors = result.verdict, result.weighed_frames
-    if alone or any(each.code == WEIGHED for each in verdict.warnings):
+    if alone or any(each.code == BY_HALF_STEPS for each in verdict.warnings):
         return Measured(verdict, 0.0, errors, {} if errors is None else result.gradient_scales)
     return Measured(verdict, _room(_shares(result)), errors, {} if errors is None else result.gradient_scales, _of_values(result))
 
