@@ -20,7 +20,7 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper
+from toolkit.loads.springs import RotationalSpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene

@@ -19,7 +19,7 @@ from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.gravity import SpatialGravity
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene

@@ -21,7 +21,7 @@ from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.quantities import GROUPS, STEP, Quantities, evaluate_quantities, seen_quantities
 from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_with_gradients

@@ -30,8 +30,7 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.spatial.point_force import SpatialPointForce
+from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.results.collect import table_of

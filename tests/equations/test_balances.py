@@ -21,9 +21,9 @@ from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.kinematics.planar import rotation
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution

@@ -37,11 +37,10 @@ from toolkit.joints.kernels.records import PINNED
 from toolkit.joints.planar.joint import PlanarJoint, PointJoint
 from toolkit.joints.planar.slider import Slider
 from toolkit.joints.rows import Row
-from toolkit.loads.load import Load
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.load import PlanarLoad
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.load import Load, PlanarLoad
+from toolkit.loads.springs import SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.markers.component import Skeleton
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene

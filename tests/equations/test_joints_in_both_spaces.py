@@ -25,8 +25,7 @@ from toolkit.joints.planar.joint import PlanarJoint, PointJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.rows import Row, angle
 from toolkit.joints.spatial.joint import AxisJoint, SpatialJoint
-from toolkit.loads.planar.torque import Torque
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.torque import SpatialTorque, Torque
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 

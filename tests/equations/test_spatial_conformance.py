@@ -26,9 +26,8 @@ from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.rows import Form, Row
 from toolkit.joints.spatial.joint import AxisJoint, SpatialPointJoint
-from toolkit.loads.load import Load
-from toolkit.loads.spatial.load import SpatialLoad
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.loads.load import Load, SpatialLoad
+from toolkit.loads.springs import SpatialSpringDamper
 from toolkit.markers.component import Skeleton
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene

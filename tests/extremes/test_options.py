@@ -15,7 +15,7 @@ from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.table import Table
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.torque import Torque
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

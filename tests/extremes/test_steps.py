@@ -14,7 +14,7 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.both.distance import Distance
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution

@@ -13,7 +13,7 @@ from toolkit.bodies.planar.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

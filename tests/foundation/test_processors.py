@@ -21,8 +21,8 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.near_ties import first_largest, first_smallest
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.torque import Torque
 from toolkit.reduced_model.entry_scales import entry_scales
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.stress.stress import MaxStress

@@ -27,15 +27,14 @@ from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.spatial.bushing import SpatialBushing
-from toolkit.loads.spatial.controllers import SpatialAngleController, SpatialDistanceController, SpatialPositionController
-from toolkit.loads.spatial.friction import SpatialSlidingFriction, SpatialTurningFriction
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.bushing import SpatialBushing
+from toolkit.loads.controllers import SpatialAngleController, SpatialDistanceController, SpatialPositionController
+from toolkit.loads.friction import SpatialSlidingFriction, SpatialTurningFriction
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component, Place, on_both
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene

@@ -16,10 +16,10 @@ from toolkit.joints.both.driver import AngleDriver, PositionDriver
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 
 SWING = 1.3
 """Period of a hanging link, s."""

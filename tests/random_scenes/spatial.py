@@ -19,11 +19,10 @@ from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.forces.joint_force import JointForce
 
 

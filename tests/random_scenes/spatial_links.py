@@ -19,11 +19,10 @@ from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

@@ -25,8 +25,8 @@ from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import save
 from toolkit.responses.energy import StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce

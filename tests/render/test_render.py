@@ -29,7 +29,7 @@ from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.files.own_files import OWN, list_own
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.gravity import Gravity
 from toolkit.reduced_model.file import load, save
 from toolkit.render.body_places import body_places
 from toolkit.render.colors import ROD, TARGET, UNDEFORMED

@@ -22,8 +22,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
 from toolkit.responses.balance.mass import CentreOfMass, Mass
 from toolkit.responses.balance.power import Power
 from toolkit.responses.balance.work import Work

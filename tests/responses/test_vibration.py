@@ -17,9 +17,9 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by

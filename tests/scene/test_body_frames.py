@@ -27,8 +27,7 @@ from toolkit.joints.both.rigid_joint import RigidJoint, SpatialRigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.spatial.point_force import SpatialPointForce
+from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene

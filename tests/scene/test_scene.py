@@ -20,10 +20,8 @@ from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.joints.spatial.joint import SpatialJoint
-from toolkit.loads.load import AnyLoad, Load
-from toolkit.loads.planar.load import AnyPlanarLoad
-from toolkit.loads.planar.torque import Torque
-from toolkit.loads.spatial.load import AnySpatialLoad
+from toolkit.loads.load import AnyLoad, AnyPlanarLoad, AnySpatialLoad, Load
+from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.scene_file.reader import read_scene

@@ -27,10 +27,10 @@ from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.bushing import Bushing
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.bushing import Bushing
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare

@@ -22,8 +22,8 @@ from toolkit.foundation.dimensions import LABELLED, Dimension, factor
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.load import PlanarLoad
-from toolkit.loads.planar.point_force import point_force
+from toolkit.loads.load import PlanarLoad
+from toolkit.loads.point_force import point_force
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load

@@ -17,7 +17,7 @@ from tests.models.scenes import hanging_skin
 from toolkit.bodies.planar.body import PlanarBody
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.gravity import Gravity
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene_file.reader import read_scene, scene_from_table
 

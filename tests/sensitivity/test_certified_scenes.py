@@ -20,10 +20,10 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

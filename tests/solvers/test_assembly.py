@@ -18,7 +18,7 @@ from toolkit.foundation.errors import ConvergenceError, InputError
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.gravity import Gravity
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct

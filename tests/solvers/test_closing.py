@@ -23,7 +23,7 @@ from toolkit.joints.both.distance import Distance, SpatialDistance
 from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 

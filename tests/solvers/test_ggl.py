@@ -17,7 +17,7 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.linear.sparse_analysis import analyse
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.gravity import Gravity
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene

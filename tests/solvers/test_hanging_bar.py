@@ -15,7 +15,7 @@ from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.gravity import Gravity
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.evaluation import evaluate_responses

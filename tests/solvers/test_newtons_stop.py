@@ -21,8 +21,8 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.kernel import plain
 from toolkit.foundation.vectors.rows import LANES
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend

@@ -11,9 +11,9 @@ from toolkit.curves.kinds.sine import Sine
 from toolkit.description.point import Point
 from toolkit.description.run_options import Baumgarte, RunOptions
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import RotationalSpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.solvers.transient.formulation import constraint_levels
 from toolkit.solvers.transient.scheme import generalized_alpha

@@ -20,8 +20,8 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, CriticalStateError, LimitPointError
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.methods import gradients_by

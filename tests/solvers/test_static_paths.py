@@ -20,9 +20,9 @@ from toolkit.foundation.errors import BifurcationError, ConvergenceError, Critic
 from toolkit.joints.both.driver import PositionDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.solvers.static.stability.saddle import Saddle

@@ -23,10 +23,10 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

@@ -15,10 +15,10 @@ from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.springs import SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

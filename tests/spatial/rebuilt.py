@@ -28,14 +28,10 @@ from toolkit.joints.planar.slider import Slider
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.planar.torque import Torque
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.gravity import Gravity, SpatialGravity
+from toolkit.loads.point_force import PointForce, SpatialPointForce
+from toolkit.loads.springs import SpatialSpringDamper, SpringDamper
+from toolkit.loads.torque import SpatialTorque, Torque
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 

@@ -23,10 +23,10 @@ from toolkit.joints.rows import Row
 from toolkit.joints.spatial.joint import SpatialPointJoint
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.springs import SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Skeleton
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene

@@ -16,8 +16,8 @@ from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.both.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.kinematics.spatial import matrix_of
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.springs import SpatialRotationalSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.kinematics.relative_angle import RelativeAngle
 from toolkit.responses.motion import Rotation
 from toolkit.responses.over_time.means import TimeMean

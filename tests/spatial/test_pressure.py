@@ -17,7 +17,7 @@ from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.pressure import Pressure
 from toolkit.reduced_model.file import save
 from toolkit.responses.motion import Displacement
 from toolkit.responses.stress.stress import KSStress, MaxStress

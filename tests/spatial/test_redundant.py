@@ -19,8 +19,8 @@ from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.joints.both.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.forces.joint_wrenches import JointWrenches
 from toolkit.responses.forces.spatial_joint_force import SpatialJointForce

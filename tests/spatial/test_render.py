@@ -32,12 +32,12 @@ from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
-from toolkit.loads.spatial.bushing import SpatialBushing
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.bushing import SpatialBushing
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.springs import SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.reduced_model.file import save
 from toolkit.render.pictures import render_solution
 from toolkit.render.space.arrows import arrows

@@ -25,8 +25,8 @@ from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.driver import SpatialPositionDriver
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.torque import SpatialTorque
 from toolkit.reduced_model.file import save
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.responses.motion import Displacement, Rotation

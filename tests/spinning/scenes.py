@@ -24,10 +24,8 @@ from toolkit.joints.planar.slider import Slider
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 

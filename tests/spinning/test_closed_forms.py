@@ -15,7 +15,7 @@ from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.springs import SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.system.solution import Solution

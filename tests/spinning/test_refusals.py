@@ -14,8 +14,8 @@ from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import SpringDamper
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene

@@ -26,7 +26,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import save
 from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.motion import Displacement, Rotation

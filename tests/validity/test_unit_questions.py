@@ -16,8 +16,7 @@ from toolkit.description.point import Point
 from toolkit.foundation.verdict import Verdict
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.reduced_model.questions.material_questions import material_questions
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

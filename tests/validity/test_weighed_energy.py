@@ -12,9 +12,9 @@ from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.friction import PlanarSlidingFriction
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.friction import PlanarSlidingFriction
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import SpringDamper
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene

@@ -19,11 +19,10 @@ from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
 from toolkit.joints.kernels.turn_laws import teeth_law, turn_law
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.load import Load
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
+from toolkit.loads.springs import SpatialRotationalSpringDamper
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene

@@ -13,10 +13,7 @@ from toolkit.joints.rows import Row
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.loads.kernels.along import act_along, add_parameter, add_state, rate_along, scale_force
 from toolkit.loads.kernels.measured import distance, plane_angle, plane_offset, space_angle, space_offset
-from toolkit.loads.places import BetweenBodies, BetweenPoints
-from toolkit.loads.planar.along_axis import AlongAxisLoad
-from toolkit.loads.planar.load import PlanarLoad
-from toolkit.loads.spatial.load import SpatialLoad
+from toolkit.loads.load import AlongAxisLoad, BetweenBodies, BetweenPoints, PlanarLoad, SpatialLoad
 from toolkit.markers.about_axis import AboutAxis
 from toolkit.responses.instant import Instant
 from toolkit.responses.kinematics.marker_formula import MarkerFormula, MarkerVector

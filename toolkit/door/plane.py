@@ -16,14 +16,14 @@ from toolkit.joints.both.rack import Rack, RollingDisc
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.bushing import Bushing
-from toolkit.loads.planar.controllers import AngleController, DistanceController, PositionController
-from toolkit.loads.planar.friction import PlanarSlidingFriction as SlidingFriction
-from toolkit.loads.planar.friction import PlanarTurningFriction as TurningFriction
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.bushing import Bushing
+from toolkit.loads.controllers import AngleController, DistanceController, PositionController
+from toolkit.loads.friction import PlanarSlidingFriction as SlidingFriction
+from toolkit.loads.friction import PlanarTurningFriction as TurningFriction
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 
 __all__ = [
     *curves.__all__,

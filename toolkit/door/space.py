@@ -24,18 +24,18 @@ from toolkit.joints.spatial.revolute import SpatialRevolute as Revolute
 from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.spatial.bushing import SpatialBushing as Bushing
-from toolkit.loads.spatial.controllers import SpatialAngleController as AngleController
-from toolkit.loads.spatial.controllers import SpatialDistanceController as DistanceController
-from toolkit.loads.spatial.controllers import SpatialPositionController as PositionController
-from toolkit.loads.spatial.friction import SpatialSlidingFriction as SlidingFriction
-from toolkit.loads.spatial.friction import SpatialTurningFriction as TurningFriction
-from toolkit.loads.spatial.gravity import SpatialGravity as Gravity
-from toolkit.loads.spatial.point_force import SpatialPointForce as PointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper as RotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper as SpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque as Torque
+from toolkit.loads.bushing import SpatialBushing as Bushing
+from toolkit.loads.controllers import SpatialAngleController as AngleController
+from toolkit.loads.controllers import SpatialDistanceController as DistanceController
+from toolkit.loads.controllers import SpatialPositionController as PositionController
+from toolkit.loads.friction import SpatialSlidingFriction as SlidingFriction
+from toolkit.loads.friction import SpatialTurningFriction as TurningFriction
+from toolkit.loads.gravity import SpatialGravity as Gravity
+from toolkit.loads.point_force import SpatialPointForce as PointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.springs import SpatialRotationalSpringDamper as RotationalSpringDamper
+from toolkit.loads.springs import SpatialSpringDamper as SpringDamper
+from toolkit.loads.torque import SpatialTorque as Torque
 
 __all__ = [
     *curves.__all__,

@@ -15,7 +15,7 @@ from toolkit.foundation.units import unit
 from toolkit.joints.both.tie import Tie
 from toolkit.joints.joint import Joint
 from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution

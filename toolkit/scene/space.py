@@ -23,8 +23,7 @@ from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
-from toolkit.loads.planar.load import AnyPlanarLoad
-from toolkit.loads.spatial.load import AnySpatialLoad
+from toolkit.loads.load import AnyPlanarLoad, AnySpatialLoad
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,9 @@ import numpy as np
 
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.curves.curve import Curve
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component
 from toolkit.render.space.configuration import SpatialConfiguration
 

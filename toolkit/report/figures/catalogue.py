@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from toolkit.foundation.units import unit
 from toolkit.joints.joint import Joint
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.torque import Torque
 from toolkit.render.curves import merged, told
 from toolkit.render.plane.names import write_names
 from toolkit.render.plane.parts import draw_line, draw_mechanism, draw_outlines, draw_sections, draw_symbols

@@ -13,7 +13,7 @@ from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.friction import Friction
-from toolkit.loads.places import BetweenBodies, BetweenPoints
+from toolkit.loads.load import BetweenBodies, BetweenPoints
 from toolkit.scene.scene import Scene
 from toolkit.validity.description.frame_number import choices_of_frames
 from toolkit.validity.description.mesh_cautions import cautions_of_meshes

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
-from toolkit.loads.spatial.bushing import SpatialBushing
+from toolkit.loads.bushing import SpatialBushing
 from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution
 

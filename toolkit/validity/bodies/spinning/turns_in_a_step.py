@@ -10,7 +10,7 @@ from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import InSpace
 from toolkit.foundation.verdict import Caution
-from toolkit.loads.planar.bushing import Bushing
+from toolkit.loads.bushing import Bushing
 from toolkit.scene.scene import Scene
 from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution

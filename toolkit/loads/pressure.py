@@ -14,7 +14,7 @@ from toolkit.description.description import Number
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed, meant
-from toolkit.loads.spatial.load import AnySpatialLoad
+from toolkit.loads.load import AnySpatialLoad
 
 
 class PressureNumbers(NamedTuple):
