@@ -65,6 +65,7 @@ class AngleControlled(BetweenBodies, Controlled):
         Set value of the relative rotation over time, in rad.
     """
 
+    kind: ClassVar[str] = "angle-controller"
     measured: ClassVar[RowQuantity] = "angle"
 
     proportional_gain: Annotated[NotNegative, Quantity("torque/angle")] = 0.0
@@ -90,11 +91,21 @@ class LengthControlled(Controlled):
 
 
 class PositionControlled(BetweenBodies, LengthControlled):
-    """Base of controllers of the offset of the point of body a along an axis fixed in body b."""
+    """Force k_p (s - g) + k_i x - k_d g', x' = s - g, along an axis fixed in body b: a linear motor.
+
+    The point of body a stands at g on the axis, and is led to s(t); there the force acts, its reaction on body b.
+    """
+
+    kind: ClassVar[str] = "position-controller"
 
 
 class DistanceControlled(BetweenPoints, LengthControlled):
-    """Base of controllers of the distance between two points."""
+    """Force k_p (s - l) + k_i x - k_d l', x' = s - l, along the line between two points: a cylinder.
+
+    It is led to the length s(t); a positive force drives the points apart.
+    """
+
+    kind: ClassVar[str] = "distance-controller"
 
 
 @kernel
@@ -123,17 +134,12 @@ class AngleController(AngleControlled, PlanarLoad):
     The angle is the relative rotation since the undeformed configuration, with all turns; it is led to s(t).
     """
 
-    kind = "angle-controller"
     formula = angle_controller
 
 
 class PositionController(PositionControlled, AlongAxisLoad):
-    """Force k_p (s - g) + k_i x - k_d g', x' = s - g, along an axis fixed in body b: a linear motor.
+    __doc__ = PositionControlled.__doc__
 
-    The point of body a stands at g on the axis, and is led to s(t); there the force acts, its reaction on body b.
-    """
-
-    kind = "position-controller"
     formula = position_controller
 
     def parameters(self, scene: Skeleton) -> list[Any]:
@@ -142,12 +148,8 @@ class PositionController(PositionControlled, AlongAxisLoad):
 
 
 class DistanceController(DistanceControlled, PlanarLoad):
-    """Force k_p (s - l) + k_i x - k_d l', x' = s - l, along the line between two points: a cylinder.
+    __doc__ = DistanceControlled.__doc__
 
-    It is led to the length s(t); a positive force drives the points apart.
-    """
-
-    kind = "distance-controller"
     formula = distance_controller
 
 
@@ -178,7 +180,6 @@ class SpatialAngleController(AboutAxis, AngleControlled, SpatialLoad):
     Both bodies turn against each other about this axis alone: a revolute or cylindrical joint with the same axis has to stand beside it.
     """
 
-    kind = "angle-controller"
     formula = spatial_angle_controller
 
     @property
@@ -188,22 +189,14 @@ class SpatialAngleController(AboutAxis, AngleControlled, SpatialLoad):
 
 
 class SpatialPositionController(AboutAxis, PositionControlled, SpatialLoad):
-    """Force k_p (s - g) + k_i x - k_d g', x' = s - g, along an axis fixed in body b: a linear motor.
+    __doc__ = PositionControlled.__doc__
 
-    The point of body a stands at g on the axis, and is led to s(t); there the force acts, its reaction on body b.
-    """
-
-    kind = "position-controller"
     formula = spatial_position_controller
 
 
 class SpatialDistanceController(DistanceControlled, SpatialLoad):
-    """Force k_p (s - l) + k_i x - k_d l', x' = s - l, along the line between two points: a cylinder.
+    __doc__ = DistanceControlled.__doc__
 
-    It is led to the length s(t); a positive force drives the points apart.
-    """
-
-    kind = "distance-controller"
     formula = spatial_distance_controller
 
     @property

@@ -68,6 +68,7 @@ class TurningFriction(Friction):
         d, the relative rate of rotation below which friction is a damper, in rad/time: it sets the width of the regularisation.
     """
 
+    kind: ClassVar[str] = "turning-friction"
     rate = "angular_velocity"
 
     level: Annotated[NotNegative, Quantity("torque")]
@@ -75,7 +76,9 @@ class TurningFriction(Friction):
 
 
 class SlidingFriction(Friction):
-    """Base of friction against the sliding of the point of body a along an axis fixed in body b.
+    """Force - F tanh(v / width) s(t) on the point of body a against its velocity v along an axis fixed in body b.
+
+    The reaction acts on body b.
 
     Attributes
     ----------
@@ -85,6 +88,7 @@ class SlidingFriction(Friction):
         d, the relative velocity below which friction is a damper: it sets the width of the regularisation.
     """
 
+    kind: ClassVar[str] = "sliding-friction"
     rate = "velocity"
 
 
@@ -107,18 +111,13 @@ def sliding_friction(z, w, force, force_z, force_w):
 class PlanarTurningFriction(TurningFriction, PlanarLoad):
     """Torque - F tanh(angle' / width) s(t) on body a against its rotation relative to body b, its opposite on body b."""
 
-    kind = "turning-friction"
     formula = turning_friction
     measure = plane_angle
 
 
 class PlanarSlidingFriction(SlidingFriction, AlongAxisLoad):
-    """Force - F tanh(v / width) s(t) on the point of body a against its velocity v along an axis fixed in body b.
+    __doc__ = SlidingFriction.__doc__
 
-    The reaction acts on body b.
-    """
-
-    kind = "sliding-friction"
     formula = sliding_friction
     measure = plane_offset
 
@@ -147,17 +146,12 @@ class SpatialTurningFriction(AboutAxis, TurningFriction, SpatialLoad):
     Both bodies turn against each other about this axis alone: a revolute or cylindrical joint with the same axis has to stand beside it.
     """
 
-    kind = "turning-friction"
     formula = spatial_turning_friction
     measure = space_angle
 
 
 class SpatialSlidingFriction(AboutAxis, SlidingFriction, SpatialLoad):
-    """Force - F tanh(v / width) s(t) on the point of body a against its velocity v along an axis fixed in body b.
+    __doc__ = SlidingFriction.__doc__
 
-    The reaction acts on body b.
-    """
-
-    kind = "sliding-friction"
     formula = spatial_sliding_friction
     measure = space_offset

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import field_validator
 
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.kinds.constant import Constant
-from toolkit.description.description import Description, Pair, Triple
+from toolkit.description.description import Description, Number, Pair, Triple
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.kernels.load_kernel import CURVE, SPATIAL_CURVE
@@ -18,7 +18,7 @@ from toolkit.markers.component import Skeleton
 
 
 class AppliedForce(Description):
-    """Base of forces on a body at a point.
+    """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point.
 
     Attributes
     ----------
@@ -28,11 +28,20 @@ class AppliedForce(Description):
         Name of the point on it.
     curve
         s(t).
+    force
+        F_x, F_y, in space F_z.
+    frame
+        Axes of F: those of space, or those that turn with the body.
     """
+
+    kind: ClassVar[str] = "point-force"
+    proportional: ClassVar[tuple[str, ...]] = ("force",)
 
     body: str
     point: str
     curve: Annotated[Curve, Quantity("none")] = Constant()
+    force: Annotated[tuple[Number, ...], Quantity("force")]
+    frame: Literal["space", "body"] = "space"
 
     @field_validator("body")
     @classmethod
@@ -51,6 +60,10 @@ class AppliedForce(Description):
         """Time curve s(t) that scales the force."""
         return self.curve
 
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """Components of the force, and whether it follows the body."""
+        return [*self.force, 1.0 if self.frame == "body" else 0.0]
+
 
 @kernel
 def point_force(z, w, force, force_z, force_w):
@@ -66,26 +79,11 @@ def point_force(z, w, force, force_z, force_w):
 
 
 class PointForce(AppliedForce, PlanarLoad):
-    """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point.
+    __doc__ = AppliedForce.__doc__
 
-    Attributes
-    ----------
-    force
-        F_x, F_y.
-    frame
-        Axes of F: those of space, or those that turn with the body.
-    """
-
-    kind = "point-force"
-    proportional = ("force",)
     formula = point_force
 
     force: Annotated[Pair, Quantity("force")]
-    frame: Literal["space", "body"] = "space"
-
-    def parameters(self, _scene: Skeleton) -> list[Any]:
-        """Components of the force, and whether it follows the body."""
-        return [*self.force, 1.0 if self.frame == "body" else 0.0]
 
 
 @kernel
@@ -104,28 +102,13 @@ def spatial_point_force(z, w, force, force_z, force_w):
 
 
 class SpatialPointForce(AppliedForce, SpatialLoad):
-    """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point.
+    __doc__ = AppliedForce.__doc__
 
-    Attributes
-    ----------
-    force
-        F_x, F_y, F_z.
-    frame
-        Axes of F: those of space, or those that turn with the body.
-    """
-
-    kind = "point-force"
-    proportional = ("force",)
     formula = spatial_point_force
 
     force: Annotated[Triple, Quantity("force")]
-    frame: Literal["space", "body"] = "space"
 
     @property
     def feels_axes(self) -> bool:
         """Whether the load feels axes of markers, as a force does that follows the body."""
         return self.frame == "body"
-
-    def parameters(self, _scene: Skeleton) -> list[Any]:
-        """Components of the force, and whether it follows the body."""
-        return [*self.force, 1.0 if self.frame == "body" else 0.0]

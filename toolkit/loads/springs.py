@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from toolkit.markers.component import Skeleton
 
 
 class PointSpring(BetweenPoints, Acting):
-    """Base of springs along the line between two points; without `length` the spring is relaxed at the start.
+    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start.
 
     Attributes
     ----------
@@ -29,6 +29,8 @@ class PointSpring(BetweenPoints, Acting):
     length
         Relaxed length; by default the distance of the points in the undeformed configuration.
     """
+
+    kind: ClassVar[str] = "spring-damper"
 
     stiffness: Annotated[NotNegative, Quantity("force/length")] = 0.0
     damping: Annotated[NotNegative, Quantity("force time/length")] = 0.0
@@ -41,7 +43,7 @@ class PointSpring(BetweenPoints, Acting):
 
 
 class TurnSpring(BetweenBodies, Acting):
-    """Base of springs between the rotations of two bodies.
+    """Base of spring-dampers between the rotations of two bodies.
 
     Attributes
     ----------
@@ -52,6 +54,8 @@ class TurnSpring(BetweenBodies, Acting):
     rest_angle
         Relative rotation without torque, in rad.
     """
+
+    kind: ClassVar[str] = "rotational-spring-damper"
 
     stiffness: Annotated[NotNegative, Quantity("torque/angle")] = 0.0
     damping: Annotated[NotNegative, Quantity("torque time/angle")] = 0.0
@@ -108,16 +112,14 @@ def rotational_spring_damper(z, w, force, force_z, force_w):
 
 
 class SpringDamper(PointSpring, PlanarLoad):
-    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start."""
+    __doc__ = PointSpring.__doc__
 
-    kind = "spring-damper"
     formula = spring_damper
 
 
 class RotationalSpringDamper(TurnSpring, PlanarLoad):
     """Torque -k (angle - rest_angle) - c angle' between two bodies, angle = relative rotation since the undeformed configuration."""
 
-    kind = "rotational-spring-damper"
     formula = rotational_spring_damper
 
 
@@ -158,9 +160,8 @@ def spatial_spring_damper(z, w, force, force_z, force_w):
 
 
 class SpatialSpringDamper(PointSpring, SpatialLoad):
-    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start."""
+    __doc__ = PointSpring.__doc__
 
-    kind = "spring-damper"
     formula = spatial_spring_damper
 
     @property
@@ -192,8 +193,8 @@ class SpatialRotationalSpringDamper(AboutAxis, TurnSpring, SpatialLoad):
         damper without `stiffness`, which feels no angle.
     """
 
-    kind = "rotational-spring-damper"
     formula = spatial_rotational_spring_damper
+
     counts_turns: bool = False
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
@@ -30,6 +30,9 @@ class AppliedTorque(Description):
     reaction
         Body that the opposite torque acts on.
     """
+
+    kind: ClassVar[str] = "torque"
+    proportional: ClassVar[tuple[str, ...]] = ("torque",)
 
     body: str
     point: Place
@@ -75,8 +78,6 @@ class Torque(AppliedTorque, PlanarLoad):
         M, in force length.
     """
 
-    kind = "torque"
-    proportional = ("torque",)
     formula = torque
 
     torque: Annotated[Number, Quantity("torque")]
@@ -132,8 +133,6 @@ class SpatialTorque(AppliedTorque, SpatialLoad):
         Axes of M: those of space, or those that turn with `body` at the point.
     """
 
-    kind = "torque"
-    proportional = ("torque",)
     formula = spatial_torque
 
     torque: Annotated[Triple, Quantity("torque")]
