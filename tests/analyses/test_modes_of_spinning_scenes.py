@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 from tests.spatial.test_frames import AREA, RHO, SECOND, E, Z, beam, elastic_frequencies
 from toolkit.analyses.modes import Modes, solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import Rigid
 from toolkit.command_line.cli import app
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point

@@ -1,6 +1,6 @@
 """A chain of rods swinging under gravity: a mechanism whose size can be chosen."""
 
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.planar.revolute import Revolute

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from preprocessing import build
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.spatial.spherical import Spherical

@@ -14,7 +14,7 @@ from tests.models.cases import write_models
 from tests.models.every_number import SCENES as PLANAR
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
-from toolkit.bodies.planar.body import MarkerNumbers
+from toolkit.bodies.body import MarkerNumbers
 from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import number
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew

@@ -7,8 +7,8 @@ import pytest
 
 from tests.models.scenes import HANGING_DESIGN, MODELS, hanging_skin
 from toolkit.analyses.transient import simulate
+from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.model_body import FRAME
-from toolkit.bodies.planar.flexible import Flexible
 from toolkit.cost_summary.cost import costs
 from toolkit.cost_summary.cost_summary import cost_summary
 from toolkit.cost_summary.everything import prepare_everything, with_frames

@@ -12,8 +12,7 @@ import pytest
 from ffrf import extend
 from tests.models.curves import CURVES, ROUGH
 from tests.scene_file.test_schemas import complaints
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.curves.curve import Curve
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.cycloid import Cycloid

@@ -11,8 +11,8 @@ from scipy.linalg import eigh
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.sine import Sine
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.curves.kinds.sum import Sum

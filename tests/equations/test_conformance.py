@@ -21,7 +21,7 @@ from tests.models.four_bars import four_bars
 from tests.models.scenes import WING
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.body import Body
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.rigid import Rigid
 from toolkit.compilation.arrays.joint_arrays import laws_of
 from toolkit.conformance.check import check_joint, check_laws, check_load, check_scene
 from toolkit.conformance.comparison import STEP

@@ -10,8 +10,7 @@ from tests.models.cases import write_models as write_planar
 from tests.models.spatial_cases import AXIS, SpatialCase
 from tests.models.spatial_cases import write_models as write_spatial
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.conformance.check import check_joint
 from toolkit.conformance.residual import inputs, random_state
 from toolkit.description.point import Point

@@ -17,7 +17,7 @@ from tests.models.any_scene import (  # noqa: F401  (they run on the scenes of t
 )
 from tests.models.spatial_cases import AXIS, CASES, SpatialCase, write_models
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import SpatialRigid
 from toolkit.conformance.check import check_joint, check_load, check_scene
 from toolkit.conformance.formula import check_load_formula
 from toolkit.description.point import Point

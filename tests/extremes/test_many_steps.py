@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.planar.revolute import Revolute

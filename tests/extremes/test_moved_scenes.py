@@ -13,7 +13,7 @@ from tests.models.every_number import SCENES
 from tests.models.scenes import WING, hanging_skin
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.description.point import Point
 from toolkit.kinematics.planar import rotation
 from toolkit.loads.bushing import Bushing

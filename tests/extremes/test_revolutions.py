@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions

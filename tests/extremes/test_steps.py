@@ -9,7 +9,7 @@ from scipy.special import ellipj, ellipk
 from tests.models.scenes import WING
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.rigid import Rigid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError

@@ -9,7 +9,7 @@ from tests.models.scenes import MODELS, WING
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError

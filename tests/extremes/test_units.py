@@ -10,8 +10,8 @@ import pytest
 
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions

@@ -13,8 +13,8 @@ from tests.models.processors import BUILT, MODELS, entries, kernels, rotating_be
 from tests.preprocessing.test_preprocess_cli import arrays
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.compilation.redundant_rows import independent_rows
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions

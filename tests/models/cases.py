@@ -10,8 +10,8 @@ import numpy as np
 
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.harmonic import Harmonic
 from toolkit.curves.kinds.sine import Sine

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.cycloid import Cycloid
 from toolkit.curves.kinds.harmonic import Harmonic

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.description.point import Point
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.gravity import Gravity

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
 from toolkit.joints.both.driver import AngleDriver

@@ -6,10 +6,8 @@ from pathlib import Path
 
 from tests.models import cases, spatial_cases
 from tests.models.every_number import LEAD, SOLVER
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rod, SpatialRod
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver

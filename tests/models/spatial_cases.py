@@ -10,8 +10,8 @@ from preprocessing import build
 from tests.models.cases import GAINS, LIFT, LINEAR, PROFILE, SINE, SUM, TABLE
 from tests.models.kept_files import write_once
 from tests.models.solid_bodies import box, write_body
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.joints.both.cam import SpatialCam, SpatialSwingCam
 from toolkit.joints.both.distance import SpatialDistance

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from tests.models.every_number import FOLLOW, LEAD, SOLVER, WAVE
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigid, SpatialRod
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.sine import Sine
 from toolkit.curves.kinds.smooth_step import SmoothStep

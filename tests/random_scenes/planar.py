@@ -9,8 +9,8 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
 from tests.random_scenes.planar_links import Link, answers, hinge, link, pushes, whirl
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
 from toolkit.joints.both.rigid_joint import RigidJoint

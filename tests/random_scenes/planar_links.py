@@ -9,8 +9,8 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.draw import rounded
 from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute

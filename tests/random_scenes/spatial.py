@@ -10,7 +10,7 @@ from tests.random_scenes.draft import Draft
 from tests.random_scenes.planar import SWING
 from tests.random_scenes.planar_links import Link
 from tests.random_scenes.spatial_links import answers, flexible, inertia, link, pushes, tie, weight, whirl
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import SpatialRigid
 from toolkit.joints.both.distance import SpatialDistance
 from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint

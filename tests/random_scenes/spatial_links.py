@@ -9,8 +9,8 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.models import PERIODS, SPATIAL, local_places, model_file
 from tests.random_scenes.planar_links import Link
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigid, SpatialRod
 from toolkit.joints.both.distance import SpatialDistance
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.cylindrical import Cylindrical

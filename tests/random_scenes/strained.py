@@ -17,8 +17,8 @@ from tests.models.kept_files import write_once
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.draw import Draw
 from tests.random_scenes.solver import random_options
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.run_options import RunOptions

@@ -23,7 +23,7 @@ from tests.models.cases import CASES, write_models
 from tests.models.pictures import distinct_colors, image, rest
 from tests.models.scenes import hanging_skin
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.files.own_files import OWN, list_own

@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.command_line.cli import app
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions

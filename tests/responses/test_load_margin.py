@@ -7,8 +7,7 @@ import pytest
 
 from tests.models.scenes import WING
 from tests.scene_file.test_schemas import complaints
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.curves.kinds.constant import Constant
 from toolkit.description.point import Point
 from toolkit.foundation.errors import BifurcationError, ConvergenceError

@@ -11,9 +11,8 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.response_cases import CASES, TIP, write_models
 from tests.models.scenes import WING
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod, SpatialRod
 from toolkit.curves.kinds.sine import Sine
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point

@@ -10,7 +10,7 @@ import ffrf
 from tests.models.directions import along, derivative_along
 from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.rigid import Rigid
 from toolkit.curves.kinds.ramp import Ramp
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions

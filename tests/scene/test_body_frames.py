@@ -14,10 +14,8 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions

@@ -5,11 +5,9 @@ import pytest
 
 from tests.models.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.body import Body
-from toolkit.bodies.planar.body import PlanarBody
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.body import SpatialBody
+from toolkit.bodies.body import Body, PlanarBody, SpatialBody
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions

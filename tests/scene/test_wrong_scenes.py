@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from toolkit.analyses.free_motion import farthest, free_motion_states
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.sine import Sine
 from toolkit.curves.kinds.smooth_step import SmoothStep

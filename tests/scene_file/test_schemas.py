@@ -14,7 +14,7 @@ from jsonschema import Draft7Validator
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from tests.models.cases import KINDS, Case
 from tests.models.scenes import hanging_skin
-from toolkit.bodies.planar.body import PlanarBody
+from toolkit.bodies.body import PlanarBody
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import Gravity

@@ -14,8 +14,8 @@ from tests.models.four_bars import four_bars
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.distance import Distance

@@ -12,8 +12,8 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.directions import along, derivative_along, direction
 from tests.scenes.test_benchmarks import CHAIN, slider_crank
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.compilation.quantities import STEP
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point

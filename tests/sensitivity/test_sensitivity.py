@@ -8,7 +8,7 @@ from preprocessing import build
 from tests.models.directions import along, derivative_along, direction
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, NoDerivativeError

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.sine import Sine
 from toolkit.curves.kinds.sum import Sum

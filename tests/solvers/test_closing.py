@@ -12,8 +12,7 @@ import scipy
 from tests.spatial.scenes import at
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.bodies.rigid import Rod, SpatialRod
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point

@@ -10,7 +10,7 @@ import pytest
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError

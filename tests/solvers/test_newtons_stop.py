@@ -14,7 +14,7 @@ from tests.benchmarks.space import hanging
 from tests.models.scenes import WING
 from toolkit.analyses.run_start import run_start
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.curves.kinds.table import Table
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.sine import Sine
 from toolkit.description.point import Point
 from toolkit.description.run_options import Baumgarte, RunOptions

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions

@@ -14,8 +14,8 @@ from tests.models.starts import derivatives_agree, started
 from toolkit.analyses.modes import undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.sine import Sine
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions

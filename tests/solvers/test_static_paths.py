@@ -12,7 +12,7 @@ from tests.models.fine_path import FinePath
 from tests.models.random_statics import KINDS, SNAPPING, WING, random_scene
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions

@@ -12,7 +12,7 @@ from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
 from tests.solvers.test_orders import DESIGN, driven_pendulum
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.sine import Sine
 from toolkit.curves.kinds.smooth_step import SmoothStep

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.spatial.scenes import at, save_frame
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigid
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions

@@ -11,12 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.body import Body, Placed
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.planar.start_velocity import StartVelocity
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRigidBody
+from toolkit.bodies.body import Body, Placed, StartVelocity
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRigidBody
 from toolkit.description.description import Positive
 from toolkit.description.point import Point
 from toolkit.joints.both.distance import Distance, SpatialDistance

@@ -12,8 +12,8 @@ from tests.spatial.scenes import at, save_frame
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigid
 from toolkit.curves.kinds.constant import Constant
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions

@@ -9,7 +9,7 @@ from tests.spatial.scenes import at
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import SpatialRigid
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError

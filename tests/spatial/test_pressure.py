@@ -11,7 +11,7 @@ from tests.models.solid_bodies import MODULUS, box, cantilever
 from tests.spatial.scenes import at
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint

@@ -11,7 +11,7 @@ from scipy.linalg import null_space
 from tests.models.directions import along, derivative_along, direction
 from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.rigid import SpatialRigid, SpatialRod
 from toolkit.compilation.redundant_rows import independent_rows
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.run_options import RunOptions

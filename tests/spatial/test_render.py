@@ -11,9 +11,8 @@ from preprocessing import build
 from tests.models.cases import PROFILE
 from tests.models.pictures import distinct_colors, image, rest, skip_where_nothing_draws
 from tests.models.solid_bodies import box, cantilever
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import Rod, SpatialRigid, SpatialRod
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions

@@ -19,7 +19,7 @@ from tests.models.solid_bodies import DENSITY, MODULUS, box, cantilever, moves
 from toolkit.analyses.modes import Modes, solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.curves.kinds.sine import Sine
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions

@@ -11,7 +11,7 @@ import pytest
 
 from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import SpatialRigid
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.kinematics.spatial import angular_velocity

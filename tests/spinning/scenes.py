@@ -10,10 +10,8 @@ import numpy as np
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.spatial.scenes import at, save_frame
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.curves.kinds.polynomial import Polynomial
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions

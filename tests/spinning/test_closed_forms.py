@@ -9,8 +9,8 @@ from tests.spatial.scenes import save_frame
 from tests.spatial.test_frames import AREA, BEAM, ENDS, RHO, SECOND, E
 from tests.spinning.scenes import SPINNING, Z, governor, motor, planar_blade, table, table_in_space, top
 from toolkit.analyses.modes import Modes, solve_modes, undeformed
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import Rigid
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver

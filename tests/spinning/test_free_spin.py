@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.rigid import Rigid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.planar.revolute import Revolute

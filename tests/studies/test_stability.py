@@ -15,8 +15,8 @@ from preprocessing.elements.section import Section
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.models.scenes import WING
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.description import Number

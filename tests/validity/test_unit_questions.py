@@ -10,8 +10,7 @@ import pytest
 
 from preprocessing.commands.cli import main
 from tests.preprocessing.test_frame_models import BENT
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
 from toolkit.description.point import Point
 from toolkit.foundation.verdict import Verdict
 from toolkit.joints.planar.revolute import Revolute

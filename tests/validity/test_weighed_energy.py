@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.bodies.rigid import Rod, SpatialRod
 from toolkit.description.point import Point
 from toolkit.description.run_options import Formulation, RunOptions
 from toolkit.foundation.kernel import first_class

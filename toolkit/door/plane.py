@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.door import curves, responses
 from toolkit.door.curves import *  # noqa: F403

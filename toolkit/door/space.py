@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from toolkit.bodies.spatial.flexible import SpatialFlexible as Flexible
-from toolkit.bodies.spatial.rigid import SpatialRigid as Rigid
-from toolkit.bodies.spatial.rigid import SpatialRod as Rod
+from toolkit.bodies.flexible import SpatialFlexible as Flexible
+from toolkit.bodies.rigid import SpatialRigid as Rigid
+from toolkit.bodies.rigid import SpatialRod as Rod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.door import curves, responses
 from toolkit.door.curves import *  # noqa: F403

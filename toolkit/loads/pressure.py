@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from toolkit.bodies.body import Placed
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.kinds.constant import Constant
 from toolkit.description.description import Number

@@ -11,7 +11,7 @@ from toolkit.scene.space import SPACES
 DIMENSIONS = tuple(SPACES)
 """Dimensions that a scene can have."""
 
-for _room in ("bodies.planar", "bodies.spatial", "joints.planar", "joints.spatial", "joints.both", "loads"):
+for _room in ("bodies", "joints", "loads"):
     import_room(f"toolkit.{_room}")
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.curves.curve import Curve
 from toolkit.loads.point_force import SpatialPointForce
 from toolkit.loads.pressure import Pressure

@@ -7,10 +7,10 @@ from itertools import product
 
 import numpy as np
 
+from toolkit.bodies.body import SpatialBody, SpatialMarkerNumbers
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.spatial.body import SpatialBody, SpatialMarkerNumbers
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigidBody, SpatialRod
 from toolkit.joints.places import AtPoints
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.kinematics.spatial import matrix_of, quaternion_of

@@ -9,7 +9,7 @@ import pyvista
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from toolkit.bodies.spatial.rigid import SpatialRigidBody
+from toolkit.bodies.rigid import SpatialRigidBody
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
 from toolkit.joints.joint import Joint

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.bodies.mass import GivenMass, UniformRod
 from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.rigid import GivenMass, UniformRod
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.markers.component import Component

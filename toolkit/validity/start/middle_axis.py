@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.bodies.body import QUATERNION
-from toolkit.bodies.spatial.rigid import SpatialRigidBody
+from toolkit.bodies.rigid import SpatialRigidBody
 from toolkit.foundation.verdict import Caution
 from toolkit.kinematics.spatial import angular_velocity
 from toolkit.system.solution import Solution
