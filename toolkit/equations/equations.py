@@ -14,8 +14,8 @@ import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import Constant, constant_design, constant_jacobian, constant_residual
 from toolkit.bodies.kernels.inertia import add_drag, add_drag_design, moving_design, moving_linearized, moving_residual
-from toolkit.bodies.kernels.planar.floating_kernel import Floating
-from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating, is_mixed, parts_of
+from toolkit.bodies.kernels.planar_floating import Floating
+from toolkit.bodies.kernels.spatial_floating import SpatialFloating, is_mixed, parts_of
 from toolkit.foundation.compiled.calls import by_value
 from toolkit.foundation.kernel import copy, inlined, kernel
 from toolkit.joints.kernels.all_joints import add_joint_designs, add_joints

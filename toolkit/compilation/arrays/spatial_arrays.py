@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.bodies.kernels.spatial_floating import SpatialFloating
 from toolkit.compilation.arrays.body_arrays import stiffened_entries
 from toolkit.compilation.arrays.component_arrays import marker_changes
 from toolkit.compilation.conversions import ints, starts
