@@ -55,8 +55,6 @@ from toolkit.studies.study.sweep_options import Sweep
 PAGE = Path(__file__).parents[1] / "formats.md"
 PLACE = re.compile(r"^<!-- table: ([\w-]+) -->\n(?:.*?^<!-- end of table -->\n)?", re.MULTILINE | re.DOTALL)
 """Where the page wants a table, with the table if it is there."""
-SPACE = "spatial-"
-"""Beginning of the names of groups of kinds in space."""
 ANCHOR, CLASS = (
     re.compile(r"^(#+) <a id=\"([\w-]+)\"></a>(.*)$", re.MULTILINE),
     re.compile(r"^Class `(([\w.]+)\.(\w+))`\.$", re.MULTILINE),
@@ -78,7 +76,7 @@ def kinds() -> dict[str, dict[str, type[BaseModel]]]:
     """All kinds that the toolkit knows by a `type` in a scene file, by group and in the order of their names; those in space apart."""
     groups: dict[str, Mapping[str, type]] = {
         **kinds_of(2),
-        **{f"{SPACE}{group}": found for group, found in kinds_of(3).items()},
+        **{f"spatial-{group}": found for group, found in kinds_of(3).items()},
         "responses": Response.kinds,
         "curves": Curve.kinds,
     }
@@ -89,22 +87,11 @@ def kinds() -> dict[str, dict[str, type[BaseModel]]]:
 
 
 def kind_sections(group: str) -> str:
-    """One section per kind: what its class says, and its keys; of a kind that the plane has too, those in which space differs."""
-    plane = kinds().get(group.removeprefix(SPACE), {}) if group.startswith(SPACE) else {}
+    """One section per kind: what its class says, and its keys."""
     return "\n\n".join(
-        f'### <a id="{group}-{name}"></a>{name}\n\n{words(kind)}\n\n{_reference(kind)}\n\n'
-        + (_beside(kind, plane[name], f"{group.removeprefix(SPACE)}-{name}") if name in plane else key_table(kind))
+        f'### <a id="{group}-{name}"></a>{name}\n\n{words(kind)}\n\n{_reference(kind)}\n\n{key_table(kind)}'
         for name, kind in kinds()[group].items()
     )
-
-
-def _beside(kind: type[BaseModel], plane: type[BaseModel], where: str) -> str:
-    """Keys of a kind in space beside those of the same kind in the plane, which stand elsewhere on the page."""
-    head, rule, *rows = [*key_table(kind).splitlines(), ""]
-    own = [row for row in rows if row and row not in key_table(plane).splitlines()]
-    missing = [f"`{key}`" for key in plane.model_fields if key not in kind.model_fields]
-    told = f"Keys as [in the plane](#{where})" + (f" without {', '.join(missing)}" if missing else "")
-    return f"{told}, but for these:\n\n" + "\n".join([head, rule, *own]) if own else f"{told}."
 
 
 def table(model: type[BaseModel], without: Iterable[str] = ()) -> Callable[[], str]:

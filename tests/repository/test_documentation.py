@@ -146,21 +146,13 @@ def declared_kinds() -> set[str]:
     return found - {""}
 
 
-def rows_of(section: str) -> list[str]:
-    """Rows of the keys of a kind on the page of file formats, with those of the plane that one in space refers to and does not change."""
-    text = FORMATS.split(f'### <a id="{section}"></a>')[1].split("\n##")[0]
-    rows = [line for line in text.splitlines() if line.startswith("| `")]
-    keys, plane = {row.split("`")[1] for row in rows}, re.search(r"^Keys as \[in the plane\]\(#([\w-]+)\)", text, re.MULTILINE)
-    return rows + [row for row in (rows_of(plane[1]) if plane else ()) if row.split("`")[1] not in keys]
-
-
 def test_every_kind_and_every_key_of_it_is_in_the_page_on_file_formats():
     documented = {(group, name) for group, found in kinds().items() for name in found}
     assert {name for _, name in documented} == declared_kinds()
     for group, name in documented:
-        rows = rows_of(f"{group}-{name}")
+        section = FORMATS.split(f'### <a id="{group}-{name}"></a>{name}\n')[1].split("\n##")[0]
         for key in set(kinds()[group][name].model_fields) - {"type"}:
-            (row,) = [line for line in rows if line.startswith(f"| `{key}` |")]
+            (row,) = [line for line in section.splitlines() if line.startswith(f"| `{key}` |")]
             assert row.rstrip(" |").count("|") == 4, (
                 f"{group}.{name}.{key} has no meaning: state it in the docstring's Attributes"
             )
