@@ -15,11 +15,11 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.command_line.cli import app
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

@@ -18,7 +18,7 @@ from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.spatial.spherical import Spherical
+from toolkit.joints.spherical import Spherical
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene

@@ -10,11 +10,10 @@ from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.loads.planar.torque import Torque

@@ -169,7 +169,7 @@ def test_the_page_on_file_formats_has_the_tables_of_the_classes_as_they_are():
 def test_the_page_on_file_formats_links_to_the_reference_on_the_site():
     site = for_the_site(FORMATS)
     assert "### revolute { #joints-revolute }\n" in site
-    assert "In the reference: [`Revolute`][toolkit.joints.planar.revolute.Revolute]." in site
+    assert "In the reference: [`Revolute`][toolkit.joints.revolute.Revolute]." in site
     assert "<a id" not in site
 
 

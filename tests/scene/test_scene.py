@@ -10,16 +10,14 @@ from toolkit.bodies.planar.body import PlanarBody
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.bodies.spatial.body import SpatialBody
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.joint import Joint
-from toolkit.joints.planar.joint import PlanarJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.joint import Joint, PlanarJoint, SpatialJoint
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
 from toolkit.loads.load import AnyLoad, Load
 from toolkit.loads.planar.load import AnyPlanarLoad
 from toolkit.loads.planar.torque import Torque

@@ -7,10 +7,10 @@ import pytest
 
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.oscillation import Sine
 from toolkit.description.point import Point
 from toolkit.description.run_options import Baumgarte, RunOptions
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper
 from toolkit.loads.planar.torque import Torque

@@ -13,8 +13,8 @@ from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.planar.spring_damper import SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve

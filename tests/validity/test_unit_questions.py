@@ -14,8 +14,8 @@ from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import Point
 from toolkit.foundation.verdict import Verdict
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.spherical import Spherical
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.spherical import Spherical
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.reduced_model.questions.material_questions import material_questions

@@ -7,7 +7,7 @@ from typing import Annotated, Self
 from pydantic import field_validator, model_validator
 
 from toolkit.curves.catalogue import Curve
-from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.polynomial import Constant
 from toolkit.description.description import Description
 from toolkit.description.quantity import Quantity
 from toolkit.markers.component import Place, on_both

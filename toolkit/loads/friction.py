@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 from numba.core.registry import CPUDispatcher
 
 from toolkit.curves.catalogue import Curve
-from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.polynomial import Constant
 from toolkit.description.description import NotNegative, Positive
 from toolkit.description.quantity import Quantity
 from toolkit.loads.places import BetweenBodies

@@ -7,7 +7,7 @@ from typing import Self
 from pydantic import model_validator
 
 from toolkit.description.description import Description, Registered
-from toolkit.joints.places import AtPoint
+from toolkit.joints.joint import AtPoint
 
 
 def name_of(load: Description) -> str:

@@ -8,7 +8,7 @@ from toolkit.foundation.kernel import plain
 from toolkit.joints.kernels.laws import angle_of
 from toolkit.loads.kernels.measured import TILT
 from toolkit.loads.planar.load import PlanarLoad
-from toolkit.markers.along_axis import AlongAxis
+from toolkit.markers.component import AlongAxis
 
 
 class AlongAxisLoad(AlongAxis, PlanarLoad):

@@ -10,7 +10,7 @@ from toolkit.loads.kernels.along import control_along
 from toolkit.loads.kernels.load_kernel import SPATIAL_CURVE
 from toolkit.loads.kernels.measured import distance, space_angle, space_offset, turn_next_to
 from toolkit.loads.spatial.load import SpatialLoad
-from toolkit.markers.about_axis import AboutAxis
+from toolkit.markers.component import AboutAxis
 
 
 @kernel

@@ -7,7 +7,7 @@ from toolkit.loads.friction import SlidingFriction, TurningFriction
 from toolkit.loads.kernels.along import friction_along
 from toolkit.loads.kernels.measured import space_angle, space_offset
 from toolkit.loads.spatial.load import SpatialLoad
-from toolkit.markers.about_axis import AboutAxis
+from toolkit.markers.component import AboutAxis
 
 
 @kernel

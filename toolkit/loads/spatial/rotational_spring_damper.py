@@ -10,7 +10,7 @@ from toolkit.loads.kernels.along import counted_turns, spring_along
 from toolkit.loads.kernels.measured import space_angle
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.loads.springs import TurnSpring
-from toolkit.markers.about_axis import AboutAxis
+from toolkit.markers.component import AboutAxis
 
 
 @kernel
