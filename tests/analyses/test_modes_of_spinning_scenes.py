@@ -15,11 +15,11 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import Rigid
 from toolkit.command_line.cli import app
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.springs import RotationalSpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

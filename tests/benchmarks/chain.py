@@ -3,7 +3,7 @@
 from toolkit.bodies.rigid import Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 

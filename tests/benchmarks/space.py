@@ -18,7 +18,7 @@ from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import SpatialRod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.spatial.spherical import Spherical
+from toolkit.joints.spherical import Spherical
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene

@@ -14,7 +14,7 @@ from toolkit.cost_summary.cost_summary import cost_summary
 from toolkit.cost_summary.everything import prepare_everything, with_frames
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.files.hdf5 import Content
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene, forget_models
 from toolkit.scene_file.reader import read_scene

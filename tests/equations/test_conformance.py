@@ -31,12 +31,11 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.both.driver import PositionDriver
-from toolkit.joints.joint import Joint
+from toolkit.joints.driver import PositionDriver
+from toolkit.joints.joint import Joint, PlanarJoint, PointJoint
 from toolkit.joints.kernels.records import PINNED
-from toolkit.joints.planar.joint import PlanarJoint, PointJoint
-from toolkit.joints.planar.slider import Slider
 from toolkit.joints.rows import Row
+from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load, PlanarLoad
 from toolkit.loads.springs import SpringDamper

@@ -24,8 +24,8 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
+from toolkit.joints.joint import AxisJoint, SpatialPointJoint
 from toolkit.joints.rows import Form, Row
-from toolkit.joints.spatial.joint import AxisJoint, SpatialPointJoint
 from toolkit.loads.load import Load, SpatialLoad
 from toolkit.loads.springs import SpatialSpringDamper
 from toolkit.markers.component import Skeleton

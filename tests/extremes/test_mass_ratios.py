@@ -10,8 +10,8 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.springs import SpringDamper
 from toolkit.scene.scene import Scene

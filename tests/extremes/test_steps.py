@@ -13,7 +13,7 @@ from toolkit.bodies.rigid import Rigid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.both.distance import Distance
+from toolkit.joints.distance import Distance
 from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

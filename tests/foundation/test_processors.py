@@ -19,8 +19,8 @@ from toolkit.compilation.redundant_rows import independent_rows
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.near_ties import first_largest, first_smallest
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.torque import Torque
 from toolkit.reduced_model.entry_scales import entry_scales

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from toolkit.bodies.rigid import Rod
 from toolkit.description.point import Point
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 

@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.joints.slider import Slider
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
 from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.loads.springs import RotationalSpringDamper, SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
 from toolkit.loads.torque import SpatialTorque, Torque

@@ -8,11 +8,10 @@ from tests.models import cases, spatial_cases
 from tests.models.every_number import LEAD, SOLVER
 from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.rigid import Rod, SpatialRod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
 from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.loads.springs import RotationalSpringDamper, SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
 from toolkit.loads.torque import SpatialTorque, Torque

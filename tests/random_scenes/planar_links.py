@@ -11,10 +11,10 @@ from tests.random_scenes.draw import rounded
 from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
+from toolkit.joints.distance import Distance
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
 from toolkit.loads.point_force import PointForce
 from toolkit.loads.springs import SpringDamper
 from toolkit.loads.torque import Torque

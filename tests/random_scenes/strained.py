@@ -19,12 +19,12 @@ from tests.random_scenes.draw import Draw
 from tests.random_scenes.solver import random_options
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.polynomial import Constant
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import save

@@ -26,7 +26,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.own_files import OWN, list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import replaced
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.render.pictures import file_names
 from toolkit.report.figures.catalogue import _scale, monitor_curves

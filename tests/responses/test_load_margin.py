@@ -8,12 +8,12 @@ import pytest
 from tests.models.scenes import WING
 from tests.scene_file.test_schemas import complaints
 from toolkit.bodies.rigid import Rigid, SpatialRigid
-from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.polynomial import Constant
 from toolkit.description.point import Point
 from toolkit.foundation.errors import BifurcationError, ConvergenceError
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.prismatic import Prismatic
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.slider import Slider
 from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.loads.springs import SpatialSpringDamper, SpringDamper
 from toolkit.responses.load_margin import LoadMargin

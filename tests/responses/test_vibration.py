@@ -11,12 +11,12 @@ from tests.models.directions import along, derivative_along
 from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
 from toolkit.bodies.rigid import Rigid
-from toolkit.curves.kinds.ramp import Ramp
+from toolkit.curves.rise import Ramp
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
 from toolkit.loads.springs import RotationalSpringDamper, SpringDamper

@@ -8,16 +8,14 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.bodies.body import Body, PlanarBody, SpatialBody
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.joint import Joint
-from toolkit.joints.planar.joint import PlanarJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.joint import Joint, PlanarJoint, SpatialJoint
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
 from toolkit.loads.load import AnyLoad, AnyPlanarLoad, AnySpatialLoad, Load
 from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene

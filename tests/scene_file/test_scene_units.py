@@ -15,13 +15,13 @@ from tests.models.cases import write_models
 from tests.models.every_number import SCENES
 from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.oscillation import Sine
 from toolkit.description.description import Description, Number
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.dimensions import LABELLED, Dimension, factor
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import UNIT_SYSTEMS
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.load import PlanarLoad
 from toolkit.loads.point_force import point_force
 from toolkit.reduced_model.conversion import converted_model

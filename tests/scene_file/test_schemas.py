@@ -43,6 +43,13 @@ def test_the_shipped_schema_is_valid_and_freshly_written(name):
     Draft7Validator.check_schema(schema(name))
 
 
+@pytest.mark.parametrize("name", ["plane", "space"])
+def test_type_checkers_see_the_names_that_scenes_in_python_are_made_of(name):
+    stub = runpy.run_path(str(ROOT / "schemas" / "write_schemas.py"))["stubs"][name]
+    assert (ROOT / "toolkit" / "door" / f"{name}.pyi").read_text() == stub, "run: python schemas/write_schemas.py"
+    assert f"import {'Spatial' * (name == 'space')}Revolute as Revolute" in stub
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_every_file_of_the_models_names_its_schema_and_meets_it(path):
     first = path.read_text().splitlines()[0]

@@ -21,7 +21,7 @@ from tests.models import directions
 from tests.models.solid_bodies import compliance, frequencies
 from toolkit.analyses.run_start import start_at_rest
 from toolkit.analyses.transient import simulate
-from toolkit.curves.kinds.cycloid import Cycloid
+from toolkit.curves.rise import Cycloid
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import LimitPointError, SingularSystemError
 from toolkit.reduced_model.file import load

@@ -16,7 +16,7 @@ from tests.models.cases import write_models
 from tests.models.spatial_cases import write_models as write_spatial_models
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
-from toolkit.curves.kinds.cycloid import Cycloid
+from toolkit.curves.rise import Cycloid
 from toolkit.description.description import Description
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions

@@ -15,12 +15,12 @@ from tests.models.scenes import WING
 from toolkit.analyses.run_start import run_start
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rod
-from toolkit.curves.kinds.table import Table
+from toolkit.curves.table import Table
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.kernel import plain
 from toolkit.foundation.vectors.rows import LANES
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene

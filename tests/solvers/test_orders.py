@@ -7,10 +7,10 @@ import pytest
 
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.oscillation import Sine
 from toolkit.description.point import Point
 from toolkit.description.run_options import Baumgarte, RunOptions
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.springs import RotationalSpringDamper
 from toolkit.loads.torque import Torque

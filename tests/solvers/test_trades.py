@@ -13,16 +13,16 @@ from tests.solvers.test_orders import DESIGN, driven_pendulum
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
-from toolkit.curves.kinds.sum import Sum
-from toolkit.curves.kinds.table import Table
+from toolkit.curves.combined import Sum
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.polynomial import Constant
+from toolkit.curves.rise import SmoothStep
+from toolkit.curves.table import Table
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
 from toolkit.loads.springs import SpringDamper

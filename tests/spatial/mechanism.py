@@ -7,14 +7,14 @@ from pathlib import Path
 from tests.spatial.scenes import at, save_frame
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import SpatialRigid
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import SpatialAngleDriver
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
+from toolkit.joints.driver import SpatialAngleDriver
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.loads.point_force import SpatialPointForce
 from toolkit.loads.springs import SpatialSpringDamper

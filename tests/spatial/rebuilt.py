@@ -16,15 +16,14 @@ from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRigidBody
 from toolkit.description.description import Positive
 from toolkit.description.point import Point
-from toolkit.joints.both.distance import Distance, SpatialDistance
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.both.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.joints.distance import Distance, SpatialDistance
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.joint import Joint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.point_on_plane import PointOnPlane
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.point_on_plane import PointOnPlane
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.loads.springs import SpatialSpringDamper, SpringDamper

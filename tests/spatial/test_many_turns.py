@@ -10,11 +10,11 @@ from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import SpatialRigid
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.both.driver import SpatialAngleDriver
-from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.driver import SpatialAngleDriver
+from toolkit.joints.revolute import SpatialRevolute
 from toolkit.kinematics.spatial import matrix_of
 from toolkit.loads.springs import SpatialRotationalSpringDamper
 from toolkit.loads.torque import SpatialTorque

@@ -13,12 +13,12 @@ from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import SpatialRigid, SpatialRod
 from toolkit.compilation.redundant_rows import independent_rows
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, SingularSystemError
-from toolkit.joints.both.driver import SpatialAngleDriver
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
+from toolkit.joints.driver import SpatialAngleDriver
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.spherical import Spherical
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.forces.joint_force import JointForce

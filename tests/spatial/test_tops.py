@@ -13,7 +13,7 @@ from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import SpatialRigid
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.spatial.spherical import Spherical
+from toolkit.joints.spherical import Spherical
 from toolkit.kinematics.spatial import angular_velocity
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.scene.scene import Scene

@@ -12,15 +12,14 @@ from tests.models.beam_models import save_beam
 from tests.spatial.scenes import at, save_frame
 from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.rigid import Rigid, SpatialRigid
-from toolkit.curves.kinds.polynomial import Polynomial
+from toolkit.curves.polynomial import Polynomial
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.both.rigid_joint import RigidJoint, SpatialRigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.joints.slider import Slider
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper

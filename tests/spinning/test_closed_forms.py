@@ -13,8 +13,8 @@ from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import Rigid
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.springs import SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve

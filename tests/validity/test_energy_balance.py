@@ -8,11 +8,11 @@ import pytest
 from tests.models.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.loads.torque import Torque

@@ -14,12 +14,12 @@ from typer.testing import CliRunner
 
 from toolkit.command_line.cli import app
 from toolkit.compilation.quantities import curves_of
+from toolkit.curves.combined import Sum
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
-from toolkit.curves.kinds.sum import Sum
-from toolkit.curves.kinds.table import Table
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.polynomial import Constant
+from toolkit.curves.rise import SmoothStep
+from toolkit.curves.table import Table
 from toolkit.description.time_grid import time_grid
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

@@ -10,7 +10,7 @@ import pytest
 from tests.solvers.test_snap_through import LIMIT, TURN, truss
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.kinematics.spatial import matrix_of, quaternion_of, quaternion_rate
 from toolkit.scene.scene import Scene

@@ -13,8 +13,8 @@ from tests.preprocessing.test_frame_models import BENT
 from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
 from toolkit.description.point import Point
 from toolkit.foundation.verdict import Verdict
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.spherical import Spherical
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.spherical import Spherical
 from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.reduced_model.questions.material_questions import material_questions
 from toolkit.scene.scene import Scene

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
 from toolkit.loads.friction import PlanarSlidingFriction
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.springs import SpringDamper

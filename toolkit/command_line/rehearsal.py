@@ -15,9 +15,8 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import Formulation, RunOptions
 from toolkit.foundation.kernel import first_class
 from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
-from toolkit.joints.kernels.turn_laws import teeth_law, turn_law
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.kernels.laws import teeth_law, turn_law
+from toolkit.joints.revolute import Revolute, SpatialRevolute
 from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.load import Load

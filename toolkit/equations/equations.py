@@ -22,9 +22,9 @@ from toolkit.joints.kernels.all_joints import add_joint_designs, add_joints
 from toolkit.joints.kernels.records import Joints
 from toolkit.loads.kernels.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
 from toolkit.loads.kernels.pressure_kernel import Pressures, add_pressure_designs, add_pressures
-from toolkit.markers.planar.marker_kernel import Markers
+from toolkit.markers.planar import Markers
 from toolkit.markers.poses import set_frames, update_pose_designs, update_poses
-from toolkit.markers.spatial.marker_kernel import SpatialMarkers
+from toolkit.markers.spatial import SpatialMarkers
 
 
 class Plan(NamedTuple):
@@ -88,7 +88,7 @@ class Inputs(NamedTuple):
     curves: np.ndarray  # (n_curves, 3)
     curves_x: np.ndarray  # (n_d, 3)
     scale: float
-    levels: np.ndarray  # (k_2, k_1, k_0), see `joints.kernels.planar.joint_kernel`
+    levels: np.ndarray  # (k_2, k_1, k_0), see `joints.kernels.planar_joint`
     inertia: bool
     joints_only: bool
 

@@ -1,16 +1,20 @@
-"""Base of all joints, in the plane and in space alike."""
+"""Bases of all joints: their rows, in the plane and in space, and the points at which they grip their bodies."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
+import numpy as np
 from pydantic import model_validator
 
-from toolkit.joints.poses import Poses
-from toolkit.joints.rows import Row, RowQuantity, row_numbers
-from toolkit.markers.component import Component, Skeleton
+from toolkit.description.description import Description, Positive
+from toolkit.description.quantity import Quantity
+from toolkit.joints.poses import PLANE, SPACE, PlanePoses, Poses, SpacePoses, plane_poses
+from toolkit.joints.rows import Row, RowQuantity, forms_of, row_numbers
+from toolkit.kinematics.planar import unit_vector
+from toolkit.markers.component import AboutAxis, AlongAxis, Component, Place, Skeleton, on_both
 
 
 class Joint(Component):
@@ -83,3 +87,159 @@ class Joint(Component):
         if self.bodies[0] == self.bodies[1]:
             raise ValueError(f"a joint ties two different bodies, not {self.bodies[0]!r} to itself")
         return self
+
+
+class AtPoint(Description):
+    """Base of joints at one point, which belongs to both bodies in the undeformed configuration; or at one point of each.
+
+    Attributes
+    ----------
+    point
+        Name of the point, or of the point on body a and that on body b.
+    """
+
+    bodies: tuple[str, str]
+    point: Place
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Bodies of the joint, each with the point where it is gripped."""
+        first, second = on_both(self.point)
+        return (self.bodies[0], first), (self.bodies[1], second)
+
+
+class AtPoints(Description):
+    """Base of joints that grip each body at a point of its own.
+
+    Attributes
+    ----------
+    points
+        Names of the point on body a and that on body b.
+    """
+
+    bodies: tuple[str, str]
+    points: tuple[str, str]
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Bodies of the joint, each with its own point."""
+        return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
+
+    def circles(self, _scene: Skeleton) -> list[tuple[int, float]]:
+        """Circles of what rolls, for pictures: (number of the point, radius)."""
+        return []
+
+    def apart(self, scene: Skeleton) -> np.ndarray:
+        """Vector from point b to point a in the undeformed configuration."""
+        return scene.position(self.points[0]) - scene.position(self.points[1])
+
+
+class BetweenPoints(AtPoints):
+    """Base of joints that keep two points apart.
+
+    Attributes
+    ----------
+    length
+        L, in units of length; without it the distance in the undeformed configuration, which follows when a point moves.
+    """
+
+    length: Annotated[Positive | None, Quantity("length")] = None
+
+    @model_validator(mode="after")
+    def _two_points(self) -> Self:
+        if self.points[0] == self.points[1]:
+            raise ValueError(
+                "a distance joint needs two different points; use a revolute (in space a spherical) joint to unite them"
+            )
+        return self
+
+    def own_length(self, scene: Skeleton) -> Any:
+        """Length that the joint keeps."""
+        d = self.apart(scene)
+        return np.sqrt(d @ d) if self.length is None else self.length
+
+
+class PlanarJoint(Joint):
+    """Constraints between a marker on body a and one on body b in the plane: `constraint(scene)`, rows of forms of `poses`.
+
+    Attributes
+    ----------
+    bodies
+        Names of bodies a and b; `ground` is always there.
+    """
+
+    dimension: ClassVar[int] = 2
+
+    @property
+    def poses(self) -> PlanePoses:
+        """Poses of the two markers in the plane, of which the joint's rows are made."""
+        return PLANE
+
+    @property
+    def curved(self) -> bool:
+        """Whether the rows have second derivatives by the poses."""
+        return any(row.law is not None or any(form.pairs for form in row.forms) for row in self.constraint(None))
+
+
+class PointJoint(AtPoint, PlanarJoint):
+    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each."""
+
+
+class Directed(AlongAxis, PlanarJoint):
+    """Base of joints along an axis fixed in body b; the axis is given in the undeformed configuration.
+
+    Attributes
+    ----------
+    axis
+        Direction of the axis in the undeformed configuration, of any length.
+    """
+
+    @property
+    def poses(self) -> PlanePoses:
+        """Poses of the two markers, with the first axis along that of the joint and the second one its normal."""
+        x, y = unit_vector(np.array(self.axis))
+        return plane_poses(np.array([[x, -y], [y, x]]))
+
+
+class DirectedAtPoint(Directed, PointJoint):
+    """Base of joints along an axis at one point."""
+
+
+class SpatialJoint(Joint):
+    """Constraints between a marker on body a and one on body b in space: `constraint(scene)`, rows of forms of `poses`.
+
+    Attributes
+    ----------
+    bodies
+        Names of bodies a and b; `ground` is always there.
+    """
+
+    dimension: ClassVar[int] = 3
+    symbol: ClassVar[str] = "ball"
+    """Symbol that the joint is drawn as, by a name of `render.space.symbols`; nothing if empty, as of what stands beside another
+    joint."""
+
+    @property
+    def poses(self) -> SpacePoses:
+        """Poses of the two markers in space, of which the joint's rows are made."""
+        return SPACE
+
+    @property
+    def curved(self) -> bool:
+        """Whether the rows have second derivatives: always, as the pose itself is curved in the coordinates."""
+        return True
+
+    @property
+    def feels_axes(self) -> bool:
+        """Whether a row of the joint has an axis in it."""
+        forms = forms_of(self.constraint(None))
+        places = [place // 3 for form in forms for place, _ in form.linear]
+        return any(vector % 4 for vector in [*places, *(v for form in forms for pair in form.pairs for v in pair[:2])])
+
+
+class SpatialPointJoint(AtPoint, SpatialJoint):
+    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each."""
+
+
+class AxisJoint(AboutAxis, SpatialPointJoint):
+    """A joint about or along an axis; it is the third axis of both markers."""

@@ -13,8 +13,7 @@ from toolkit.loads.kernels.along import control_along
 from toolkit.loads.kernels.load_kernel import SPATIAL_CURVE
 from toolkit.loads.kernels.measured import TILT, distance, plane_angle, plane_offset, space_angle, space_offset, turn_next_to
 from toolkit.loads.load import Acting, AlongAxisLoad, BetweenBodies, BetweenPoints, PlanarLoad, SpatialLoad
-from toolkit.markers.about_axis import AboutAxis
-from toolkit.markers.component import Skeleton
+from toolkit.markers.component import AboutAxis, Skeleton
 
 
 class Controlled(Acting):

@@ -7,15 +7,14 @@ from typing import Annotated, Any, ClassVar
 from numba.core.registry import CPUDispatcher
 
 from toolkit.curves.catalogue import Curve
-from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.polynomial import Constant
 from toolkit.description.description import NotNegative, Positive
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.kernels.along import friction_along
 from toolkit.loads.kernels.measured import TILT, plane_angle, plane_offset, space_angle, space_offset
 from toolkit.loads.load import AlongAxisLoad, BetweenBodies, PlanarLoad, SpatialLoad
-from toolkit.markers.about_axis import AboutAxis
-from toolkit.markers.component import Skeleton
+from toolkit.markers.component import AboutAxis, Skeleton
 
 
 class Friction(BetweenBodies):

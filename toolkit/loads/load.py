@@ -8,12 +8,11 @@ from pydantic import model_validator
 
 from toolkit.description.description import Description, InSpace, Registered
 from toolkit.foundation.kernel import plain
+from toolkit.joints.joint import AtPoint
 from toolkit.joints.kernels.laws import angle_of
-from toolkit.joints.places import AtPoint
 from toolkit.joints.rows import RowQuantity
 from toolkit.loads.kernels.measured import TILT
-from toolkit.markers.along_axis import AlongAxis
-from toolkit.markers.component import Component
+from toolkit.markers.component import AlongAxis, Component
 
 
 class AnyLoad(InSpace):

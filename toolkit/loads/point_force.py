@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import field_validator
 
 from toolkit.curves.catalogue import Curve
-from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.polynomial import Constant
 from toolkit.description.description import Description, Number, Pair, Triple
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel

@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.bodies.body import Placed
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.curves.catalogue import Curve
-from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.polynomial import Constant
 from toolkit.description.description import Number
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError

@@ -13,8 +13,7 @@ from toolkit.joints.rows import RowQuantity
 from toolkit.loads.kernels.along import counted_turns, spring_along
 from toolkit.loads.kernels.measured import space_angle
 from toolkit.loads.load import Acting, BetweenBodies, BetweenPoints, PlanarLoad, SpatialLoad
-from toolkit.markers.about_axis import AboutAxis
-from toolkit.markers.component import Skeleton
+from toolkit.markers.component import AboutAxis, Skeleton
 
 
 class PointSpring(BetweenPoints, Acting):

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import model_validator
 
 from toolkit.curves.catalogue import Curve
-from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.polynomial import Constant
 from toolkit.description.description import Description, Number, Triple
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel

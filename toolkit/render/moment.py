@@ -12,9 +12,8 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.joints.both.tie import Tie
-from toolkit.joints.joint import Joint
-from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
+from toolkit.joints.joint import AtPoint, AtPoints, BetweenPoints, Joint
+from toolkit.joints.rigid_joint import Tie
 from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene

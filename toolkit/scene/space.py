@@ -14,10 +14,9 @@ from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
 from toolkit.bodies.spatial.cut.chosen_frames import SpatialChosenFrames
 from toolkit.bodies.spatial.cut.cut_body import SpatialCutBody
 from toolkit.description.description import Registered
-from toolkit.joints.both.tie import PlanarTie, SpatialTie, Tie
+from toolkit.joints.joint import PlanarJoint, SpatialJoint
 from toolkit.joints.kernels.records import ROWS, SPATIAL_ROWS
-from toolkit.joints.planar.joint import PlanarJoint
-from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.rigid_joint import PlanarTie, SpatialTie, Tie
 from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
 from toolkit.loads.load import AnyPlanarLoad, AnySpatialLoad

@@ -77,13 +77,13 @@ _GROUPS = {"bodies": "body", "joints": "joint", "loads": "load"}
 def _define(group: str, known: Mapping[str, type], definitions: dict[str, Any]) -> None:
     """Add definitions of all kinds of a group that the toolkit brings, and one that is any of them.
 
-    A kind in space whose table is that of the plane shares its definition.
+    A kind that is in space what it is in the plane has one definition.
     """
     names = []
     for kind in sorted(kind for kind, described in known.items() if described.__module__.startswith("toolkit.")):
-        found, name = _with_type(_schema(known[kind], definitions), kind), f"{group}-{kind}"
-        twin = name.removeprefix(PREFIXES[3])
-        names.append(twin if twin in definitions and tidy(definitions[twin]) == tidy(found) else name)
+        found = _with_type(_schema(known[kind], definitions), kind)
+        name = f"{group}-{kind}".removeprefix(PREFIXES[3])
+        names.append(name if tidy(definitions.get(name, found)) == tidy(found) else f"{group}-{kind}")
         definitions[names[-1]] = found
     definitions[group] = _one_of(names)
 

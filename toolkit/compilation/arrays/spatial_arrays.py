@@ -17,7 +17,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.kinematics.spatial import Frames
 from toolkit.loads.kernels.pressure_kernel import Pressures
 from toolkit.markers.component import Component
-from toolkit.markers.spatial.marker_kernel import POSE, SpatialMarkers
+from toolkit.markers.spatial import POSE, SpatialMarkers
 from toolkit.scene.scene import Scene
 
 

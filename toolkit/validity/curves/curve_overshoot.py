@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.compilation.quantities import curves_of
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.table import Table
+from toolkit.curves.table import Table
 from toolkit.foundation.verdict import Caution
 from toolkit.system.solution import Solution
 

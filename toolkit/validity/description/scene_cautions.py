@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from toolkit.bodies.model_body import MASS_DAMPING, ModelBody
 from toolkit.compilation.frame_hints import floats_with_its_clamp
 from toolkit.foundation.verdict import Caution
+from toolkit.joints.cylindrical import Cylindrical
 from toolkit.joints.joint import Joint
-from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
 from toolkit.loads.friction import Friction
 from toolkit.loads.load import BetweenBodies, BetweenPoints
 from toolkit.scene.scene import Scene

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
-from toolkit.joints.both.cam import OnCam
+from toolkit.joints.cam import OnCam
 from toolkit.joints.kernels.profile import SEAM
 from toolkit.joints.profile import CLOSE, TURN
 from toolkit.joints.rows import Form
