@@ -41,6 +41,16 @@ class ModelBody(Body):
         Whether the centrifugal forces of its frame's spin stiffen the body: blades and discs that spin fast. It needs a reduced model that
         was built with `spin_stiffening = true` in `[basis]`, and a body of one frame, which turns. What accelerations of the frame, weight
         and forces at points of the body do to its stiffness is not in it.
+    position
+        Where the origin of the reduced model lies at the start, in units of length.
+    deflection
+        Point of the body -> its displacement at the start since the undeformed body, in the axes of the reduced model, in units of
+        length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
+        as if forces at these points had bent it and let go. Statics, and `solver.start = "equilibrium"`, find their own shape.
+    elastic_velocity
+        Point of the body -> velocity of that displacement at the start, in length/time; the rest of the body moves in the shape of least
+        strain energy. It holds, or is refused if the joints do not allow it; left out, the body starts with the velocities that the
+        joints ask for, and without deforming where it can.
     """
 
     model_config = ConfigDict(extra="allow")

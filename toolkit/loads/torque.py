@@ -17,7 +17,9 @@ from toolkit.markers.component import Place, Skeleton, on_both
 
 
 class AppliedTorque(Description):
-    """Base of torques on a body, whose reaction acts on another. With two points it acts at the second.
+    """Torque M s(t) on `body` at `point` (any point of a rigid body); the reaction acts on `reaction`.
+
+    In the plane it is positive counter-clockwise. With two points the reaction acts at the second.
 
     Attributes
     ----------
@@ -29,6 +31,8 @@ class AppliedTorque(Description):
         s(t).
     reaction
         Body that the opposite torque acts on.
+    torque
+        M, in space M_x, M_y, M_z, in force length.
     """
 
     kind: ClassVar[str] = "torque"
@@ -68,15 +72,7 @@ def torque(z, w, force, force_z, force_w):
 
 
 class Torque(AppliedTorque, PlanarLoad):
-    """Torque M s(t) on `body` at `point` (any point of a rigid body), counter-clockwise positive; the reaction acts on `reaction`.
-
-    With two points the reaction acts at the second.
-
-    Attributes
-    ----------
-    torque
-        M, in force length.
-    """
+    __doc__ = AppliedTorque.__doc__
 
     formula = torque
 
@@ -123,12 +119,10 @@ def spatial_torque(z, w, force, force_z, force_w):
 class SpatialTorque(AppliedTorque, SpatialLoad):
     """Torque M s(t) on `body` at `point` (any point of a rigid body); the reaction acts on `reaction`.
 
-    With two points the reaction acts at the second.
+    In the plane it is positive counter-clockwise. With two points the reaction acts at the second.
 
     Attributes
     ----------
-    torque
-        M_x, M_y, M_z, in force length.
     frame
         Axes of M: those of space, or those that turn with `body` at the point.
     """
