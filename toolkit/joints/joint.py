@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.description.description import Description, Positive
+from toolkit.description.description import Description, Positive, Scalar
 from toolkit.description.quantity import Quantity
 from toolkit.joints.poses import PLANE, SPACE, PlanePoses, Poses, SpacePoses, plane_poses
 from toolkit.joints.rows import Row, RowQuantity, forms_of, row_numbers
@@ -65,11 +65,11 @@ class Joint(Component):
     def curved(self) -> bool:
         """Whether the rows have second derivatives by the poses, or the poses such by what two bodies share."""
 
-    def opening(self, _scene: Skeleton, _row: int, violation: Any) -> Any:
+    def opening(self, _scene: Skeleton, _row: int, violation: Scalar) -> Scalar:
         """Size by which one row is open, in the unit of what it measures, where it is violated by so much."""
         return violation
 
-    def parameters(self, scene: Skeleton) -> list[Any]:
+    def parameters(self, scene: Skeleton) -> list[Scalar]:
         """Numbers that stand in the joint's rows."""
         return row_numbers(self.constraint(scene))
 
@@ -153,7 +153,7 @@ class BetweenPoints(AtPoints):
             )
         return self
 
-    def own_length(self, scene: Skeleton) -> Any:
+    def own_length(self, scene: Skeleton) -> Scalar:
         """Length that the joint keeps."""
         d = self.apart(scene)
         return np.sqrt(d @ d) if self.length is None else self.length
