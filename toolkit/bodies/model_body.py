@@ -11,7 +11,7 @@ from pydantic import ConfigDict
 
 from toolkit.bodies.body import CENTRE, Body, Placed
 from toolkit.bodies.start_shape import start_shape
-from toolkit.description.description import FileName, Number
+from toolkit.description.description import FileName, Number, Scalar
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.design_point import DesignPoint, design_at
@@ -71,7 +71,7 @@ class ModelBody(Body):
         return False
 
     @property
-    def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
+    def deflected(self) -> Mapping[str, Mapping[str, tuple[Scalar, ...]]]:
         """Written displacements at the start and their velocities: key of the table -> point -> numbers in the body's axes."""
         written: Any = self
         return {"deflection": written.deflection, "elastic_velocity": written.elastic_velocity}
@@ -93,7 +93,7 @@ class ModelBody(Body):
         points = {point: (self.point(scene, point, name)[0][:, 1:], np.array(wish)) for point, wish in written.items()}
         return start_shape(self.invariants(scene).stiffness, points, f"bodies.{name}.{key}")
 
-    def model_values(self) -> Mapping[str, Any]:
+    def model_values(self) -> Mapping[str, Scalar]:
         """Parameters of the reduced model that the scene sets."""
         return self.model_extra or {}
 
@@ -159,7 +159,7 @@ class ModelBody(Body):
             )
         return design.value(SPIN_STIFFENING)
 
-    def mass_damping(self, scene: Placed) -> Any:
+    def mass_damping(self, scene: Placed) -> Scalar:
         """alpha of the damping D = alpha M + c K, in 1/time; 0 if elements have values of their own, see `damping_differs`."""
         design = self.design_point(scene)
         number = design.model.numbers.get(MASS_DAMPING)
@@ -185,7 +185,7 @@ class ModelBody(Body):
     def undamped(self, scene: Placed) -> Any:
         """Value of `drag` where the damping is zero: invariants without entries."""
 
-    def whole_mass(self, scene: Placed) -> Any:
+    def whole_mass(self, scene: Placed) -> Scalar:
         """Mass of the body by its reduced model."""
         return self.invariants(scene).mass
 
@@ -284,6 +284,6 @@ def _names(model: ReducedModel) -> str:
     return ", ".join(model.interfaces or {}) or "none"
 
 
-def is_zero(damping: Any) -> bool:
+def is_zero(damping: Scalar) -> bool:
     """Whether a number is zero, and not a complex step from zero."""
     return not isinstance(damping, complex) and damping == 0

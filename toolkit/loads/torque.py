@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.polynomial import Constant
-from toolkit.description.description import Description, Number, Triple
+from toolkit.description.description import Description, Number, Scalar, Triple
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.loads.kernels.load_kernel import CURVE, SPATIAL_CURVE
@@ -78,7 +78,7 @@ class Torque(AppliedTorque, PlanarLoad):
 
     torque: Annotated[Number, Quantity("torque")]
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Parameter of the law: the torque."""
         return [self.torque]
 
@@ -132,6 +132,6 @@ class SpatialTorque(AppliedTorque, SpatialLoad):
     torque: Annotated[Triple, Quantity("torque")]
     frame: Literal["space", "body"] = "space"
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Components of the torque, and whether it follows the body."""
         return [*self.torque, 1.0 if self.frame == "body" else 0.0]
