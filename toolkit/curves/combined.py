@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from toolkit.curves.curve import Curve, Part
-from toolkit.description.description import Number
+from toolkit.curves.curve import Curve, Part, Rates
+from toolkit.description.description import Number, Scalar
 from toolkit.description.quantity import OF_OWNER, Quantity
 
 
@@ -25,12 +25,12 @@ class Sum(Curve):
 
     terms: Annotated[tuple[Curve, ...], OF_OWNER] = Field(min_length=1)
 
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times, the sums over all terms."""
         f, slope, curvature = (sum(each) for each in zip(*(term.rates(time) for term in self.terms), strict=True))
         return f, slope, curvature
 
-    def corners(self) -> tuple[Any, ...]:
+    def corners(self) -> tuple[Scalar, ...]:
         """Times at which any term of the sum has a corner."""
         return tuple(corner for term in self.terms for corner in term.corners())
 
@@ -68,7 +68,7 @@ class Product(Curve):
     curve: Annotated[Curve, OF_OWNER]
     factors: Annotated[tuple[Curve, ...], Quantity("none")] = Field(min_length=1)
 
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times by the product rule, f'' = g'' h + 2 g' h' + g h''."""
         g, g_1, g_2 = self.curve.rates(time)
         for factor in self.factors:
@@ -76,7 +76,7 @@ class Product(Curve):
             g, g_1, g_2 = g * h, g_1 * h + g * h_1, g_2 * h + 2 * g_1 * h_1 + g * h_2
         return g, g_1, g_2
 
-    def corners(self) -> tuple[Any, ...]:
+    def corners(self) -> tuple[Scalar, ...]:
         """Times at which any factor of the product has a corner."""
         return tuple(corner for part in self.parts() for corner in part.curve.corners())
 
@@ -141,7 +141,7 @@ class Sequence(Curve):
             )
         return self
 
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times, each from the curve whose turn it is."""
         turn = np.searchsorted(np.real(self.times), np.real(time), "right")
         turns = [np.flatnonzero(turn == k) for k in range(len(self.curves))]
@@ -152,16 +152,16 @@ class Sequence(Curve):
         f, slope, curvature = np.concatenate(found)[np.argsort(np.concatenate(turns))].T
         return f, slope, curvature
 
-    def _levels(self) -> list[Any]:
+    def _levels(self) -> list[Scalar]:
         """Levels d_k that make every curve go on from the value before it."""
-        levels: list[Any] = [0.0]
+        levels: list[Scalar] = [0.0]
         starts = (0.0, *self.times)
         for k, (before, after) in enumerate(zip(self.curves[:-1], self.curves[1:], strict=True)):
             reached = before.evaluate(np.array([self.times[k] - starts[k]]))[0, 0]
             levels.append(levels[k] + reached - after.evaluate(np.array([0.0]))[0, 0])
         return levels
 
-    def corners(self) -> tuple[Any, ...]:
+    def corners(self) -> tuple[Scalar, ...]:
         """Times at which curves take over, and the corners of each curve in its turn."""
         inner = (part.shift + corner for part in self.parts() for corner in _within(part))
         return tuple(sorted((*self.times, *inner), key=np.real))
@@ -204,6 +204,6 @@ def _depth(curve: Curve) -> int:
     return isinstance(curve, Sequence) + max((_depth(part.curve) for part in curve.parts()), default=0)
 
 
-def _within(part: Part) -> list[Any]:
+def _within(part: Part) -> list[Scalar]:
     """Corners of a curve within its turn, in its own time."""
     return [corner for corner in part.curve.corners() if part.begin < np.real(part.shift + corner) < part.end]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 
-from toolkit.curves.curve import Curve
+from toolkit.curves.curve import Curve, Rates
 from toolkit.description.description import Number, Positive
 from toolkit.description.quantity import OF_OWNER, Quantity
 
@@ -28,7 +28,7 @@ class Oscillation(Curve):
     frequency: Annotated[Positive, Quantity("1/time")]
     phase: Annotated[Number, Quantity("angle")] = 0.0
 
-    def phasor(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def phasor(self, time: np.ndarray) -> Rates:
         """omega = 2 pi frequency, and amplitude cos and sin (omega t + phase)."""
         omega = 2 * np.pi * self.frequency
         angle = omega * time + self.phase
@@ -44,7 +44,7 @@ class Sine(Oscillation):
 
     kind = "sine"
 
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times, from sine and cosine."""
         omega, cosine, sine = self.phasor(time)
         return sine, omega * cosine, -(omega**2) * sine
@@ -65,7 +65,7 @@ class Harmonic(Oscillation):
 
     offset: Annotated[Number, OF_OWNER] = 0.0
 
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times, from the offset, cosine and sine."""
         omega, cosine, sine = self.phasor(time)
         return self.offset + cosine, -omega * sine, -(omega**2) * cosine

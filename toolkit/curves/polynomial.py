@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
-from toolkit.curves.curve import Curve
-from toolkit.description.description import Number
+from toolkit.curves.curve import Curve, Rates
+from toolkit.description.description import Number, Scalar
 from toolkit.description.quantity import OF_OWNER, OF_OWNER_PER_TIME, Quantity
 
 
@@ -25,7 +25,7 @@ class Constant(Curve):
 
     value: Annotated[Number, OF_OWNER] = 1.0
 
-    def rates(self, _time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, _time: np.ndarray) -> Rates:
         """Value of the curve, with derivatives f' and f'' that are zero."""
         return self.value, 0.0, 0.0
 
@@ -51,9 +51,9 @@ class Polynomial(Curve):
     coefficients: Annotated[tuple[Number, ...], OF_OWNER_PER_TIME] = Field(min_length=1)
     start: Annotated[Number, Quantity("time")] = 0.0
 
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times, by Horner's rule."""
-        t: Any = time - self.start
+        t: Scalar = time - self.start
         f, slope, half = 0 * t, 0 * t, 0 * t
         for coefficient in reversed(self.coefficients):
             half = half * t + slope

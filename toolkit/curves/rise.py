@@ -4,40 +4,40 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.curves.curve import Curve
-from toolkit.description.description import Number, Positive
+from toolkit.curves.curve import Curve, Rates
+from toolkit.description.description import Number, Positive, Scalar
 from toolkit.description.quantity import OF_OWNER, Quantity
 
-Shape = Callable[[np.ndarray], tuple[Any, Any, Any]]
+Shape = Callable[[np.ndarray], Rates]
 
 
-def linear(u: np.ndarray) -> tuple[Any, Any, Any]:
+def linear(u: np.ndarray) -> Rates:
     """s = u: the slope jumps at both ends."""
     return u, 1.0, 0.0
 
 
-def cubic(u: np.ndarray) -> tuple[Any, Any, Any]:
+def cubic(u: np.ndarray) -> Rates:
     """s = u^2 (3 - 2 u): the slope is zero at both ends."""
     return u**2 * (3 - 2 * u), 6 * u * (1 - u), 6 - 12 * u
 
 
-def quintic(u: np.ndarray) -> tuple[Any, Any, Any]:
+def quintic(u: np.ndarray) -> Rates:
     """s = u^3 (10 - 15 u + 6 u^2): s' and s'' are zero at both ends."""
     return u**3 * (10 - 15 * u + 6 * u**2), 30 * u**2 * (1 - u) ** 2, 60 * u * (1 - u) * (1 - 2 * u)
 
 
-def cycloid(u: np.ndarray) -> tuple[Any, Any, Any]:
+def cycloid(u: np.ndarray) -> Rates:
     """s = u - sin(2 pi u) / (2 pi): s' and s'' are zero at both ends."""
     angle = 2 * np.pi * u
     return u - np.sin(angle) / (2 * np.pi), 1 - np.cos(angle), 2 * np.pi * np.sin(angle)
 
 
-def risen(time: np.ndarray, start: Any, duration: Any, shape: Shape) -> tuple[Any, Any, Any]:
+def risen(time: np.ndarray, start: Scalar, duration: Scalar, shape: Shape) -> Rates:
     """s, and its derivatives by time: 0 before the start, 1 after the duration."""
     begin, end = np.real(start), np.real(start + duration)
     inside = (np.real(time) > begin) & (np.real(time) < end)
@@ -65,15 +65,15 @@ class Rise(Curve):
 
     @staticmethod
     @abstractmethod
-    def shape(u: np.ndarray) -> tuple[Any, Any, Any]:
+    def shape(u: np.ndarray) -> Rates:
         """Shape s of the rise with s', s'' at u, one of the formulas of `rise`."""
 
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times: the height times s and its derivatives by time."""
         s, slope, curvature = risen(time, self.start, self.duration, self.shape)
         return self.height * s, self.height * slope, self.height * curvature
 
-    def corners(self) -> tuple[Any, ...]:
+    def corners(self) -> tuple[Scalar, ...]:
         """Times of the start and the end of the rise, where a derivative jumps."""
         return self.start, self.start + self.duration
 
@@ -135,13 +135,13 @@ class Ramp(Curve):
             )
         return self
 
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times of the ramp from the initial to the final value."""
         s, slope, curvature = risen(time, self.start, self.end - self.start, _SHAPES[self.smoothness])
         height = self.final - self.initial
         return self.initial + height * s, height * slope, height * curvature
 
-    def corners(self) -> tuple[Any, ...]:
+    def corners(self) -> tuple[Scalar, ...]:
         """Start and end of the ramp: the slope jumps there, or the second or third derivative."""
         return self.start, self.end
 

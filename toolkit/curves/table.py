@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from toolkit.curves.curve import Curve
-from toolkit.description.description import Number
+from toolkit.curves.curve import Curve, Rates
+from toolkit.description.description import Number, Scalar
 from toolkit.description.quantity import OF_OWNER, Quantity
 
 
@@ -77,7 +77,7 @@ class Table(Curve):
             raise ValueError("times must increase from row to row")
         return self
 
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f = f_k + d (m_k + d (b + d c)) with d = t - t_k between points k and k + 1."""
         corners, values = np.array(self.times), np.array(self.values)
         width, slope = np.diff(corners), np.diff(values) / np.diff(corners)
@@ -96,7 +96,7 @@ class Table(Curve):
         m = (cubic_slopes if self.interpolation == "cubic" else monotone_slopes)(width, slope)
         return m[:-1], (3 * slope - 2 * m[:-1] - m[1:]) / width, (m[:-1] + m[1:] - 2 * slope) / width**2
 
-    def corners(self) -> tuple[Any, ...]:
+    def corners(self) -> tuple[Scalar, ...]:
         """Times of the points: the slope jumps at those of straight lines, a higher derivative at those of cubics."""
         return self.times
 

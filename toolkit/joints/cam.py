@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import field_validator
 
 from toolkit.curves.catalogue import Curve
-from toolkit.description.description import Triple
+from toolkit.description.description import Scalar, Triple
 from toolkit.description.quantity import OverAngle, Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.joints.driver import smooth
@@ -45,7 +45,7 @@ class Lift(OnCam):
 
     curve: Annotated[Curve, OverAngle("length")]
 
-    def lifted(self, scene: Skeleton | None, along: Form, start: Any) -> tuple[Row, ...]:
+    def lifted(self, scene: Skeleton | None, along: Form, start: Scalar) -> tuple[Row, ...]:
         """Row of a lifted follower, from its offset along a direction and the angle of b against a."""
         a, b = self.poses
         forms = (along - start, b.e(1) @ a.e(1), b.e(1) @ a.e(2), self.profile(scene))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from toolkit.description.description import Scalar
 from toolkit.joints.joint import BetweenPoints, Joint, PlanarJoint, SpatialJoint
 from toolkit.joints.rows import Row
 from toolkit.markers.component import Skeleton
@@ -21,7 +20,7 @@ class KeptDistance(BetweenPoints, Joint):
         """Row that keeps the distance of the two points."""
         return (self.poses.apart(1.0 if scene is None else self.own_length(scene)),)
 
-    def opening(self, scene: Skeleton, _row: int, violation: Any) -> Any:
+    def opening(self, scene: Skeleton, _row: int, violation: Scalar) -> Scalar:
         """Length by which the two points are further apart than L."""
         length = np.real(self.own_length(scene))
         return length * (np.sqrt(max(1 + 2 * violation / length, 0.0)) - 1)

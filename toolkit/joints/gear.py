@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from math import gcd
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from toolkit.description.description import Number, Pair
+from toolkit.description.description import Number, Pair, Scalar
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import AtPoints, Joint, PlanarJoint, SpatialJoint
@@ -97,7 +97,7 @@ class Gear(Wheels, PlanarJoint):
         return rolling(float(np.linalg.norm(np.real(self.apart(scene)))), float(np.real(self._ratio)))
 
     @property
-    def _ratio(self) -> Any:
+    def _ratio(self) -> Scalar:
         if self.ratio is not None:
             return self.ratio
         first, second = self.radii or self.teeth or (1.0, 1.0)

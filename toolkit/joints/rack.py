@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.description.description import Positive, Triple
+from toolkit.description.description import Positive, Scalar, Triple
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import AtPoints, Directed, Joint, SpatialJoint
@@ -31,7 +31,7 @@ class OnRack(AtPoints, Joint):
 
     radius: Annotated[Positive | None, Quantity("length")] = None
 
-    def rolled(self, scene: Skeleton | None, axes: np.ndarray) -> tuple[Any, Any]:
+    def rolled(self, scene: Skeleton | None, axes: np.ndarray) -> tuple[Scalar, Scalar]:
         """Offset of the centre along the line in the undeformed configuration, and R with the sign of the side where the centre is."""
         if scene is None:
             return 0.0, 1.0
@@ -69,7 +69,7 @@ class Rack(OnRack, Directed):
         """Circle of the pinion, for pictures."""
         return [(0, float(abs(np.real(self._rolled(scene)[1]))))]
 
-    def _rolled(self, scene: Skeleton | None) -> tuple[Any, Any]:
+    def _rolled(self, scene: Skeleton | None) -> tuple[Scalar, Scalar]:
         x, y = np.array(self.axis) / np.sqrt(np.array(self.axis) @ np.array(self.axis))
         return self.rolled(scene, np.array([[x, -y], [y, x]]))
 

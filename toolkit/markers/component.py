@@ -10,7 +10,7 @@ from numba.core.registry import CPUDispatcher
 from pydantic import field_validator
 
 from toolkit.curves.curve import Curve
-from toolkit.description.description import Description, InSpace, Pair, Triple
+from toolkit.description.description import Description, InSpace, Pair, Scalar, Triple
 from toolkit.description.quantity import Quantity
 from toolkit.kinematics.spatial import axes_along
 
@@ -55,7 +55,7 @@ class Component(InSpace):
         """Points that the component grips: (body, point) of marker a and of marker b."""
 
     @abstractmethod
-    def parameters(self, scene: Skeleton) -> list[Any]:
+    def parameters(self, scene: Skeleton) -> list[Scalar]:
         """Parameters of the component, real or complex.
 
         They are the numbers behind the two poses in the formula's arguments, of a joint those of its rows.
