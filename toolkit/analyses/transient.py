@@ -19,7 +19,7 @@ from toolkit.solvers.start.initial_conditions import Motion, State
 from toolkit.solvers.static.passed_limits import refuse_passed_limits
 from toolkit.solvers.transient.adaptive import advance_adaptively
 from toolkit.solvers.transient.newton import CONVERGED
-from toolkit.solvers.transient.run import Run, allocate_history, failure, foreseen, prepare_run, take_steps
+from toolkit.solvers.transient.run import Integration, allocate_history, failure, foreseen, prepare_run, take_steps
 from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, STATUS, STEP, History, Memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -107,7 +107,7 @@ def simulate(
     return found
 
 
-def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
+def _causes(run: Integration, error: ConvergenceError) -> Iterator[str]:
     """Further causes of a failed run: frames that spin fast by then, or loads that act at once where it begins."""
     if error.state is None:
         return
@@ -121,8 +121,8 @@ def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
 
 
 def _integrated(
-    run: Run, start: State, progress: Callable[[int, int], None] | None, along: Solution | None
-) -> tuple[Run, History, tuple[float, ...]]:
+    run: Integration, start: State, progress: Callable[[int, int], None] | None, along: Solution | None
+) -> tuple[Integration, History, tuple[float, ...]]:
     """The run over the times that it chose or halved, all its states, and the times at which halved steps began."""
     if run.options.local_error is not None:
         return (*advance_adaptively(run, start, progress), ())
@@ -137,7 +137,7 @@ def _integrated(
     return run, history, ()
 
 
-def _thrown_open(run: Run, history: History) -> int | None:
+def _thrown_open(run: Integration, history: History) -> int | None:
     """First step that has thrown the joints open; None without any.
 
     Also a step counts that has opened the joints and followed upon one that was thrown out itself.
@@ -149,8 +149,8 @@ def _thrown_open(run: Run, history: History) -> int | None:
 
 
 def _with_closed_joints(
-    run: Run, history: History, halved: tuple[float, ...], progress: Callable[[int, int], None] | None
-) -> tuple[Run, History, tuple[float, ...], float]:
+    run: Integration, history: History, halved: tuple[float, ...], progress: Callable[[int, int], None] | None
+) -> tuple[Integration, History, tuple[float, ...], float]:
     """The run, or the run with halves of steps that threw its joints open, and the largest gap of its joints."""
     try:
         return run, history, halved, check_drift(run, history.q, 0)
@@ -162,7 +162,7 @@ def _with_closed_joints(
     return run, history, halved, check_drift(run, history.q, 0)
 
 
-def advance(run: Run, history: History, first: int, progress: Callable[[int, int], None] | None = None) -> None:
+def advance(run: Integration, history: History, first: int, progress: Callable[[int, int], None] | None = None) -> None:
     """Fill a history whose row 0 is the state at step `first`, where `run.memory` stands.
 
     Raises

@@ -74,10 +74,10 @@ def _by_method(method: str, compiled: Compiled, kind: Kind, progress: Progress |
 
 def _chosen(compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Result:
     """Responses with gradients by the cheaper method, or by direct differentiation where the adjoint turns out to need it."""
-    choice = choose(compiled, kind, keep_states)
-    method = by_adjoint if choice.method == "adjoint" else by_direct
+    name, reason = choose(compiled, kind, keep_states)
+    method = by_adjoint if name == "adjoint" else by_direct
     try:
-        return replace(method(compiled, kind, progress, clock), reason=choice.reason)
+        return replace(method(compiled, kind, progress, clock), reason=reason)
     except NeedsDirectError as refusal:
         reason = f"direct differentiation, because {refusal.why}."
         return replace(by_direct(compiled, kind, progress, clock), reason=reason)

@@ -22,7 +22,7 @@ from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.preparation import Progress, responses_of
 from toolkit.sensitivity.result import Result, result
-from toolkit.solvers.transient.run import Run, prepare_run
+from toolkit.solvers.transient.run import Integration, prepare_run
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -41,7 +41,7 @@ def fits(scene: Scene, system: System) -> bool:
 class Forwards(NamedTuple):
     """Results that a run in windows leaves behind."""
 
-    run: Run
+    run: Integration
     bounds: list[int]
     kept: list[Checkpoint]
     last: Solution  # the last window

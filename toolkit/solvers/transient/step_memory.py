@@ -61,13 +61,13 @@ class Memory(NamedTuple):
 
 
 STATUS, STEP, ITERATIONS, AT_FAULT, ALL_ITERATIONS = range(5)
-"""Places in `Outcome.counts`: what became of the last step, its number, its Newton iterations, the unknown at fault; those of all steps."""
+"""Places in `LoopReport.counts`: fate of the last step, its number, its Newton iterations, the unknown at fault; those of all steps."""
 LAST, LARGEST, LAST_ERROR, LATE_ERROR, LARGEST_ERROR, REST = range(6)
-"""Places in `Outcome.correction`: Newton's last correction, the largest that a step was content with; the last local error, the largest of
-late, the largest of all steps; the last correction, or what it left by estimate where that is why Newton stopped."""
+"""Places in `LoopReport.correction`: Newton's last correction, the largest that a step was content with; the last local error, the largest
+of late, the largest of all steps; the last correction, or what it left by estimate where that is why Newton stopped."""
 
 
-class Outcome(NamedTuple):
+class LoopReport(NamedTuple):
     """Report of the loop on its steps."""
 
     counts: np.ndarray  # (5,) by `STATUS` and its neighbours

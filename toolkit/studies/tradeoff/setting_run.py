@@ -134,7 +134,7 @@ class PreparedRun:
     def of(cls, scene: Scene, names: tuple[str, ...], method: str = "") -> PreparedRun:
         """A scene ready to run; by default with the method for gradients that is estimated to be the cheaper one."""
         compiled = Compiled(scene, names)
-        return cls(compiled, (method or choose(compiled, "transient").method) if names else "")
+        return cls(compiled, (method or choose(compiled, "transient")[0]) if names else "")
 
     def once(self, gradients: bool = True) -> TimedRun:
         """One run to values and gradients, or to the values alone; the adjoint may turn out to need direct differentiation."""
