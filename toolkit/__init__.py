@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from toolkit.door.model import compile_model as compile
     from toolkit.door.optimize import optimize
     from toolkit.door.outcome import Outcome
-    from toolkit.door.run import Run, load
     from toolkit.foundation.errors import ToolkitError
     from toolkit.foundation.verdict import Caution, Verdict
     from toolkit.scene.scene import Scene
     from toolkit.scene_file.reader import read_scene
     from toolkit.sensitivity.certificate.certificate import certify
+    from toolkit.sensitivity.run import Run, load
     from toolkit.studies.optimization.optimum import Optimum
     from toolkit.studies.study.study_file import Study
     from toolkit.studies.study.study_reader import read_study
@@ -35,7 +35,7 @@ _PLACES = {
     "Model": "toolkit.door.model:Model",
     "Optimum": "toolkit.studies.optimization.optimum:Optimum",
     "Outcome": "toolkit.door.outcome:Outcome",
-    "Run": "toolkit.door.run:Run",
+    "Run": "toolkit.sensitivity.run:Run",
     "RunOptions": "toolkit.description.run_options:RunOptions",
     "Scene": "toolkit.scene.scene:Scene",
     "Study": "toolkit.studies.study.study_file:Study",
@@ -48,7 +48,7 @@ _PLACES = {
     "compile": "toolkit.door.model:compile_model",
     "describe": "toolkit.door.describe:describe",
     "extend": "toolkit.door.extend:",
-    "load": "toolkit.door.run:load",
+    "load": "toolkit.sensitivity.run:load",
     "optimize": "toolkit.door.optimize:optimize",
     "plane": "toolkit.door.plane:",
     "read_scene": "toolkit.scene_file.reader:read_scene",

@@ -21,12 +21,12 @@ from typing import Any, NamedTuple
 
 import toolkit
 from toolkit.door.model import Model
-from toolkit.door.run import Run
 from toolkit.foundation.errors import ToolkitError
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity import result
 from toolkit.sensitivity.errors import step_error
 from toolkit.sensitivity.preparation import Kind
+from toolkit.sensitivity.run import Run
 from toolkit.validity import judge
 
 MODELS = Path(__file__).parents[2] / "models"

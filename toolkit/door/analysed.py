@@ -9,7 +9,6 @@ from typing import NoReturn
 from toolkit.analyses.run_start import known_start
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.door.run import Run
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.sensitivity.clock import Progress, once, repeated
@@ -19,6 +18,7 @@ from toolkit.sensitivity.frames_for_gradients import more_frames
 from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.preparation import Kind, check_kind
+from toolkit.sensitivity.run import Run
 from toolkit.solvers.start.continued import continued_start
 from toolkit.solvers.start.kept_scene import refuse_other_run
 from toolkit.system.model_files import refuse_changed
@@ -53,8 +53,8 @@ def analysed(
         return _from_start(compiled, kind, gradients, start, progress)
     clock = repeated if timed else once
     if not gradients:
-        return Run.of(values_alone(compiled, kind, progress, clock))
-    return Run.of(by_method("auto" if gradients is True else str(gradients), compiled, kind, progress, keep_states, clock))
+        return values_alone(compiled, kind, progress, clock)
+    return by_method("auto" if gradients is True else str(gradients), compiled, kind, progress, keep_states, clock)
 
 
 def check_method(gradients: bool | str) -> None:
@@ -84,13 +84,13 @@ def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Ru
     if kind == "static":
         found = evaluated(solve_statics(system, progress=progress, start=known), bool(gradients))
         method = by_direct if gradients else values_alone
-        return Run.of(replace(found, enriched=partial(enriched, compiled, kind, found.solution, method)))
+        return replace(found, enriched=partial(enriched, compiled, kind, found.solution, method))
     options = compiled.scene.solver.model_copy(update={"start": "given"})
     q, v, moved = continued_start(system, known.q[-1], known.v[-1], options)
     motion = simulate(system, options, q=q, v=v, progress=progress)
     repeat = partial(again, system, q=q, v=v, known=known_start(motion))
     solution = replace(motion, start_moved=moved)
-    return Run.of(replace(evaluated(solution, bool(gradients), repeat), enriched=_not_in_more_shapes))
+    return replace(evaluated(solution, bool(gradients), repeat), enriched=_not_in_more_shapes)
 
 
 def _not_in_more_shapes() -> NoReturn:

@@ -113,6 +113,11 @@ class Results:
             )
         return Verdict.from_record(self.judged)
 
+    @property
+    def label(self) -> str:
+        """Name by which messages speak of the results."""
+        return repr(self.path.name) if self.path else "the run"
+
     def column(self, coordinate: str) -> int:
         """Number of a coordinate, for example of "rotation of body 'body2'"."""
         return self.coordinates.index(coordinate)

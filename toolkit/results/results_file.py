@@ -20,21 +20,19 @@ from toolkit.kept_run.end_state import about_of, check_schema
 from toolkit.kept_run.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
 from toolkit.results.collect import collect
 from toolkit.results.results import BodyResults, Results, SceneRecord
-from toolkit.sensitivity.result import Result
-from toolkit.system.solution import Solution
 
 if TYPE_CHECKING:
     import h5py
 
+    from toolkit.sensitivity.run import Run
 
-def save_results(
-    solved: Results | Result | Solution, path: str | Path, text: str = "", changes: Mapping[str, str] | None = None
-) -> Results:
+
+def save_results(run: Results | Run, path: str | Path, text: str = "", changes: Mapping[str, str] | None = None) -> Results:
     """Write the results of a run into one file, under a temporary name until it is complete.
 
     Parameters
     ----------
-    solved : what an analysis, `simulate` or `solve_statics` returned, or results collected before
+    run : what an analysis returned, or results collected before
     text : content of the scene's file, kept for the reader; the scene itself is kept in any case
     changes : path -> value that replaced the file's
 
@@ -49,7 +47,7 @@ def save_results(
     """
     path = Path(path)
     refuse_foreign(path)
-    results = solved if isinstance(solved, Results) else collect(solved, text, changes)
+    results = run if isinstance(run, Results) else collect(run, text, changes)
     if (start := results.settings.get("start")) not in (None, *STARTS):
         refuse_own_start(path, Path(results.scene.directory) / start)
     with writing(path) as file:

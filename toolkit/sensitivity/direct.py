@@ -19,14 +19,14 @@ from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.step_error import Repeat
 from toolkit.sensitivity.evaluation import evaluate_responses, evaluate_with_gradients
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen, solve
-from toolkit.sensitivity.result import Result, result
+from toolkit.sensitivity.run import Run, run_of
 from toolkit.solvers.start.initial_conditions import Motion, State
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 
 @one_thread()
-def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Run:
     """Responses of a scene with gradients by direct differentiation.
 
     Parameters
@@ -52,7 +52,7 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
     return by_direct(Compiled(scene, tuple(design)), kind, progress, clock)
 
 
-def by_direct(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+def by_direct(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Run:
     """The same of a compiled scene."""
     primal = None if clock is once else clock(partial(solve, compiled.primal, kind), None)[0]
     total, solution = clock(partial(solve, compiled.full, kind), progress)
@@ -65,7 +65,7 @@ def by_direct(compiled: Compiled, kind: Kind, progress: Progress | None = None, 
     return replace(found, enriched=partial(enriched, compiled, kind, solution, by_direct))
 
 
-def values_alone(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+def values_alone(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Run:
     """Responses of a compiled scene without gradients."""
     primal, solution = clock(partial(solve, compiled.primal, kind), progress)
     found = evaluated(solution, False, partial(again, compiled.primal, known=known_start(solution)), primal, 0.0)
@@ -73,7 +73,7 @@ def values_alone(compiled: Compiled, kind: Kind, progress: Progress | None = Non
 
 
 def enriched(
-    compiled: Compiled, kind: Kind, solution: Solution, method: Callable[[Compiled, Kind], Result]
+    compiled: Compiled, kind: Kind, solution: Solution, method: Callable[[Compiled, Kind], Run]
 ) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
     """Values and gradients with more shapes in frozen bodies, and the same steps."""
     other = compiled.enriched()
@@ -89,10 +89,10 @@ def evaluated(
     repeat: Repeat | None = None,
     primal: float | None = None,
     extra: float | None = None,
-) -> Result:
-    """The result of a solution, with the gradients that its derivatives give or without; other arguments as the fields of `Result`."""
+) -> Run:
+    """Run of a solution, with the gradients that its derivatives give or without; other arguments as the fields of `Run`."""
     values, slopes = evaluate_with_gradients(solution) if gradients else (evaluate_responses(solution), {})
-    return result(solution.system.scene, solution, values, slopes, "direct" if gradients else "none", primal, extra, repeat)
+    return run_of(solution, values, slopes, "direct" if gradients else "none", primal, extra, repeat)
 
 
 def again(

@@ -16,7 +16,7 @@ from toolkit.sensitivity.direct import by_direct, enriched
 from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.sensitivity.numerical import by_repetition
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
 
 
@@ -28,7 +28,7 @@ def gradients_by(
     progress: Progress | None = None,
     keep_states: bool = False,
     clock: Clock = once,
-) -> Result:
+) -> Run:
     """Responses with gradients by a method of `method_names.METHODS`.
 
     "direct" costs little per variable, "adjoint" next to nothing per variable but a backward run for all responses together, "auto" takes
@@ -52,7 +52,7 @@ def by_method(
     progress: Progress | None = None,
     keep_states: bool = False,
     clock: Clock = once,
-) -> Result:
+) -> Run:
     """Responses with gradients of a compiled scene, by a method of `method_names.METHODS`."""
     found = _by_method(method, compiled, kind, progress, keep_states, clock)
     return replace(
@@ -62,7 +62,7 @@ def by_method(
     )
 
 
-def _by_method(method: str, compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Result:
+def _by_method(method: str, compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Run:
     if method == "auto":
         return _chosen(compiled, kind, progress, keep_states, clock)
     if method == "direct":
@@ -72,7 +72,7 @@ def _by_method(method: str, compiled: Compiled, kind: Kind, progress: Progress |
     return by_repetition(compiled, kind, method, progress, clock=clock)
 
 
-def _chosen(compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Result:
+def _chosen(compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Run:
     """Responses with gradients by the cheaper method, or by direct differentiation where the adjoint turns out to need it."""
     name, reason = choose(compiled, kind, keep_states)
     method = by_adjoint if name == "adjoint" else by_direct

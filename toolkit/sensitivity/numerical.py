@@ -30,7 +30,7 @@ from toolkit.sensitivity.errors.step_error import Gradients, Values
 from toolkit.sensitivity.evaluation import evaluate_responses, values_of
 from toolkit.sensitivity.method_names import METHODS, NUMERICAL
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen, prepare, solve
-from toolkit.sensitivity.result import Result, result
+from toolkit.sensitivity.run import Run, run_of
 from toolkit.sensitivity.sizes import typical_size
 from toolkit.solvers.start.kept_start import refuse_differences
 from toolkit.system.solution import Solution
@@ -46,7 +46,7 @@ def numerical(
     progress: Progress | None = None,
     relative_step: float | None = None,
     clock: Clock = once,
-) -> Result:
+) -> Run:
     """Responses with gradients by repeated runs of the whole analysis; raises as `by_repetition`."""
     check_kind(kind)
     check_names(design)
@@ -60,7 +60,7 @@ def by_repetition(
     progress: Progress | None = None,
     relative_step: float | None = None,
     clock: Clock = once,
-) -> Result:
+) -> Run:
     """Responses with gradients of a compiled scene, by repeated runs of the whole analysis.
 
     Raises
@@ -85,7 +85,7 @@ def by_repetition(
             progress(k + 1, len(variables))
     extra = time.perf_counter() - begun
     repeat = partial(_again_directly, scene, list(compiled.names))
-    return result(scene, solution, base, gradients, method, primal, extra, repeat)
+    return run_of(solution, base, gradients, method, primal, extra, repeat)
 
 
 def _again_directly(scene: Scene, design: list[str], options: RunOptions) -> tuple[Values, Gradients]:

@@ -78,11 +78,11 @@ def _refuse_undrawn(scene: Scene) -> None:
 
 def _from_results(file: Path, models: Path | None) -> Material:
     from toolkit.report.material import Material
-    from toolkit.results.restore import restore_solution
     from toolkit.results.results_file import load_results
+    from toolkit.sensitivity.run import restored
 
     results = load_results(file)
-    solution = restore_solution(results, models)
+    solution = restored(results, models).solution
     _refuse_undrawn(solution.system.scene)
     return Material(solution, results)
 

@@ -26,7 +26,7 @@ from toolkit.sensitivity.clock import Clock, Progress, once
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, moving, responses_of, solve
-from toolkit.sensitivity.result import Result, result
+from toolkit.sensitivity.run import Run, run_of
 from toolkit.solvers.spin.steady_state import steady_adjoint
 from toolkit.solvers.start.initial_conditions import Motion, State
 from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at, static_matrix
@@ -38,7 +38,7 @@ from toolkit.system.system import System
 NO_BACKWARD_RUN = 'stabilised index 2 (solver.formulation = "ggl") has no backward run'
 
 
-def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Run:
     """Responses with gradients by the discrete adjoint; parameters and errors as `sensitivity.direct.direct`.
 
     A run whose states exceed `solver.memory` is computed twice, in windows between checkpoints.
@@ -53,7 +53,7 @@ def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | No
     return by_adjoint(Compiled(scene, tuple(design)), kind, progress, clock)
 
 
-def by_adjoint(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+def by_adjoint(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Run:
     """The same of a compiled scene."""
     scene = compiled.scene
     if not has_adjoint(scene, kind):
@@ -64,7 +64,7 @@ def by_adjoint(compiled: Compiled, kind: Kind, progress: Progress | None = None,
     extra, (found, gradient) = clock(partial(adjoint_gradients, compiled.full, solution), progress)
     values, gradients = _named(compiled.full, found, gradient)
     repeat = partial(again_backwards, compiled.primal, compiled.full, known_start(solution))
-    return result(scene, solution, values, gradients, "adjoint", primal, extra, repeat)
+    return run_of(solution, values, gradients, "adjoint", primal, extra, repeat)
 
 
 def again_backwards(

@@ -21,7 +21,7 @@ from toolkit.sensitivity.adjoint.backward_sweep import begin_sweep, end_sweep, s
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.preparation import Progress, responses_of
-from toolkit.sensitivity.result import Result, result
+from toolkit.sensitivity.run import Run, run_of
 from toolkit.solvers.transient.run import Integration, prepare_run
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -51,7 +51,7 @@ class Forwards(NamedTuple):
 
 
 @one_thread()
-def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -> Result:
+def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -> Run:
     """Responses with gradients of a transient run, in the memory of about sqrt(n_t) states; the run is computed twice.
 
     Raises
@@ -68,7 +68,7 @@ def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -
         system = compiled.full
         gradients = by_name(system.design, forwards.values, run_backwards(system, forwards, tell).T)
     primal, extra = turned - begun - first.seconds, clock.perf_counter() - turned - second.seconds
-    return result(compiled.scene, forwards.solution, forwards.values, gradients, "adjoint", primal, extra)
+    return run_of(forwards.solution, forwards.values, gradients, "adjoint", primal, extra)
 
 
 def run_forwards(system: System, tell: Progress) -> Forwards:

@@ -16,7 +16,7 @@ from toolkit.sensitivity.choice import choose
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.evaluation import by_name, evaluate_responses, evaluate_with_gradients
 from toolkit.sensitivity.preparation import solve
-from toolkit.sensitivity.result import result
+from toolkit.sensitivity.run import run_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.studies.engine.executor import Executor, Progress
 from toolkit.studies.engine.jobs import run_jobs
@@ -67,7 +67,7 @@ def run_setting(case: Case, setting: Setting) -> SettingOutcome:
 def _outcome(scene: Scene, names: tuple[str, ...]) -> SettingOutcome:
     found = PreparedRun.of(scene, names).once()
     solution = found.solution
-    named = result(scene, solution, found.values, found.gradients, found.method, 0.0, 0.0)
+    named = run_of(solution, found.values, found.gradients, found.method, 0.0, 0.0)
     return SettingOutcome(
         values=named.values,
         gradients=named.gradients,
