@@ -316,7 +316,8 @@ from toolkit.sensitivity import direct, preparation
 def forbidden(*_, **__):
     raise AssertionError("the run was repeated")
 
-preparation.simulate = preparation.solve_statics = direct.simulate = forbidden
+preparation.ANALYSES.update(transient=forbidden, static=forbidden)
+direct.simulate = forbidden
 app(sys.argv[1:])
 """
 

@@ -23,7 +23,7 @@ from toolkit.scene_file.reader import read_scene, scene_from_table
 from toolkit.sensitivity.direct import direct, evaluated
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.numerical import numerical
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.preparation import ANALYSES, prepare, solve
 from toolkit.sensitivity.run import restored
 
 
@@ -368,7 +368,8 @@ def test_commands_keep_results_that_inspect_render_and_export_take(tmp_path, mon
         raise AssertionError("the run was repeated")
 
     drawn = []
-    monkeypatch.setattr("toolkit.sensitivity.preparation.solve", forbidden)
+    for kind in ANALYSES:
+        monkeypatch.setitem(ANALYSES, kind, forbidden)
     monkeypatch.setattr("toolkit.render.pictures.render_solution", lambda solution, *_: drawn.append(solution) or [])
     assert run("render", path, "--output", tmp_path / "pictures").exit_code == 0
     assert same(drawn[0].q, load_results(path).q)

@@ -9,15 +9,16 @@ from typing import NoReturn
 from toolkit.analyses.run_start import known_start
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
+from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes.one_thread import one_thread
-from toolkit.sensitivity.clock import Progress, once, repeated
+from toolkit.sensitivity.clock import Progress, price
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import again, by_direct, enriched, evaluated, values_alone
+from toolkit.sensitivity.direct import again, by_direct, enriched, evaluated, values_alone, with_values
 from toolkit.sensitivity.frames_for_gradients import more_frames
 from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method
-from toolkit.sensitivity.preparation import Kind, check_kind
+from toolkit.sensitivity.preparation import ANALYSES, Kind, check_kind, solve
 from toolkit.sensitivity.run import Run
 from toolkit.solvers.start.continued import continued_start
 from toolkit.solvers.start.kept_scene import refuse_other_run
@@ -51,10 +52,11 @@ def analysed(
         if timed:
             raise InputError("the price of a run with a start is not measured. Leave out one of timed and start.")
         return _from_start(compiled, kind, gradients, start, progress)
-    clock = repeated if timed else once
-    if not gradients:
-        return values_alone(compiled, kind, progress, clock)
-    return by_method("auto" if gradients is True else str(gradients), compiled, kind, progress, keep_states, clock)
+    if gradients:
+        return by_method("auto" if gradients is True else str(gradients), compiled, kind, progress, keep_states, timed)
+    with watched_compilation() as watch:
+        solution = ANALYSES[kind](compiled.primal, progress=progress)
+    return with_values(compiled, kind, solution, price(watch, timed, partial(solve, compiled.primal, kind)))
 
 
 def check_method(gradients: bool | str) -> None:

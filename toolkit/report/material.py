@@ -19,7 +19,6 @@ from toolkit.render.plane.look import Look, choose_look, drawn_points
 from toolkit.results.results import Results
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.certificate import Certificate, compare
-from toolkit.sensitivity.clock import repeated
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import Kind
 from toolkit.sensitivity.run import Run
@@ -129,7 +128,7 @@ def judge(material: Material, progress: Progress, everything: bool = False) -> M
         return material
 
     def run(method: str) -> Run:
-        return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total), clock=repeated)
+        return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total), timed=True)
 
     effort = max(material.solution.steps, 1) * material.solution.system.n * len(names)
     quick = {"complex-step": effort <= AFFORDABLE}

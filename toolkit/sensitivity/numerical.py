@@ -21,9 +21,10 @@ from toolkit.analyses.transient import simulate
 from toolkit.compilation.quantities import STEP
 from toolkit.description.design import DesignVariable
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.clock import Clock, Progress, once
+from toolkit.sensitivity.clock import Progress, price
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import again
 from toolkit.sensitivity.errors.step_error import Gradients, Values
@@ -45,12 +46,12 @@ def numerical(
     method: str,
     progress: Progress | None = None,
     relative_step: float | None = None,
-    clock: Clock = once,
+    timed: bool = False,
 ) -> Run:
     """Responses with gradients by repeated runs of the whole analysis; raises as `by_repetition`."""
     check_kind(kind)
     check_names(design)
-    return by_repetition(Compiled(scene, tuple(design)), kind, method, progress, relative_step, clock)
+    return by_repetition(Compiled(scene, tuple(design)), kind, method, progress, relative_step, timed)
 
 
 def by_repetition(
@@ -59,7 +60,7 @@ def by_repetition(
     method: str,
     progress: Progress | None = None,
     relative_step: float | None = None,
-    clock: Clock = once,
+    timed: bool = False,
 ) -> Run:
     """Responses with gradients of a compiled scene, by repeated runs of the whole analysis.
 
@@ -73,7 +74,9 @@ def by_repetition(
     variables = compiled.design
     if method in RELATIVE_STEP and kind == "transient":
         refuse_differences(compiled.scene, (path for variable in variables for path in variable.paths))
-    primal, solution = clock(partial(solve, compiled.primal, kind), None)
+    with watched_compilation() as watch:
+        solution = solve(compiled.primal, kind)
+    primal = price(watch, timed, partial(solve, compiled.primal, kind))
     base, scene = evaluate_responses(solution), frozen(compiled.scene, solution)
     known = _equilibrium(compiled, kind, solution) if method == "complex-step" else None
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}

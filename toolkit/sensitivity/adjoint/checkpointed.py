@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -60,15 +59,12 @@ def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -
         As `adjoint_gradients`, or a response cannot be put together from windows.
     """
     tell = progress or (lambda *_: None)
-    begun = clock.perf_counter()
     with watched_compilation() as first:
         forwards = run_forwards(compiled.primal, tell)
-    turned = clock.perf_counter()
     with watched_compilation() as second:
         system = compiled.full
         gradients = by_name(system.design, forwards.values, run_backwards(system, forwards, tell).T)
-    primal, extra = turned - begun - first.seconds, clock.perf_counter() - turned - second.seconds
-    return run_of(forwards.solution, forwards.values, gradients, "adjoint", primal, extra)
+    return run_of(forwards.solution, forwards.values, gradients, "adjoint", first.rest, second.rest)
 
 
 def run_forwards(system: System, tell: Progress) -> Forwards:
