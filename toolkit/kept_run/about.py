@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic.dataclasses import dataclass
 
 Numbers = dict[str, float]
 
@@ -28,18 +29,27 @@ class Variable(BaseModel):
         return dict(zip(paths, self.factors or [1.0] * len(paths), strict=True))
 
 
-class SceneWords(BaseModel):
-    """Record of the scene in a results file: `SceneRecord` without the text of the scene's file."""
+@dataclass(frozen=True, config=ConfigDict(extra="forbid"))
+class SceneRecord:
+    """Scene that was solved, so that it can be solved again.
 
-    model_config = ConfigDict(extra="forbid")
+    table : the scene as nested tables, with every value as it was in the run
+    sha256 : hash of the scene's file; empty for a scene made in Python
+    changes : path -> value that replaced the file's for this run
+    directory : folder of the reduced models, from the folder of the results file
+    models : path of each reduced model from that folder -> SHA-256 of its file
+    text : the scene's file as it was written, which a results file keeps beside the other words
+    """
+
     table: dict[str, Any]
     sha256: str
     changes: dict[str, str]
     directory: str
     models: dict[str, str]
+    text: str = ""
 
 
-class Run(BaseModel):
+class RunWords(BaseModel):
     """Cost of a run, wall times in s, and how well its joints held."""
 
     model_config = ConfigDict(extra="forbid")
@@ -51,7 +61,7 @@ class Run(BaseModel):
     wall_sensitivity: float | None
 
 
-class Kept(BaseModel):
+class VerdictWords(BaseModel):
     """Record of whether the run's numbers were trusted."""
 
     model_config = ConfigDict(extra="forbid")
@@ -59,7 +69,7 @@ class Kept(BaseModel):
     reasons: list[str]
 
 
-class Warned(BaseModel):
+class CautionWords(BaseModel):
     """A reason to doubt the numbers of a run, or a remark on what they mean."""
 
     model_config = ConfigDict(extra="forbid")
@@ -67,12 +77,12 @@ class Warned(BaseModel):
     text: str
 
 
-class Judged(BaseModel):
+class JudgedWords(BaseModel):
     """Verdict of a run and its reasons, as `Verdict.record` gives it; measured values stand beside it under their names."""
 
     model_config = ConfigDict(extra="allow")
-    verdict: Kept
-    warnings: list[Warned]
+    verdict: VerdictWords
+    warnings: list[CautionWords]
 
 
 class About(BaseModel):
@@ -86,12 +96,12 @@ class About(BaseModel):
     response_units: dict[str, str]
     gradients: dict[str, Numbers]
     variables: dict[str, Variable]
-    run: Run
-    judged: Judged | None = None
+    run: RunWords
+    judged: JudgedWords | None = None
     settings: dict[str, Any]
     writers: dict[str, str]
     bodies: list[str]
-    scene: SceneWords
+    scene: SceneRecord
 
     @model_validator(mode="after")
     def _names_agree(self) -> Self:

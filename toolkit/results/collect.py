@@ -15,10 +15,11 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import Description
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError
+from toolkit.kept_run.about import SceneRecord
 from toolkit.kept_run.layout import ResultsFileError
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.responses.stress.stress import stress_field
-from toolkit.results.results import BodyResults, Results, SceneRecord
+from toolkit.results.results import BodyResults, Results
 from toolkit.scene.cut_scene import written
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import scene_from_table
@@ -133,7 +134,7 @@ def _record(scene: Scene, text: str, changes: Mapping[str, str]) -> SceneRecord:
         if isinstance(body, ModelBody)
     }
     sha256 = hashlib.sha256(text.encode()).hexdigest() if text else ""
-    return SceneRecord(table_of(scene), text, sha256, dict(changes), str(scene.directory), models)
+    return SceneRecord(table_of(scene), sha256, dict(changes), str(scene.directory), models, text)
 
 
 def _version(package: str) -> str:

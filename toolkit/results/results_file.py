@@ -19,7 +19,7 @@ from toolkit.kept_run import layout
 from toolkit.kept_run.end_state import about_of, check_schema
 from toolkit.kept_run.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
 from toolkit.results.collect import collect
-from toolkit.results.results import BodyResults, Results, SceneRecord
+from toolkit.results.results import BodyResults, Results
 
 if TYPE_CHECKING:
     import h5py
@@ -139,20 +139,17 @@ def load_results(path: str | Path) -> Results:
 
 
 def _read(content: Content, path: Path) -> Results:
-    about: dict[str, Any] = about_of(content).model_dump()
-    about["variables"] = {
-        name: {key: item for key, item in each.items() if item is not None} for name, each in about["variables"].items()
-    }
-    sizes: dict[str, int] = {}
+    about, sizes = about_of(content), dict[str, int]()
+    words: dict[str, Any] = about.model_dump(exclude={"bodies", "scene", "variables"})
+    words["variables"] = {name: each.model_dump(exclude_none=True) for name, each in about.variables.items()}
     arrays: dict[str, Any] = {name: layout.array(content, name, axes, sizes) for name, axes in STATES.items()}
     labels: dict[str, Any] = {name: layout.names(content, f"names/{name}", sizes[axis]) for name, axis in NAMES.items()}
-    if not sizes["t"] or not set(labels["design"]) <= set(about["variables"]):
+    if not sizes["t"] or not set(labels["design"]) <= set(about.variables):
         raise ValueError("it holds no times, or derivatives by unknown variables")
     bodies = {}
-    for body in about.pop("bodies"):
+    for body in about.bodies:
         own = {axis: size for axis, size in sizes.items() if axis not in "sk"}
         bodies[body] = BodyResults(**{n: layout.array(content, f"bodies/{body}/{n}", axes, own) for n, axes in BODY.items()})
-    record = about.pop("scene")
-    scene = SceneRecord(**record | {"text": layout.text(content, "scene_text")})
-    directory = str(path.parent / scene.directory)
-    return Results(**about, **arrays, **labels, bodies=bodies, scene=replace(scene, directory=directory), path=path)
+    directory = str(path.parent / about.scene.directory)
+    scene = replace(about.scene, text=layout.text(content, "scene_text"), directory=directory)
+    return Results(**words, **arrays, **labels, bodies=bodies, scene=scene, path=path)
