@@ -13,10 +13,9 @@ if TYPE_CHECKING:
     from toolkit.description.run_options import RunOptions
     from toolkit.door import extend, plane, space
     from toolkit.door.describe import describe
-    from toolkit.door.many_designs import sweep, uncertainty
+    from toolkit.door.many_designs import optimize, sweep, uncertainty
     from toolkit.door.model import Model
     from toolkit.door.model import compile_model as compile
-    from toolkit.door.optimize import optimize
     from toolkit.door.outcome import Outcome
     from toolkit.foundation.errors import ToolkitError
     from toolkit.foundation.verdict import Caution, Verdict
@@ -49,7 +48,7 @@ _PLACES = {
     "describe": "toolkit.door.describe:describe",
     "extend": "toolkit.door.extend:",
     "load": "toolkit.sensitivity.run:load",
-    "optimize": "toolkit.door.optimize:optimize",
+    "optimize": "toolkit.door.many_designs:optimize",
     "plane": "toolkit.door.plane:",
     "read_scene": "toolkit.scene_file.reader:read_scene",
     "read_study": "toolkit.studies.study.study_reader:read_study",

@@ -15,8 +15,7 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import Description
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError
-from toolkit.kept_run.about import SceneRecord
-from toolkit.kept_run.layout import ResultsFileError
+from toolkit.kept_run.layout import ResultsFileError, SceneRecord
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.responses.stress.stress import stress_field
 from toolkit.results.results import BodyResults, Results

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.verdict import Caution, Verdict
-from toolkit.kept_run.about import SceneRecord
+from toolkit.kept_run.layout import SceneRecord
 
 
 @dataclass(frozen=True)
