@@ -28,7 +28,7 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
 from toolkit.solvers.transient.fitted_trend import HIGHEST, fit_trend
 from toolkit.solvers.transient.newton import SINGULAR
-from toolkit.solvers.transient.run import Run, allocate_history, failure_of_step, prepare_run, take_steps
+from toolkit.solvers.transient.run import Integration, allocate_history, failure_of_step, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.solvers.transient.step_memory import ITERATIONS, LAST
 from toolkit.system.solution import Solution
@@ -58,7 +58,7 @@ def jerked(**solver) -> Scene:
 def with_and_without(monkeypatch) -> Callable[[Scene], tuple[Solution, Solution]]:
     """A run that stops by what it estimates to be left, and one that never stops before its second correction, which is exact."""
 
-    def thorough(*given) -> Run:
+    def thorough(*given) -> Integration:
         run = prepare_run(*given)
         return run._replace(control=run.control._replace(thorough=True))
 

@@ -24,7 +24,7 @@ from toolkit.description.time_grid import time_grid
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.validity.curves.load_curves import LOST, loss_of
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -68,21 +68,21 @@ def sled(folder: Path, load: str = "", driver: str = "", force: float = 1.0) -> 
     return file
 
 
-def ran(file: Path, **changes: object) -> Result:
+def ran(file: Path, **changes: object) -> Run:
     return direct(read_scene(file, {path.replace("__", "."): str(value) for path, value in changes.items()}), [], "transient")
 
 
-def said(found: Result, code: str = "load-curve") -> str:
+def said(found: Run, code: str = "load-curve") -> str:
     """What is said under a code, once."""
     (text,) = said_by(found, code)
     return text
 
 
-def said_by(found: Result, code: str) -> list[str]:
+def said_by(found: Run, code: str) -> list[str]:
     return [each.text for each in found.warnings if each.code == code]
 
 
-def advised_step(found: Result) -> float:
+def advised_step(found: Run) -> float:
     (step,) = re.findall(r"Try solver.step = ([\d.e-]+\d),", said(found))
     return float(step)
 
@@ -194,7 +194,7 @@ def test_derivatives_by_the_time_of_a_jump_within_a_step_are_doubted(steps, loca
     ends = [f"loads.p.curve.{name}" for name in ("start", "end")]
     chosen = {"solver.local_error": str(local_error)} if local_error else {}
 
-    def found(start: float, end: float) -> Result:
+    def found(start: float, end: float) -> Run:
         file = sled(tmp_path, f'{{ type = "ramp", start = {start}, end = {end}{steps} }}')
         return direct(read_scene(file, chosen), ends, "transient")
 

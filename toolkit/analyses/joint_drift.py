@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.solvers.transient.run import Run, at_limit_position
+from toolkit.solvers.transient.run import Integration, at_limit_position
 from toolkit.system.system import System
 from toolkit.validity.motion.drift import largest_drift
 
@@ -15,7 +15,7 @@ THROWN_OPEN = 0.05
 """Violation of a joint, a part of the model size (or rad), that is no error of long steps: Newton has found another solution there."""
 
 
-def can_be_closed(run: Run) -> bool:
+def can_be_closed(run: Integration) -> bool:
     """Whether joints that have come apart are a matter of the steps alone: positions are stabilised, and no joint was left out."""
     options = run.options
     return options.formulation == "index-1" and options.baumgarte.stiffness != 0 and len(run.system.plan.dropped) == 0
@@ -31,7 +31,7 @@ def drift(system: System, times: np.ndarray, q: np.ndarray) -> np.ndarray:
     return found
 
 
-def first_opened(run: Run, q: np.ndarray, allowed: float) -> int | None:
+def first_opened(run: Integration, q: np.ndarray, allowed: float) -> int | None:
     """First step to a state (n_t, n) in which joints are open by more than is allowed; None without any."""
     if not can_be_closed(run) or drift(run.system, run.times, q)[0] <= allowed:
         return None
@@ -39,7 +39,7 @@ def first_opened(run: Run, q: np.ndarray, allowed: float) -> int | None:
     return next(ends, 1) - 1
 
 
-def check_drift(run: Run, q: np.ndarray, first: int) -> float:
+def check_drift(run: Integration, q: np.ndarray, first: int) -> float:
     """Largest violation of any joint in states (n, ...) from step `first` on, relative to the model size or in rad.
 
     Raises

@@ -52,7 +52,7 @@ def judge(solution: Solution) -> Verdict:
     """Whether the states of a solution can be trusted, and why not.
 
     A motion is judged by its energy and its steps, an equilibrium by the path that leads there, both by what the model leaves out. What
-    the length of the steps does to a response is not in it: the `verdict` of a `sensitivity.result.Result` measures it.
+    the length of the steps does to a response is not in it: the `verdict` of a `sensitivity.run.Run` measures it.
 
     Parameters
     ----------

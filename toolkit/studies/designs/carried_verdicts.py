@@ -17,7 +17,7 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.sensitivity.errors.step_cautions import GRADIENTS, VALUES
 from toolkit.sensitivity.frames.gradient_errors import SMALL, SMALL_OF_PARTS, UNCERTAIN, FrameErrors, Slopes, doubtful_gradients
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.studies.designs.indicators import Indicators, distances, indicators, joined, sizes_of_variables
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.compressed.critical_load import Compression, compression
@@ -85,14 +85,14 @@ class Carried(NamedTuple):
     distance: float
 
 
-def answers(result: Result, judged: bool = False) -> Answers:
+def answers(result: Run, judged: bool = False) -> Answers:
     """Numbers of a run that verdicts are carried by; of one that is judged itself, without cautions that its own verdict has already."""
     sizes = sizes_of_variables(result) if result.gradients else {}
     unstable = () if judged else tuple(instabilities(result.solution, result.values))
     return Answers(indicators(result), result.gradients, sizes, unstable)
 
 
-def measured(result: Result, alone: bool = False) -> Measured:
+def measured(result: Run, alone: bool = False) -> Measured:
     """The verdict on a run, with the shares of their limits that its main measures have.
 
     These are left out if no other design is near.
@@ -103,7 +103,7 @@ def measured(result: Result, alone: bool = False) -> Measured:
     return Measured(verdict, _room(_shares(result)), errors, {} if errors is None else result.gradient_scales, _of_values(result))
 
 
-def _shares(result: Result) -> np.ndarray:
+def _shares(result: Run) -> np.ndarray:
     """Measures relative to their limits, both of comparisons with other runs and of what decides whether these are made."""
     found, scene = result.measures, result.solution.system.scene
     shares = [each / ENERGY for each in found.get("energy_balance", {}).values()]
@@ -128,7 +128,7 @@ def _largest(errors: Iterable[float]) -> float:
     return float(np.max([0.0, *errors]))
 
 
-def _of_values(result: Result) -> float:
+def _of_values(result: Run) -> float:
     """The largest error of a value by frames, as a part of its scale."""
     errors, scales = result.weighed_frames, result.scales
     return 0.0 if errors is None else _largest(abs(error) / scales[f] for f, error in errors.values.items() if scales[f] > 0)
