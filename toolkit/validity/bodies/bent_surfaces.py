@@ -17,7 +17,7 @@ import numpy as np
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates
 from toolkit.system.solution import Solution
@@ -58,12 +58,13 @@ class Bending:
         return self.error / self.displacement if self.displacement > ROUND_OFF * self.size else 0.0
 
 
+@check("large-deformation", STATES)
 def bent_surfaces(solution: Solution) -> Iterator[Caution]:
     """Bodies whose elements are not known that leave the range of small deformations, or come near to buckling."""
     for body in whole_bodies(solution.system.placed):
         found = bending(solution, body)
         if found is not None and not found.relative <= LIMIT:
-            yield Caution("large-deformation", _told(solution.system.placed, body, found), body=body, part=found.relative)
+            yield bent_surfaces.caution(_told(solution.system.placed, body, found), body=body, part=found.relative)
         if found is not None and found.load > LIMIT:
             part = found.load / (1 - found.load) if found.load < 1 else np.inf
             yield Caution("critical-load", _compressed(body, found.load), not found.load <= DOUBTFUL, body, part)

@@ -20,7 +20,7 @@ import scipy
 
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.near_ties import first_largest
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of, real_pencil
 from toolkit.responses.vibrations.roots import free_pencil
 from toolkit.solvers.free_motions import is_symmetric
@@ -72,8 +72,13 @@ class Resonance(NamedTuple):
     true: float
 
 
+@check("parametric-resonance", STATES, each_design=True)
 def parametric_resonance(solution: Solution) -> Iterator[Caution]:
-    """Doubts about a motion in which alternating forces along a body make a vibration grow that the motion does not show."""
+    """Forces along a body alternate so that vibrations across it grow, and the motion does not show it.
+
+    Limit: growth to twice, and by 5 % of the vibration; growth by 100 where hardly anything sets it off.
+    Fix: more frames, and a small force across the body at the start.
+    """
     found = resonance(solution)
     if found is None:
         return
@@ -84,14 +89,12 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
     shown = found.found > STRAIGHT and found.true > LIMIT * _moved(solution)
     if shown and found.true > (1 + LIMIT) * found.found:
         times = found.true / found.found
-        yield Caution(
-            "parametric-resonance",
+        yield parametric_resonance.caution(
             f"{what}. These equations, which lack the geometric stiffness inside of frames, do not show it; with it this vibration is up "
             f"to {times:.3g} times as large. Fix: {divided(solution.system.placed, found.body, 4.0)}.",
         )
     elif not shown and found.growth > SETS_OFF:
-        yield Caution(
-            "parametric-resonance",
+        yield parametric_resonance.caution(
             f"{what}, and hardly anything sets it off here, because all is straight. What is real is not: disturb it, with a small force "
             "across it at the start, to see how large it becomes.",
         )
