@@ -18,10 +18,10 @@ from toolkit.validity.bodies.turning_frame import turning_frames
 from toolkit.validity.description.frame_choice import advice_of_frame
 
 STILL, SHOWN = 0.1, 0.05
-"""How far a motion may go, in parts of the scene's size or rad, so that its end tells its stability; and which part of that it goes along
+"""How far a motion may go, in parts of the model size or rad, so that its end tells its stability; and which part of that it goes along
 what grows, so that it shows it."""
 STRAIGHT = 1e-9
-"""Part of the scene's size or rad below which a motion is round-off."""
+"""Part of the model size or rad below which a motion is round-off."""
 SETS_OFF = 100.0
 """Growth over the motion from which on it is no answer to stay: whatever disturbs a real one is so many times as large at its end."""
 FEIGNED = 1.0

@@ -22,7 +22,7 @@ def dead_points_passed(solution: Solution, variables: Collection[str]) -> Iterat
 def jumped(found: Sequence[DeadPoint]) -> Iterator[Caution]:
     """A step has jumped from one way of assembling the bodies to another, with no way between them.
 
-    Limit: joints that stay open by more than 1e-9 of the scene's size.
+    Limit: joints that stay open by more than 1e-9 of the model size.
     Fix: lengths that fit to the last digit, or much smaller steps.
     """
     if found:

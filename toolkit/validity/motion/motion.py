@@ -15,7 +15,7 @@ ENERGY, SUSPICIOUS = 0.04, 0.01
 """Part of the largest energy or work that may be gained or lost, and from which on steps are looked at more closely: of a motion
 that rings it may be the whole vibration, of one that follows its loads nothing that matters."""
 COARSE = 1e-3
-"""Local error of a step, a part of the scene's size (or rad), above which steps are coarse."""
+"""Local error of a step, a part of the model size (or rad), above which steps are coarse."""
 
 
 @check("energy-not-checked", (MOTION,))
@@ -82,13 +82,13 @@ def _options(solution: Solution) -> RunOptions:
 def coarse_steps(solution: Solution) -> Iterator[Caution]:
     """Steps leave the motion unresolved, by the largest error that one of them is estimated to make.
 
-    Limit: 1e-3 of the scene's size (or rad) in a step.
+    Limit: 1e-3 of the model size (or rad) in a step.
     Fix: a smaller `solver.step`, or `solver.local_error`.
     """
     error = solution.local_error
     if error is not None and not error <= COARSE:
         yield coarse_steps.caution(
-            f"steps are coarse for this motion: one of them is estimated to be off by {error:.1e} of the scene's size (limit {COARSE:g}), "
+            f"steps are coarse for this motion: one of them is estimated to be off by {error:.1e} of the model size (limit {COARSE:g}), "
             "so that peaks and vibrations may be wrong. Try a smaller solver.step, or let the run choose: "
             f'solver.local_error = {COARSE / 10:g} with solver.scheme = "arnold-bruels".',
         )

@@ -90,9 +90,9 @@ JUMPS, BETWEEN = 10, (0.25, 0.5, 0.75)
 CLOSE = 0.1
 """Part of a step to which the loss of stability is found."""
 SLOW = 0.05
-"""Part of the scene's size (or rad) by which the first velocities would move anything in the whole run, below which it begins at rest."""
+"""Part of the model size (or rad) by which the first velocities would move anything in the whole run, below which it begins at rest."""
 NEAR = 0.1
-"""Part of the scene's size (or rad) by which the first equilibrium is away, below which the run begins near it."""
+"""Part of the model size (or rad) by which the first equilibrium is away, below which the run begins near it."""
 NONE = 1e-12
 """Part of the largest stiffness below which another is none: a free mechanism."""
 TOGETHER = 120_000

@@ -145,7 +145,7 @@ def moved_start(solution: Solution, moved: float) -> Iterator[Caution]:
     allowed = (solution.options or solution.system.scene.solver).drift_tolerance
     if moved > allowed:
         yield moved_start.caution(
-            f"the start that was given is off the joints at t = 0 and was moved by {moved:.1e} of the scene's size (or "
+            f"the start that was given is off the joints at t = 0 and was moved by {moved:.1e} of the model size (or "
             f"rad), more than solver.drift_tolerance ({allowed:.1e}): this run does not go on exactly where the other one ended.",
             doubt=False,
         )
@@ -155,7 +155,7 @@ def moved_start(solution: Solution, moved: float) -> Iterator[Caution]:
 def moved_by_assembly(solution: Solution) -> Iterator[Caution]:
     """Joints did not close in the written positions or deflections, and closing them moved bodies.
 
-    Limit: 1e-9 of the scene's size (or rad); in statics its own tolerance of positions.
+    Limit: 1e-9 of the model size (or rad); in statics its own tolerance of positions.
     Fix: nothing, or write the positions that are told.
     """
     size, label = solution.system.placed.size, unit(solution.system.scene.units, "length")
@@ -182,7 +182,7 @@ def closed_by_statics(solution: Solution, options: RunOptions) -> Iterator[Cauti
         row = int(np.argmax(sizes))
         yield closed_by_statics.caution(
             f"statics closed joints that are open in the written positions: {system.numbering.names[system.n_q + row]} by "
-            f"{told(system, system.n_q + row, gaps[row]).lstrip('-')}, {sizes[row]:.1e} of the scene's size (or rad).",
+            f"{told(system, system.n_q + row, gaps[row]).lstrip('-')}, {sizes[row]:.1e} of the model size (or rad).",
             doubt=False,
         )
 

@@ -59,7 +59,7 @@ class Vibration(NamedTuple):
     known: np.ndarray  # k_1
     lacking: np.ndarray  # k_2
     course: tuple[np.ndarray, np.ndarray, np.ndarray]  # y, y', y'' as they were found
-    size: float  # the largest entry of phi, in parts of the scene's size or rad
+    size: float  # the largest entry of phi, in parts of the model size or rad
 
 
 class Resonance(NamedTuple):
@@ -68,7 +68,7 @@ class Resonance(NamedTuple):
     body: str
     frequency: float
     growth: float  # of any disturbance
-    found: float  # the largest vibration in parts of the scene's size or rad, by the equations
+    found: float  # the largest vibration in parts of the model size or rad, by the equations
     true: float
 
 

@@ -21,7 +21,7 @@ MOST = 0.35 * TURN
 WANTED = 20
 """Steps in a turn that are proposed."""
 CENTRED = 1e-9
-"""Way of a point as the body turns by 1 rad, in parts of the scene's size, that is none."""
+"""Way of a point as the body turns by 1 rad, in parts of the model size, that is none."""
 
 
 @check("turns-in-a-step", (MOTION,))
