@@ -133,9 +133,9 @@ def _discover() -> None:
 
 
 def checks() -> list[Check[Any]]:
-    """All checks of scenes and runs, in the order of their modules."""
+    """All checks of scenes and runs: those of one kind of solution before those of all, then in the order of their modules."""
     _discover()
-    return sorted(_CHECKS, key=lambda each: str(each.measure.__module__))
+    return sorted(_CHECKS, key=lambda each: (len(each.applies_to), str(each.measure.__module__)))
 
 
 def codes() -> Mapping[str, Check[Any]]:

@@ -39,7 +39,8 @@ def found_from_another(solution: Solution) -> Iterator[Caution]:
     """
     if solution.own_start:
         yield found_from_another.caution(
-            "the equilibrium was found from that of another design; whether the path from the unloaded state leads to it was not followed.",
+            "the equilibrium was found from that of another design. Whether the path from the unloaded state leads to it was not followed. "
+            f"{found_from_another.fix}",
             doubt=False,
         )
 
@@ -59,8 +60,8 @@ def limits_passed(solution: Solution) -> Iterator[Caution]:
         f" It met {path.unstable_crossings} unstable equilibria under the full load before." if path.unstable_crossings else ""
     )
     yield limits_passed.caution(
-        f"this equilibrium lies BEYOND A SNAP-THROUGH. The path from the unloaded state turns back at limit points ({passed}); a real "
-        f"structure jumps at the first, and may come to rest elsewhere.{others}",
+        f"this equilibrium lies BEYOND A SNAP-THROUGH. The path from the unloaded state turns back at limit points ({passed}). A real "
+        f"structure jumps at the first, and may come to rest elsewhere.{others} {limits_passed.fix}",
     )
 
 

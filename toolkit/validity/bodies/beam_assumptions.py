@@ -116,8 +116,8 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
             forces = " and ".join(words for words, there in known.items() if there)
             named = f"{forces} {'does' if forces == 'its weight' else 'do'}"
             yield bent_between_nodes.caution(
-                f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that: it is "
-                f"off by some {part:.0%} of the largest, while interface points are where they should be. Build the model with "
+                f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that. It is off by some "
+                f"{part:.0%} of the largest, while interface points are where they should be. Fix: build the model with "
                 f"{times_as_many(factor)} as many {elements_of(scene, body)}, or with more modes.",
             )
 
@@ -138,8 +138,8 @@ def energy_between_nodes(solution: Solution) -> Iterator[Caution]:
             if missing > LIMIT * (largest + missing):
                 part = missing / (largest + missing)
                 yield energy_between_nodes.caution(
-                    f"{name} lacks what weight and forces of inertia bend and stretch elements by between their nodes: some {part:.0%} of "
-                    "the largest that it is, while interface points are where they should be. Build the model with "
+                    f"{name} lacks what weight and forces of inertia bend and stretch elements by between their nodes. It is off by some "
+                    f"{part:.0%} of the largest that it is, while interface points are where they should be. Fix: build the model with "
                     f"{times_as_many((part / LIMIT) ** 0.25)} as many elements.",
                 )
 

@@ -37,9 +37,9 @@ def bent_pieces(solution: Solution) -> Iterator[Caution]:
         error, turn, count = shortening(solution, body)
         if error > LIMIT:
             yield bent_pieces.caution(
-                f"{body} is cut into {count} pieces, which bend by up to {turn:.2g} rad against the lines through their ends: by what "
-                f"they shorten, which no frame of a whole piece knows, nodes are off by about {error:.1%} of its displacement (limit "
-                f"{LIMIT:.0%}). Cut it into some {int(np.ceil(count * np.sqrt(error / LIMIT)))} pieces.",
+                f"{body} is cut into {count} pieces, which bend by up to {turn:.2g} rad against the lines through their ends. They "
+                f"shorten, which no frame of a whole piece knows: nodes are off by about {error:.1%} of its displacement (limit "
+                f"{LIMIT:.0%}). Fix: cut it into some {int(np.ceil(count * np.sqrt(error / LIMIT)))} pieces.",
             )
 
 

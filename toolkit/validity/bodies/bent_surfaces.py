@@ -134,7 +134,7 @@ def _compressed(body: str, load: float) -> str:
     )
     return (
         f"{body} is compressed with some {load:.2g} times what buckles a slender bar of its stiffness: {lost}. Linear FFRF has no "
-        "geometric stiffness of a body in its frame. Load it less, stiffen it, or make several bodies in a row of it, which buckle as "
+        "geometric stiffness of a body in its frame. Fix: load it less, stiffen it, or make several bodies in a row of it, which buckle as "
         "they should."
     )
 
@@ -143,7 +143,7 @@ def _told(scene: Scene, body: str, found: Bending) -> str:
     length = unit(scene.units, "length")
     return (
         f"{body} leaves the range of small deformations: it is displaced by up to {found.displacement:.3g} {length} in its frame at "
-        f"t = {found.time:.4g}, and bodies that bend so far are off by some {found.error:.2g} {length}, {found.relative:.0%} of that "
+        f"t = {found.time:.4g}. Bodies that bend so far are off by some {found.error:.2g} {length}, {found.relative:.0%} of that "
         f"(limit {LIMIT:.0%}), because their lines grow where they turn. Fix: "
         f"{divided(scene, body, found.relative / LIMIT)}, or stiffen the body."
     )

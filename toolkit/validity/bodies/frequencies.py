@@ -70,7 +70,7 @@ def too_fast_for_elements(scene: Scene, frequencies: Mapping[str, float], doubt:
             most = max(beyond.values())
             yield too_fast_for_elements.caution(
                 f"frequencies are too high where {body} vibrates, {listed_parts(parts, 'about')}: from {limit:.4g} {label} on, where "
-                f"it is {LIMIT:.0%}, its {elements_of(scene, body)} are too long. Build the model with "
+                f"it is {LIMIT:.0%}, its {elements_of(scene, body)} are too long. Fix: build the model with "
                 f"{times_as_many(np.sqrt(most / limit))} as many.",
                 doubt,
             )

@@ -113,7 +113,7 @@ def turning(solution: Solution) -> Iterator[Caution]:
             when = f" at t = {found.time:.4g}" if solution.steps else ""
             how = f"up to about {found.error:.0%} {what}" if found.error < 1 else f"far {what}, or of any size"
             yield turning.caution(
-                f"{found.body} has a frame that turns with one of its parts, and forces of {abs(found.force):.4g} {force} along the line "
+                f"{found.body} has a frame that turns with one of its parts. Forces of {abs(found.force):.4g} {force} along the line "
                 f"through {found.chord.first!r} and {found.chord.second!r} turn with it{when}: deflections across this line are {how}."
                 f"{advice_of_frame(solution.system.placed, found.body)}",
                 body=found.body,
@@ -131,8 +131,8 @@ def _buckling(found: Compression, solution: Solution) -> str:
         what = f"lateral deflections are up to {found.missed:.0%} larger than these equations say, and frequencies lower"
     return (
         f"{found.body} is {how}{when} with {found.load:.2g} times the critical load: {what}. Linear FFRF has no geometric stiffness "
-        f"of a body in its frame. Load it less, stiffen it, or {_more_parts(scene, found.body)}, which buckle as they should. "
-        "ffrf check-deformation solves it with elements that turn."
+        f"of a body in its frame. ffrf check-deformation solves it with elements that turn. Fix: load it less, stiffen it, or "
+        f"{_more_parts(scene, found.body)}, which buckle as they should."
     )
 
 
@@ -152,9 +152,9 @@ def _more_parts(scene: Scene, body: str) -> str:
 
 def _feigned(found: Compression) -> str:
     return (
-        f"{found.body} is softer under its tension than it should be: these equations make lateral deflections {found.feigned:.0%} too "
-        "large or more, and frequencies too low. Linear FFRF has no geometric stiffness of a body in its frame, which tension would raise, "
-        "while the frame turns with the ends. Load it less, stiffen it, or make several bodies in a row of it."
+        f"{found.body} is softer under its tension than it should be. These equations make lateral deflections {found.feigned:.0%} too "
+        "large or more, and frequencies too low: the frame turns with the ends, and linear FFRF has no geometric stiffness of a body in "
+        "its frame. Fix: load it less, stiffen it, or make several bodies in a row of it."
     )
 
 
@@ -168,8 +168,8 @@ def excessive_speeds(solution: Solution) -> Iterator[Caution]:
     for body, speed, critical in too_fast_in_motion(solution):
         yield excessive_speeds.caution(
             f"{body} spins with {speed:.4g} rad/s, faster than its critical speed of {critical:.4g} rad/s. Linear FFRF lacks "
-            "centrifugal stiffening, so that the body bends out without bound or to a wrong state. Spin it slower, write "
-            "spin_stiffening = true in its table, or make several bodies in a row of it.",
+            "centrifugal stiffening, so that the body bends out without bound or to a wrong state. Fix: a slower spin, "
+            "spin_stiffening = true in its table, or several bodies in a row.",
         )
 
 

@@ -34,9 +34,9 @@ def overshooting_tables(solution: Solution) -> Iterator[Caution]:
             beyond = max(value - high, low - value)
             if beyond > BEYOND * (high - low) > 0:
                 yield overshooting_tables.caution(
-                    f"{path} swings beyond its values, which are from {low:g} to {high:g}: it reaches {value:.4g} at t = {time:.4g}, "
-                    f"{beyond / (high - low):.3g} times their range outside, because it is a cubic through all of them. "
-                    f'{path}.interpolation = "monotone" does not, and neither do "linear", more rows where it is steep, or smooth steps.',
+                    f"{path} swings beyond its values, which are from {low:g} to {high:g}. It reaches {value:.4g} at t = {time:.4g}, "
+                    f"{beyond / (high - low):.3g} times their range outside: it is a cubic through all of them. "
+                    f'Fix: {path}.interpolation = "monotone" or "linear", more rows where it is steep, or smooth steps.',
                     doubt=bool(beyond > DOUBTFUL * (high - low)),
                 )
 

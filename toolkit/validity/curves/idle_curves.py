@@ -45,6 +45,4 @@ def _first_change(curve: Curve, times: np.ndarray) -> float | None:
 
 
 def _idle(what: str, end: float) -> Caution:
-    return idle_curves.caution(
-        f"{what}, and the run ends at t = {end:g}: it has no effect. Try a later solver.end_time.", doubt=False
-    )
+    return idle_curves.caution(f"{what}, and the run ends at t = {end:g}: it has no effect. {idle_curves.fix}", doubt=False)

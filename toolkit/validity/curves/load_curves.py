@@ -177,7 +177,7 @@ def _advice(curve: Curve, loss: Loss) -> str:
     """Sentence on steps that would see the curve."""
     period = min(curve.periods(), default=np.inf)
     what, shortest = ("period", period) if period < loss.shortest else ("piece", loss.shortest)
-    told = f"Try solver.step = {shortest / 10:.2g}, a tenth of its shortest {what}"
+    told = f"Fix: solver.step = {shortest / 10:.2g}, a tenth of its shortest {what}"
     if what == "period" or not len(loss.corners):
         return f"{told}."
     named = ", ".join(f"{corner:.6g}" for corner in loss.corners[:6]) + ", ..." * (len(loss.corners) > 6)

@@ -58,9 +58,9 @@ def unseen_moves(solution: Solution, variables: Collection[str]) -> Iterator[Cau
             if loss is not None and loss.part > HIDDEN:
                 yield unseen_moves.caution(
                     f"derivatives by {name} miss {min(loss.part, 1):.0%} (limit {HIDDEN:.0%}) of what it does to {'.'.join(item)}.curve, "
-                    f"most near t = {loss.time:.4g}: the curve changes faster there than steps are short, so that they do not see when. "
-                    "Runs with other steps may miss the same and agree. Let the curve change over several steps, or take steps of "
-                    f"{loss.shortest / 10:.2g} there and beside (solver.times).",
+                    f"most near t = {loss.time:.4g}. The curve changes faster there than steps are short. Runs with other steps may miss "
+                    f"the same and agree. Fix: a curve that changes over several steps, or steps of {loss.shortest / 10:.2g} there "
+                    "(solver.times).",
                 )
 
 

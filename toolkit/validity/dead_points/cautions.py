@@ -28,8 +28,8 @@ def jumped(found: Sequence[DeadPoint]) -> Iterator[Caution]:
     if found:
         yield jumped.caution(
             f"at t = {found[0].time:.4g} a step has jumped from one way of assembling the bodies to another, between which the joints "
-            "leave no way: lengths that are a little off have opened a dead point. If the bodies are meant to pass it, give lengths that "
-            "fit to the last digit; if they are meant to turn over there, much smaller steps.",
+            "leave no way: lengths that are a little off have opened a dead point. Fix: lengths that fit to the last digit, if the bodies "
+            "are to pass it; much smaller steps, if they are to turn over there.",
         )
 
 
@@ -42,8 +42,8 @@ def straight_on(found: Sequence[DeadPoint]) -> Iterator[Caution]:
     """
     if found:
         yield straight_on.caution(
-            f"at t = {found[0].time:.4g} the motion passes a dead point: joints repeat each other there, and bodies could go on in two "
-            "ways. It went straight on. With lengths that are a little off they turn over or jam there.",
+            f"at t = {found[0].time:.4g} the motion passes a dead point: joints repeat each other, and bodies could go on in two ways. It "
+            "went straight on. With lengths that are a little off they turn over or jam there.",
             doubt=False,
         )
 
@@ -58,6 +58,6 @@ def opened(found: Sequence[DeadPoint], variables: Collection[str]) -> Iterator[C
     times = {name: each.time for each in found for name in each.opened_by if name in variables}
     if times:
         yield opened.caution(
-            f"derivatives by {', '.join(times)} do not exist: with any change of it the dead point at t = {min(times.values()):.4g} "
-            "opens, and bodies turn over or jam there. What is told is the derivative along the branch that this run took.",
+            f"derivatives by {', '.join(times)} do not exist: any change of it opens the dead point at t = {min(times.values()):.4g}, and "
+            "bodies turn over or jam there. What is told is the derivative along the branch that this run took.",
         )

@@ -32,8 +32,8 @@ def joints_without_turns(scene: Scene) -> Iterator[Caution]:
         framed = [scene.body(body) for body in joint.bodies if scene.body(body).has_frame]
         if framed and isinstance(joint, TURNING) and not any(scene.body(body).turns for body in joint.bodies):
             yield joints_without_turns.caution(
-                f"joint {name!r} lets {_both(joint)} turn against each other, but neither can turn as a whole: the ground cannot, nor can "
-                'a frame that is "translating" or "grounded". It holds them like a joint without rotation.',
+                f"joint {name!r} lets {_both(joint)} turn against each other, but neither can turn as a whole. The ground cannot, nor can "
+                'a frame that is "translating" or "grounded". The joint holds them like one without rotation.',
                 doubt=False,
             )
 
@@ -49,7 +49,7 @@ def joints_without_effect(scene: Scene) -> Iterator[Caution]:
         if not any(deform):
             yield joints_without_effect.caution(
                 f"joint {name!r} holds nothing: {_both(joint)} cannot move there, because their frames are fixed to the ground. Its force "
-                'is not found. Write frame = "moving" for a body that is a part of the mechanism, or remove the joint.',
+                f"is not found. {joints_without_effect.fix}",
             )
 
 
@@ -65,7 +65,7 @@ def joints_to_the_ground(scene: Scene) -> Iterator[Caution]:
             moving, fixed = sorted(zip(deform, joint.bodies, strict=True), reverse=True)
             yield joints_to_the_ground.caution(
                 f"joint {name!r} ties {moving[1]!r} to the ground: {fixed[1]!r} cannot move there, because its frame is fixed to the "
-                f'ground. Write frame = "moving" for {fixed[1]!r} if it is to move with {moving[1]!r}.',
+                f'ground. Fix: frame = "moving" for {fixed[1]!r} if it is to move with {moving[1]!r}.',
             )
 
 
@@ -80,7 +80,7 @@ def joints_of_grounded_bodies(scene: Scene) -> Iterator[Caution]:
         if flexible and all(deform):
             yield joints_of_grounded_bodies.caution(
                 f"joint {name!r} ties the deformations of {_both(joint)} alone: both frames are fixed to the ground, and neither body "
-                'moves as a whole. A body that is a part of the mechanism has frame = "moving".',
+                f"moves as a whole. {joints_of_grounded_bodies.fix}",
                 doubt=False,
             )
 
@@ -115,9 +115,8 @@ def damping_in_the_frame(scene: Scene) -> Iterator[Caution]:
         own = any(path.startswith(f"bodies.{name}.{MASS_DAMPING}_") for path in given)
         if own and isinstance(body, ModelBody) and body.has_frame and body.damping_differs(scene):
             yield damping_in_the_frame.caution(
-                f"elements of {name} have mass-proportional damping of their own: it acts on what moves in the body's frame alone, so that "
-                "it is less the more the frame moves with the body, and depends on where the frame is tied to it. Give the whole body "
-                "one mass-proportional damping, which acts on all of its velocity, or damp the elements by their stiffness.",
+                f"elements of {name} have mass-proportional damping of their own. It acts on what moves in the body's frame alone, so it "
+                f"depends on where the frame is tied to the body. {damping_in_the_frame.fix}",
             )
 
 
@@ -148,8 +147,8 @@ def loads_within_bodies(scene: Scene) -> Iterator[Caution]:
             body = load.bodies[0]
             if not isinstance(scene.body(body), ModelBody):
                 yield loads_within_bodies.caution(
-                    f"loads.{name} acts between two points of {body!r}, which stay as far apart as they are: it has no effect. Name two "
-                    "bodies.",
+                    f"loads.{name} acts between two points of {body!r}, which stay as far apart as they are: it has no effect. "
+                    f"{loads_within_bodies.fix}",
                 )
 
 
@@ -158,7 +157,7 @@ def held_by_nothing(scene: Scene) -> Iterator[Caution]:
     """No joint and no spring holds a flexible body that its model clamps.
 
     Limit: any.
-    Fix: `frame = "grounded"`, or a joint.
+    Fix: `frame = "grounded"`, which fixes what its model clamps, or a joint.
     """
     holding = [
         each
@@ -169,7 +168,6 @@ def held_by_nothing(scene: Scene) -> Iterator[Caution]:
     for name in scene.bodies:
         if name not in gripped and floats_with_its_clamp(scene, name):
             yield held_by_nothing.caution(
-                f'no joint holds {name!r}, which moves freely with its frame. frame = "grounded" fixes what its reduced model clamps to '
-                "the ground.",
+                f"no joint holds {name!r}, which moves freely with its frame. {held_by_nothing.fix}",
                 doubt=False,
             )

@@ -82,7 +82,7 @@ def _caution(bodies: list[str], model: ReducedModel, changes: list[str]) -> Caut
         command.append(f"--output {model.path}")
     return stale_models.caution(
         f"the reduced model {model.label} of {listed(bodies)} is older than what it was built from: there are changes in "
-        f"{' and in '.join(changes)}. These numbers are those of the old files. Build it again: {' '.join(command)}",
+        f"{' and in '.join(changes)}. These numbers are those of the old files. Fix: build it again, {' '.join(command)}",
     )
 
 

@@ -33,7 +33,7 @@ def creeping_friction(solution: Solution) -> Iterator[Caution]:
     """What the width of a regularised friction is, for how long the motion was slower, and how far it crept meanwhile.
 
     Limit: any friction.
-    Fix: a smaller width where the creep counts.
+    Fix: a smaller width if the creep matters.
     """
     scene = solution.system.scene
     for k, (name, load) in enumerate(named_loads(scene).items()):
@@ -46,10 +46,10 @@ def creeping_friction(solution: Solution) -> Iterator[Caution]:
         label, crept = unit(scene.units, load.rate), _integral(times, np.where(slow, rates, 0))
         crept = crept if crept > STILL * width * (times[-1] - times[0]) else 0.0
         way = f"{crept:.3g} {label.partition('/')[0]}"
-        said = f"; slower than that it does not hold but lets creep: {part:.0%} of the time, by {way}. Narrow the width if that matters"
+        said = f"Slower than that, {part:.0%} of the time, it lets creep: by {way}. {creeping_friction.fix}"
         yield creeping_friction.caution(
-            f"loads.{name} is friction regularised by velocity, with a width of {width:g} {label}"
-            f"{said if np.any(slow) else ', and nothing was slower than that at any time'}.",
+            f"loads.{name} is friction regularised by velocity, with a width of {width:g} {label}. "
+            f"{said if np.any(slow) else 'Nothing was slower than that at any time.'}",
             doubt=False,
         )
 
@@ -64,9 +64,8 @@ def friction_at_rest(solution: Solution) -> Iterator[Caution]:
     for name, load in solution.system.scene.loads.items():
         if isinstance(load, Friction) and load.level:
             yield friction_at_rest.caution(
-                f"loads.{name} is friction regularised by velocity, which holds nothing in an equilibrium: this is the one without it, of "
-                "which true friction would hold the scene somewhere short, and vibrations feel a damper of level / width. Take a "
-                "motion that comes to rest where that matters.",
+                f"loads.{name} is friction regularised by velocity, which holds nothing in an equilibrium. True friction would hold the "
+                f"scene somewhere short of this one. Vibrations feel a damper of level / width. {friction_at_rest.fix}",
                 doubt=False,
             )
 

@@ -15,14 +15,13 @@ def left_out(solution: Solution) -> Iterator[Caution]:
     """Responses of an equilibrium were left out of a motion.
 
     Limit: any.
-    Fix: `ffrf statics`, or `when = "end"`.
+    Fix: `ffrf statics`; or `when = "end"`, for frequencies and damping about the last state.
     """
     asked = solution.system.scene.responses.items()
     names = [name for name, each in asked if isinstance(each, Response) and each.needs_rest]
     if names:
         which = f"{quoted(names)} {'is a response' if len(names) == 1 else 'are responses'}"
         yield left_out.caution(
-            f"{which} of an equilibrium, and left out of this motion: ffrf statics has {'it' if len(names) == 1 else 'them'}. Frequencies "
-            'and damping are also taken about the state that a motion ends in, with when = "end".',
+            f"{which} of an equilibrium, and left out of this motion. {left_out.fix}",
             doubt=False,
         )

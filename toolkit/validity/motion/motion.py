@@ -27,8 +27,8 @@ def unchecked_energy(solution: Solution) -> Iterator[Caution]:
     """
     if not measured(solution)["energy_balance"]:
         yield unchecked_energy.caution(
-            f"the energy balance was not checked: of {solution.steps} steps only {len(solution.times)} states are kept, because all exceed "
-            "solver.memory.",
+            f"the energy balance was not checked: {len(solution.times)} states of {solution.steps} steps are kept, because all exceed "
+            f"solver.memory. {unchecked_energy.fix}",
             doubt=False,
         )
 
@@ -88,9 +88,9 @@ def coarse_steps(solution: Solution) -> Iterator[Caution]:
     error = solution.local_error
     if error is not None and not error <= COARSE:
         yield coarse_steps.caution(
-            f"steps are coarse for this motion: one of them is estimated to be off by {error:.1e} of the model size (limit {COARSE:g}), "
-            "so that peaks and vibrations may be wrong. Try a smaller solver.step, or let the run choose: "
-            f'solver.local_error = {COARSE / 10:g} with solver.scheme = "arnold-bruels".',
+            f"steps are coarse for this motion: the largest estimated error of one is {error:.1e} of the model size (limit {COARSE:g}). "
+            f"Peaks and vibrations may be wrong. Fix: a smaller solver.step, or solver.local_error = {COARSE / 10:g} with "
+            'solver.scheme = "arnold-bruels".',
         )
 
 
@@ -104,7 +104,7 @@ def left_over(solution: Solution) -> Iterator[Caution]:
     allowed = _options(solution).tolerance
     if not solution.correction <= allowed:
         yield left_over.caution(
-            f"Newton was content with a correction of {solution.correction:.1e}: round-off kept it above solver.tolerance = {allowed:.1e}.",
+            f"Newton stopped at a correction of {solution.correction:.1e}: round-off kept it above solver.tolerance = {allowed:.1e}.",
             doubt=not solution.correction <= COARSE,
         )
 

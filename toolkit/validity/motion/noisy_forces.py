@@ -125,7 +125,7 @@ def noisy_forces(
     )
     yield noisy_forces.caution(
         f"joint forces jump from step to step{whose}: {noise['where']} by {noise['size']:.1%} of that joint's largest force at t = "
-        f"{noise['time']:g} (limit {NOISY:.0%}). Try a smaller solver.step, a smaller solver.rho_inf (now {options.rho_inf:g}), or "
+        f"{noise['time']:g} (limit {NOISY:.0%}). Fix: a smaller solver.step, a smaller solver.rho_inf (now {options.rho_inf:g}), or "
         'solver.formulation = "ggl".',
         doubt=asked is None or bool(asked),
     )

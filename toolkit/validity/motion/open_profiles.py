@@ -37,7 +37,7 @@ def opened_profiles(solution: Solution) -> Iterator[Caution]:
         if opening and _passes(solution, name):
             yield opened_profiles.caution(
                 f"{', '.join(opening)} would open the curve of joints.{name}, whose end is its beginning after a turn, and the cam has "
-                "passed it: the follower would jump there, which no derivative knows. Let one variable drive the numbers of both ends.",
+                f"passed it. The follower would jump there, which no derivative knows. {opened_profiles.fix}",
             )
 
 

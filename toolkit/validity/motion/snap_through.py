@@ -285,8 +285,8 @@ def _first_loss(solution: Solution, low: float, high: float) -> tuple[float, flo
 def _caution(solution: Solution, low: float, high: float) -> Caution:
     coordinate = solution.system.most_moved(softest_motion(solution.system, _one_at_rest(solution, low).matrix(0))[1])
     return snap_through.caution(
-        f"the motion snaps through: from t = {_state(solution, high)[0]:.4g} on it passes states in which it could not rest, because the "
-        f"stiffness against a motion of {coordinate} is negative there. What comes after depends on inertia and damping, and on steps that "
-        "resolve the jump: compare with a run of half the step. Equilibria beyond it are those of ffrf statics --past-limit.",
+        f"the motion snaps through: from t = {_state(solution, high)[0]:.4g} on the stiffness against a motion of {coordinate} is "
+        "negative, and the scene could not rest. What follows depends on inertia, damping and steps. Fix: compare with half the step. "
+        "ffrf statics --past-limit finds equilibria beyond it.",
         doubt=False,
     )

@@ -42,9 +42,9 @@ def springs_through_zero(solution: Solution) -> Iterator[Caution]:
         found = next((int(every[at[0]]) for every in closer if len(at := _turns(solution, [spring], every)[0])), None)
         if found is not None:
             yield springs_through_zero.caution(
-                f"loads.{name} passes length zero at t = {solution.times[found]:.6g}: its force, which points along it, jumps to the other "
-                "side there. Values follow that to first order in the step, derivatives miss how the design moves the jump. Hold one end "
-                "aside of the way of the other, take a relaxed length of zero, or a force of your own without a jump.",
+                f"loads.{name} passes length zero at t = {solution.times[found]:.6g}. Its force, which points along it, jumps to the other "
+                "side there. Values follow the jump to first order in the step; derivatives miss how the design moves it. "
+                f"{springs_through_zero.fix}",
             )
 
 

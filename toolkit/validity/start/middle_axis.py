@@ -32,7 +32,7 @@ def middle_spins(solution: Solution) -> Iterator[Caution]:
     """A free rigid body spins about the axis of its middle moment of inertia, and what turns it over is as small as round-off.
 
     Limit: growth by 100, and less than 1e-6 of the spin across the axis at the start.
-    Fix: a disturbance that is meant, in the body's `angular_velocity`.
+    Fix: a disturbance that is meant in the body's `angular_velocity`, such as a thousandth of it.
     """
     scene = solution.system.placed
     held = {body for joint in scene.joints.values() for body, _ in joint.grips}
@@ -41,9 +41,9 @@ def middle_spins(solution: Solution) -> Iterator[Caution]:
             aside, growth = _growth(solution, name, body)
             if aside < MEANT and growth > np.log(GROWTH):
                 yield middle_spins.caution(
-                    f"{name} spins about the axis of its middle moment of inertia, where a disturbance grows {np.exp(growth):.2g} times in "
-                    f"this motion, and {aside:.1g} of the spin lies across this axis at the start: whether and when it turns over is "
-                    "decided by round-off. Write the disturbance that is meant into the body's angular_velocity, a thousandth of it say.",
+                    f"{name} spins about the axis of its middle moment of inertia. A disturbance grows {np.exp(growth):.2g} times in this "
+                    f"motion, and {aside:.1g} of the spin lies across this axis at the start. Round-off decides whether and when it turns "
+                    f"over. {middle_spins.fix}",
                 )
 
 

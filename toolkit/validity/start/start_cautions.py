@@ -45,7 +45,7 @@ def bent_otherwise(solution: Solution) -> Iterator[Caution]:
                 length = unit(scene.units, "length")
                 used, wish = (", ".join(f"{x:.6g}" for x in np.real(each)) for each in (found, written))
                 yield bent_otherwise.caution(
-                    f"solver.assemble bent {name!r} before the start, so that the joints close: its deflection at point {point!r} is "
+                    f"solver.assemble bent {name!r} before the start to close the joints: its deflection at point {point!r} is "
                     f"[{used}] {length} instead of the written [{wish}] {length}.",
                     doubt=False,
                 )
@@ -129,8 +129,8 @@ def kept_start(solution: Solution) -> Iterator[Caution]:
     if changed:
         others = f", and {len(changed) - MOST_NAMED} more" if len(changed) > MOST_NAMED else ""
         yield kept_start.caution(
-            f"the start is where {end.path.name!r} has ended, a run with other numbers: {'; '.join(changed[:MOST_NAMED])}{others}. "
-            "Nothing has carried its state over to these.",
+            f"the start is the end of {end.path.name!r}, a run with other numbers: {'; '.join(changed[:MOST_NAMED])}{others}. "
+            f"Nothing has carried its state over to these. {kept_start.fix}",
             doubt=False,
         )
 
@@ -145,8 +145,8 @@ def moved_start(solution: Solution, moved: float) -> Iterator[Caution]:
     allowed = (solution.options or solution.system.scene.solver).drift_tolerance
     if moved > allowed:
         yield moved_start.caution(
-            f"the start that was given is off the joints at t = 0 and was moved by {moved:.1e} of the model size (or "
-            f"rad), more than solver.drift_tolerance ({allowed:.1e}): this run does not go on exactly where the other one ended.",
+            f"the given start is off the joints at t = 0. It was moved by {moved:.1e} of the model size (or rad), more than "
+            f"solver.drift_tolerance ({allowed:.1e}), so this run does not go on exactly where the other one ended.",
             doubt=False,
         )
 
@@ -165,7 +165,7 @@ def moved_by_assembly(solution: Solution) -> Iterator[Caution]:
         told = "; ".join(f"{name!r} by {moves[name][0]:.3g} {label} and {moves[name][1]:.3g} rad" for name in furthest)
         others = f"; and {len(moves) - len(furthest)} more" if len(moves) > len(furthest) else ""
         yield moved_by_assembly.caution(
-            f"solver.assemble moved bodies before the start, so that the joints close: {told}{others}. The run is that of the moved scene.",
+            f"solver.assemble moved bodies before the start to close the joints: {told}{others}. The run is that of the moved scene.",
             doubt=False,
         )
 
@@ -192,14 +192,14 @@ def spinning_at_rest(solution: Solution) -> Iterator[Caution]:
     """An equilibrium at rest of a scene that spins: centrifugal forces are not in it.
 
     Limit: any spin by a driver or a velocity.
-    Fix: `solver.equilibrium = "spinning"`, or a motion.
+    Fix: `solver.equilibrium = "spinning"` where a driver spins the scene as a whole, or a motion.
     """
     found = fastest_spin(solution)
     if found is not None:
         body, spin, when = found
         yield spinning_at_rest.caution(
             f"this equilibrium is one at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}. Centrifugal forces are not in "
-            'it; solver.equilibrium = "spinning" finds the steady state of a scene that a driver spins as a whole, otherwise simulate it.',
+            f"it. {spinning_at_rest.fix}",
             doubt=False,
         )
 
@@ -234,8 +234,7 @@ def deforming_starts(solution: Solution) -> Iterator[Caution]:
     for each in start_state(solution):
         if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.placed.size:
             yield deforming_starts.caution(
-                f"{each.body!r} starts with a velocity of deformation of {each.deforming:.3g} {label}/s, because the joints and the "
-                "written velocities leave no motion in which it keeps its shape: it begins to vibrate. Write velocities that fit, or let "
-                "drivers begin smoothly.",
+                f"{each.body!r} starts deforming with {each.deforming:.3g} {label}/s: the joints and the written velocities leave no "
+                f"motion in which it keeps its shape. It begins to vibrate. {deforming_starts.fix}",
                 doubt=False,
             )

@@ -68,6 +68,6 @@ def halved_steps(solution: Solution) -> Iterator[Caution]:
         f"{count} {'step was' if count == 1 else 'steps were'} halved, because Newton did not converge in a whole one: at "
         f"t = {when}{more}. "
         f"{solution.steps} steps were taken, from {lengths.min():.2g} to {lengths.max():.2g}; gradients are those of these steps. "
-        f"{why or 'A smaller solver.step spares the search.'}",
+        f"{why or 'Fix: a smaller solver.step.'}",
         doubt=False,
     )

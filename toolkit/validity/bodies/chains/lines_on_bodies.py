@@ -80,9 +80,9 @@ def _words(line: Line, known: Known, told: str) -> str:
     where = f", where the body itself is {far.gap:.2g} beside it," if far.gap > 1e-9 * far.travel else ""
     return (
         f"joints.{line.name} leads its point along the tangent of {line.body} at the joint's point, {far.travel:.3g} away from there"
-        f"{where} and loads the body at the joint's point alone: along the deformed body {told}. "
-        "Its derivatives are off as much. Fix: put the joint's point where on the body its partner stands, or make the rail a body that is "
-        "stiff; no joint follows a body that bends."
+        f"{where} and loads the body at the joint's point alone. Along the deformed body {told}. "
+        "Its derivatives are off as much. Fix: put the joint's point where on the body its partner stands, or make the rail a stiff body; "
+        "no joint follows a body that bends."
     )
 
 

@@ -31,8 +31,8 @@ def outgrown_choices(solution: Solution) -> Iterator[Caution]:
         if error > choice.wanted:
             needed = int(np.ceil(number * np.sqrt(error / choice.wanted)))
             yield outgrown_choices.caution(
-                f"the number of frames of {body} was chosen at the numbers of the scene as it is written, and at these it leaves about "
-                f"{error:.1%} of the largest displacement, where a geometric error of {choice.wanted:.3g} is wanted. Write these numbers "
-                f"into the scene, so that the number is chosen for them, or frames = {needed}.",
+                f"the number of frames of {body} was chosen at the numbers of the scene as it is written. At these it leaves about "
+                f"{error:.1%} of the largest displacement, where a geometric error of {choice.wanted:.3g} is wanted. Fix: write these "
+                f"numbers into the scene, so that the number is chosen for them, or frames = {needed}.",
                 doubt=error > CERTAIN * choice.wanted,
             )

@@ -57,7 +57,7 @@ def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
     if any(np.isinf(each).any() for each in known):
         yield fibres_alone.caution(
             f"the stress of {body} is that along the middle of its sections, which bending does not reach: some of them name no other "
-            "fibres. Write where they are: fibres = [[y_2, y_3], ...] in their tables of the frame file.",
+            "fibres. Fix: write where they are, fibres = [[y_2, y_3], ...], in their tables of the frame file.",
         )
         return
     told, whole = (max((each[k] for each in known), default=0.0) for k in range(2))
@@ -66,8 +66,8 @@ def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
         label, told = unit(scene.units, "stress"), told if told > ROUND_OFF * whole else 0.0
         yield fibres_alone.caution(
             f"the stress of {body} is that along its fibres, {told:.4g} {label} at most. With the shear of its twist, and with what bends "
-            f"it between the fibres, von Mises' is {whole:.4g} {label}: the fibres lack {part:.0%} of that. Keep that much below what its "
-            "material bears, or make a body of solid elements of it.",
+            f"it between the fibres, von Mises' is {whole:.4g} {label}: the fibres lack {part:.0%} of that. Fix: keep that much below "
+            "what its material bears, or make a body of solid elements of it.",
         )
     elif len(known) < len(found):
         yield fibres_alone.caution(

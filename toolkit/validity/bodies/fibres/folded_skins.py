@@ -40,7 +40,7 @@ def folded_skins(solution: Solution) -> Iterator[Caution]:
         if thickness > 2 * radius:
             yield folded_skins.caution(
                 f"half the thickness of {name} ({thickness / 2:.3g} {unit(scene.units, 'length')}) exceeds the smallest radius of the line "
-                f"that it follows ({radius:.3g}): inner fibres fold there, and stresses mean nothing. Make it thinner than "
+                f"that it follows ({radius:.3g}). Inner fibres fold there, and stresses mean nothing. Fix: make it thinner than "
                 f"{2 * radius:.3g}, or of solid elements.",
                 doubt=name in bodies_of_stress(scene),
             )

@@ -40,7 +40,7 @@ def sheared(solution: Solution) -> Iterator[Caution]:
         if part > LIMIT:
             yield sheared.caution(
                 f"{body} is short for a beam as it is bent here: shear, which Euler-Bernoulli beams leave out, would add some {part:.0%} "
-                "to deflections by the same loads. Build its frame with shear = true, or make a body of solid elements of it.",
+                f"to deflections by the same loads. {sheared.fix}",
             )
 
 

@@ -65,7 +65,7 @@ def sheared_vibrations(solution: Solution, asked: Mapping[str, float], different
     more = f" and {len(high) - len(first)} more" if len(high) > len(first) else ""
     yield sheared_vibrations.caution(
         f"Euler-Bernoulli beams leave shear out, so that frequencies of short waves are too high: {', '.join(told)}{more}. "
-        "Build its frame with shear = true, or make a body of solid elements of it.",
+        "Fix: a frame with shear = true, or a body of solid elements.",
     )
 
 

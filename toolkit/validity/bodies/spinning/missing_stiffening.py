@@ -64,9 +64,8 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
     text = (
         f"centrifugal stiffening inside of {worst!r} is not in these numbers, which lowers the lowest frequency across the plane of the "
-        f"spin {lowers}, and those in this plane by more. Write spin_stiffening = true in its table, with a reduced model that was built "
-        "for it. Or make more bodies in a row of it, which stiffen at the joints between them; with twice as many a quarter of this is "
-        "left."
+        f"spin {lowers}, and those in this plane by more. Fix: spin_stiffening = true in its table, with a reduced model that was built "
+        "for it; or more bodies in a row, which stiffen at the joints between them: with twice as many a quarter of this is left."
     )
     if flexible_body(solution.system.placed, worst).spin_stiffening:
         text = told(worst, part)
@@ -85,7 +84,7 @@ def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
             yield missing_stiffening.caution(
                 f"centrifugal stiffening inside of the parts of {name!r} is not in these numbers, which lowers "
                 f"{lowest if spatial else 'the lowest frequency'} by about {within:.1%}. Linear FFRF stiffens a body at the cuts "
-                f"between its parts: frames = {enough} leaves about {2 * TOLD:.0%}, and cuts that are closer where it bends most "
+                f"between its parts. Fix: frames = {enough} leaves about {2 * TOLD:.0%}, and cuts that are closer where it bends most "
                 "leave less.",
                 doubt=worst > DOUBTFUL,
             )

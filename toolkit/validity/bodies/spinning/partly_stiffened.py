@@ -54,8 +54,8 @@ def told(body: str, part: float) -> str:
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
     return (
         f"the spin stiffens {body!r} by its own centrifugal forces about the origin of its frame, but not by the forces with which joints "
-        f"carry it round, or that they carry on through it: that lowers the lowest frequency across the plane of the spin {lowers}. Clamp "
-        "its frame on the axis, or make more bodies in a row of it."
+        f"carry it round, or that they carry on through it. That lowers the lowest frequency across the plane of the spin {lowers}. Fix: "
+        "clamp its frame on the axis, or make more bodies in a row of it."
     )
 
 

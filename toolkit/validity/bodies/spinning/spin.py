@@ -24,7 +24,7 @@ def cautions_of_spin(solution: Solution, frequencies: np.ndarray) -> Iterator[Ca
     """Frequencies are those about the equilibrium at rest, but the scene spins.
 
     Limit: any spin; a doubt from 1 % of the lowest circular frequency on.
-    Fix: `ffrf modes --spinning`.
+    Fix: `ffrf modes --spinning`, if a driver spins the scene as a whole; otherwise read the frequencies off a motion.
     """
     found = fastest_spin(solution)
     if found is None:
@@ -37,8 +37,7 @@ def cautions_of_spin(solution: Solution, frequencies: np.ndarray) -> Iterator[Ca
     beside = f", {spin / lowest:.2g} of the lowest circular frequency" if np.isfinite(lowest) else ""
     yield cautions_of_spin.caution(
         f"these frequencies are those about the equilibrium at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}{beside}. "
-        "Gyroscopic and centrifugal forces are not in them. ffrf modes --spinning has them, if a driver spins the scene as a whole; "
-        "otherwise simulate it, and read the frequencies off its motion.",
+        f"Gyroscopic and centrifugal forces are not in them. {cautions_of_spin.fix}",
         doubt=not spin <= SLOW * lowest,
     )
 

@@ -45,8 +45,8 @@ def turns_in_a_step(solution: Solution) -> Iterator[Caution]:
         name = max(far, key=lambda each: far[each])
         steps = np.diff(solution.whole_run).max() * TURN / (WANTED * far[name])
         yield turns_in_a_step.caution(
-            f"{name!r} turns by up to {far[name] / TURN:.2g} turns in a step (limit {MOST / TURN:g}): points and forces on it are seen "
-            f"at a few of its angles, and other steps may see the same ones. Try solver.step = {steps:.1g}, {WANTED} steps in a turn.",
+            f"{name!r} turns by up to {far[name] / TURN:.2g} turns in a step (limit {MOST / TURN:g}). Points and forces on it are seen "
+            f"at a few of its angles, and other steps may see the same ones. Fix: solver.step = {steps:.1g}, {WANTED} steps in a turn.",
         )
 
 
