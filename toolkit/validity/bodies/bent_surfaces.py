@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import (
     LIMIT,
     ROUND_OFF,
-    Measured,
+    Deformation,
     deformations,
     instants_of,
     whole_bodies,
@@ -56,6 +57,10 @@ class Bending:
     def relative(self) -> float:
         """The error in parts of the displacement, where this is more than round-off."""
         return self.error / self.displacement if self.displacement > ROUND_OFF * self.size else 0.0
+
+
+Measured: TypeAlias = Deformation | Bending
+"""Deformation of a body in its frame, and its estimated geometric error."""
 
 
 @check("large-deformation", STATES)

@@ -90,13 +90,13 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
     if shown and found.true > (1 + LIMIT) * found.found:
         times = found.true / found.found
         yield parametric_resonance.caution(
-            f"{what}. These equations, which lack the geometric stiffness inside of frames, do not show it; with it this vibration is up "
+            f"{what}. These equations, which lack the geometric stiffness inside of frames, do not show it. With it this vibration is up "
             f"to {times:.3g} times as large. Fix: {divided(solution.system.placed, found.body, 4.0)}.",
         )
     elif not shown and found.growth > SETS_OFF:
         yield parametric_resonance.caution(
-            f"{what}, and hardly anything sets it off here, because all is straight. What is real is not: disturb it, with a small force "
-            "across it at the start, to see how large it becomes.",
+            f"{what}, and hardly anything sets it off here, because all is straight. What is real is not. Fix: disturb it, with a small "
+            "force across it at the start, to see how large it becomes.",
         )
 
 
