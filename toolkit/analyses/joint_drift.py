@@ -52,7 +52,7 @@ def check_drift(run: Integration, q: np.ndarray, first: int) -> float:
     if not found[0] <= options.drift_tolerance and found[2] in system.plan.dropped:
         raise ConvergenceError(
             f"{system.numbering.names[int(found[2])]} was left out because other joints imply it at the start; it is off by {found[0]:.1e} "
-            f"of the scene's size at t = {times[int(found[1])]:g}: they do so in the start position alone (a folded or stretched one), or "
+            f"of the model size at t = {times[int(found[1])]:g}: they do so in the start position alone (a folded or stretched one), or "
             "points and axes do not fit exactly. Start elsewhere, fix them, or remove the joint that is too much."
         )
     if not found[0] <= options.drift_tolerance:
@@ -63,7 +63,7 @@ def check_drift(run: Integration, q: np.ndarray, first: int) -> float:
             else UNSTABILISED
         )
         came_apart = ConvergenceError(
-            f"the joints came apart: {system.numbering.names[int(found[2])]} is off by {found[0]:.1e} of the scene's size at "
+            f"the joints came apart: {system.numbering.names[int(found[2])]} is off by {found[0]:.1e} of the model size at "
             f"t = {times[int(found[1])]:g}, more than solver.drift_tolerance = {options.drift_tolerance:g}: {cause}."
         )
         raise at_limit_position(run, q[0], float(times[0]), float(times[int(found[1])] - times[0]) / 10, came_apart)

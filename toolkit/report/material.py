@@ -28,7 +28,7 @@ from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
 
 
 class Monitors(NamedTuple):
-    """Energies in the scene's unit, and at every time the drift (n_t,), relative to the scene's size (or in rad)."""
+    """Energies in the scene's unit, and at every time the drift (n_t,), relative to the model size (or in rad)."""
 
     energy: EnergyBalance
     drift: np.ndarray

@@ -264,7 +264,7 @@ class Run:
             *self._undefined(),
             *self._of_vibrations(),
         )
-        about_states = unless_it_converges(cautions(self.solution, measured), self.solution, self.step_error, self.measures)
+        about_states = unless_it_converges(cautions(self.solution), self.solution, self.step_error, self.measures)
         about_states = unless_unfelt(about_states, self.solution, self._answers)
         return Verdict.of(without_false_zeros([*about_states, *about_responses]), measured)
 

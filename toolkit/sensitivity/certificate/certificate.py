@@ -77,7 +77,7 @@ class Certificate:
     zeros : dict
         Response -> variable -> largest difference between the methods of a derivative that is negligible or that round-off does not tell
         from zero, and so has no digits of its own: in parts of the derivative by which a change of the variable by its size would change
-        the response by all that it is or does (a place or an angle by the size of the scene or 1 rad).
+        the response by all that it is or does (a place or an angle by the model size or 1 rad).
     """
 
     exact: Run

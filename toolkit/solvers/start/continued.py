@@ -61,7 +61,7 @@ def closed_start(system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, d
     slow = options.drift_tolerance / options.end_time  # of a scene that rests, whose velocities are round-off
     if moved > MOVED * options.drift_tolerance or changed > CHANGED * max(largest, slow):
         raise InputError(
-            f"the start is off the joints of this scene at t = 0: by {moved:.1e} of the scene's size in position, by {changed:.1e} of "
+            f"the start is off the joints of this scene at t = 0: by {moved:.1e} of the model size in position, by {changed:.1e} of "
             f"it per unit of time in velocity, of at most {largest:.1e}. {AGAIN}"
         )
     return Motion(position, velocity, dposition, dvelocity)

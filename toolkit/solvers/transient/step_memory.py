@@ -71,7 +71,7 @@ class LoopReport(NamedTuple):
     """Report of the loop on its steps."""
 
     counts: np.ndarray  # (5,) by `STATUS` and its neighbours
-    correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the scene's size
+    correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the model size
 
 
 def taken_memory(system: System, apart: bool) -> Memory:

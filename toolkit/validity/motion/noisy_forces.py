@@ -8,11 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.verdict import Caution
-from toolkit.responses.balance.power import Power
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
-from toolkit.responses.over_time.over_time import OverTime
+from toolkit.foundation.verdict import Caution, check
 from toolkit.system.solution import Solution
 
 NOISY = 0.03
@@ -104,10 +100,16 @@ def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     return np.maximum(least, -largest).clip(min=0) / 2
 
 
+@check("noisy-forces")
 def noisy_forces(
     options: RunOptions, noise: Mapping[str, Any], asked: Sequence[str] | None = None, quiet: Sequence[str] = ()
 ) -> Iterator[Caution]:
-    """A caution about joint forces that alternate; the noise as `force_noise` gives it.
+    """Forces of joints jump from step to step.
+
+    Limit: 3 % of the joint's largest force.
+    Fix: a smaller `solver.step` or `solver.rho_inf`, or `solver.formulation = "ggl"`.
+
+    A caution about joint forces that alternate; the noise as `force_noise` gives it.
 
     A doubt, unless nothing that was asked for is one of them: `asked` names the responses that are, and `quiet` those that are
     such forces too, but at another time, or means. Without `asked` all states are asked for.
@@ -123,10 +125,9 @@ def noisy_forces(
         if quiet
         else "; no response that was asked for is one of them"
     )
-    yield Caution(
-        "noisy-forces",
+    yield noisy_forces.caution(
         f"joint forces jump from step to step{whose}: {noise['where']} by {noise['size']:.1%} of that joint's largest force at t = "
-        f"{noise['time']:g} (limit {NOISY:.0%}). Try a smaller solver.step, a smaller solver.rho_inf (now {options.rho_inf:g}), or "
+        f"{noise['time']:g} (limit {NOISY:.0%}). Fix: a smaller solver.step, a smaller solver.rho_inf (now {options.rho_inf:g}), or "
         'solver.formulation = "ggl".',
         doubt=asked is None or bool(asked),
     )
