@@ -37,7 +37,7 @@ from toolkit.validity.motion.energy_balance import energy_balance
 
 MODELS = Path(__file__).parents[2] / "models"
 NEWTON = 1e-9
-"""Newton stops at corrections of 1e-10 of the scene's size and converges quadratically, so states are at least this exact."""
+"""Newton stops at corrections of 1e-10 of the model size and converges quadratically, so states are at least this exact."""
 
 
 def at(**places: tuple[float, float]) -> dict[str, Point]:
@@ -434,7 +434,7 @@ def test_the_energy_balance_tells_that_the_papers_scheme_creates_energy_in_the_s
 
 
 def test_the_papers_scheme_is_refused_at_a_coarser_step(hard_neighbour):
-    """Its joints open by 2.5e-3 of the scene's size."""
+    """Its joints open by 2.5e-3 of the model size."""
     with pytest.raises(ConvergenceError, match="joints came apart"):
         transient(hard_neighbour, scheme="paper", step=2e-3)
 

@@ -145,7 +145,7 @@ SCENES = {
 
 @pytest.mark.parametrize("name", [*SCENES, "excluded numbers"])
 def test_everything_put_back_changes_no_response(name):
-    """Newton stops at corrections of 1e-10 of the scene's size, so that two ways to the same motion agree to some of these."""
+    """Newton stops at corrections of 1e-10 of the model size, so that two ways to the same motion agree to some of these."""
     scene = {**SCENES, "excluded numbers": excluded_numbers}[name]()
     lean, whole = (evaluate_responses(simulate(system)) for system in (prepare(scene), prepare_everything(scene)))
     for response, value in lean.items():

@@ -263,7 +263,7 @@ def test_a_row_that_measures_nothing_known_is_refused_by_name(directory):
 
 
 def test_a_row_is_an_angle_because_its_joint_says_so_whatever_its_name(directory):
-    """Angles count in rad, lengths in parts of the scene's size."""
+    """Angles count in rad, lengths in parts of the model size."""
     found = {}
     for quantity in ("length", "angle"):
         kind = with_row("Named", "rotation of nothing", quantity)

@@ -108,7 +108,7 @@ def test_scenes_with_every_kind_of_component_do_not_depend_on_the_units(name, tm
     write_models(tmp_path)
     scene = SCENES[name](tmp_path)
     values, slopes = differences(scene, scene.available_paths(), tmp_path)
-    # both runs round differently; Newton leaves 1e-10 of the scene's size, and squares that error in the step it stops at
+    # both runs round differently; Newton leaves 1e-10 of the model size, and squares that error in the step it stops at
     assert values < 1e-9
     # each derivative beside the largest of its response; a skin is 1e9 times stiffer in tension than in bending
     assert slopes < 1e-8
@@ -117,7 +117,7 @@ def test_scenes_with_every_kind_of_component_do_not_depend_on_the_units(name, tm
 @pytest.mark.parametrize("scene", [read_scene(WING), hanging_skin()], ids=["wing", "hanging skin"])
 def test_scenes_with_a_meshed_skin_do_not_depend_on_the_units(scene, tmp_path):
     values, slopes = differences(scene, list(scene.design) or HANGING_DESIGN, tmp_path)
-    # both runs round differently; Newton leaves 1e-10 of the scene's size, and squares that error in the step it stops at
+    # both runs round differently; Newton leaves 1e-10 of the model size, and squares that error in the step it stops at
     assert values < 1e-9
     # each derivative beside the largest of its response; a skin is 1e9 times stiffer in tension than in bending
     assert slopes < 1e-8

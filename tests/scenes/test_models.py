@@ -28,7 +28,7 @@ from toolkit.reduced_model.file import load
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.preparation import prepare
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.studies.designs.evaluator import Evaluator
 from toolkit.studies.engine.store import DesignStore
 from toolkit.studies.optimization.program import Program
@@ -47,7 +47,7 @@ def published(name: str) -> dict:
     return json.loads((ROOT / "tests" / "data" / "benchmarks" / f"{name}.json").read_text())
 
 
-def run(name: str, changes: dict[str, str] | None = None) -> Result:
+def run(name: str, changes: dict[str, str] | None = None) -> Run:
     """Responses of a model with gradients by all variables that it declares."""
     scene = read_scene(MODELS / name / "scene.toml", changes)
     return direct(scene, list(scene.design), "transient")

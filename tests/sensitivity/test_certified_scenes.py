@@ -35,7 +35,7 @@ from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.preparation import Kind
 
 AGREEMENT = 1e-9
-"""All methods are exact for the discrete equations. What differs is round-off of the state, 1e-16 of the scene's size, times the
+"""All methods are exact for the discrete equations. What differs is round-off of the state, 1e-16 of the model size, times the
 condition of the equations: up to 1e6, the ratio of a thin rod's stretching to its bending stiffness."""
 METHODS = ("direct", "adjoint", "complex-step")
 

@@ -22,7 +22,7 @@ from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.kept_run.layout import ResultsFileError
-from toolkit.results.restore import restore_scene
+from toolkit.results.collect import restore_scene
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

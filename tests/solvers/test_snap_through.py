@@ -220,7 +220,7 @@ def test_the_wings_path_before_its_limit_point_is_that_of_load_stepping():
     for place in (2, 5, 7):
         torque = 4200.0 * path.load_factors[place]
         stepped = solve_statics(compile_scene(wing().with_number("loads.drive.torque", torque)))
-        # Newton's tolerance of 1e-10 of the scene's size of some 200 mm, met quadratically
+        # Newton's tolerance of 1e-10 of the model size of some 200 mm, met quadratically
         np.testing.assert_allclose(path.q[place], stepped.q[0], rtol=0, atol=1e-8)
 
 

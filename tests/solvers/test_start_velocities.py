@@ -275,7 +275,7 @@ def test_a_body_that_can_only_start_by_deforming_is_told(folder):
     assert run.v[0, 2] == pytest.approx(0.3, abs=EXACT)
     (caution,) = cautions_of_start(run)
     assert (caution.code, caution.doubt) == ("starts-deforming", False)
-    assert "'beam' starts with a velocity of deformation" in caution.text
+    assert "'beam' starts deforming with" in caution.text
 
 
 def test_statics_and_modes_about_the_given_positions_do_not_ask_for_velocities(folder):

@@ -169,7 +169,7 @@ def test_kept_factors_lead_to_the_same_motion_in_fewer_factorizations():
     full, modified = (
         solve(prepare(read_scene(WING, {**WING_CHANGES, "solver.newton": kind})), "transient") for kind in ("full", "modified")
     )
-    # Newton's tolerance is 1e-10 of the scene's size, which is 80 mm
+    # Newton's tolerance is 1e-10 of the model size, which is 80 mm
     np.testing.assert_allclose(modified.q, full.q, atol=1e-7)
     assert modified.newton_iterations > full.newton_iterations  # linear instead of quadratic convergence: it did keep them
 

@@ -20,7 +20,7 @@ from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import values_alone
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.validity.motion.created_energy import energy_defects
 
 SLOPE, WIDTH, LEVEL = np.deg2rad(20.0), 1e-3, 5.53091
@@ -76,7 +76,7 @@ def damped_away() -> Scene:
     )
 
 
-def run(scene: Scene) -> Result:
+def run(scene: Scene) -> Run:
     return values_alone(Compiled(scene, ()), "transient")
 
 

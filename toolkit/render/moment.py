@@ -23,7 +23,7 @@ T = TypeVar("T")
 AT_ONE_PLACE = (AtPoint, SpatialTorque)
 """Components whose points on both bodies are at one place, or that nothing stretches between."""
 POINT = 1e-6
-"""Parts of the scene's size below which a body is a point, and two points are one."""
+"""Parts of the model size below which a body is a point, and two points are one."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from toolkit.markers.component import Component
 from toolkit.render.space.configuration import SpatialConfiguration
 
 _CLOSED = 1e-12
-"""Square of a pressure's resultant that is round-off, relative to that of its moments over the size of the scene."""
+"""Square of a pressure's resultant that is round-off, relative to that of its moments over the model size."""
 
 
 class Arrow(NamedTuple):

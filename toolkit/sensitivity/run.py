@@ -1,23 +1,22 @@
-"""Result of an analysis: values and gradients of the responses, with the verdict whether to trust them."""
+"""Run of a scene: values and gradients of its responses, the states behind them, whether to trust them, and ways to look at them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from toolkit.foundation.verdict import Caution, Verdict
-from toolkit.responses.balance.power import Power
+from toolkit.kept_run.layout import STATES, ResultsFileError
 from toolkit.responses.folded_rotations import folded_equilibria, folded_rotations
-from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
-from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.loose_maxima import loose_maxima
 from toolkit.responses.over_time.missed_peaks import missed_peaks
-from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.over_time.tied_extremes import tied_extremes
 from toolkit.responses.over_time.tied_stresses import tied_stresses
 from toolkit.responses.vibrations.flutter import unstable_vibrations
@@ -41,7 +40,7 @@ from toolkit.sensitivity.frames.gradient_errors import (
     framed_doubts,
     unless_frames_deny,
 )
-from toolkit.sensitivity.preparation import moving, responses_of
+from toolkit.sensitivity.preparation import moving, prepare, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.merging_vibrations import merging_vibrations
@@ -57,18 +56,24 @@ from toolkit.validity.curves.moved_curves import unseen_moves
 from toolkit.validity.dead_points.cautions import dead_points_passed
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
-from toolkit.validity.motion.noisy_forces import NOISY, JointNoise, noise_at, noise_of_joints, noise_of_values, noisy_forces
+from toolkit.validity.motion.noisy_forces import force_cautions
 
-AROUND = 6
-"""Number of states on both sides of the one that is asked for in which a force may alternate."""
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from toolkit.results.results import Results
+
 UNIMPORTANT = 0.02
 """A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
 compared with such a change instead of with itself."""
 
 
 @dataclass(frozen=True)
-class Result:
-    """Values, units and gradients of the responses.
+class Run:
+    """Motion or equilibrium of a scene: values of its responses, their gradients, and the states behind them.
+
+    Nobody makes one by hand: `Model.simulate` and `Model.statics` return it, and `load` reads one back. `print(run)` shows a short table
+    with the verdict, and a notebook shows the same.
 
     Attributes
     ----------
@@ -81,7 +86,7 @@ class Result:
     method
         How gradients were found: "direct", "adjoint", a numerical method, or "none".
     solution
-        The run that the numbers come from.
+        States at all times, and their derivatives if they were computed.
     wall_primal, wall_sensitivity
         Time of a run without gradients, and what these cost more, in s; None where nobody measured it, because that takes a run without
         gradients beside the one with them.
@@ -93,6 +98,11 @@ class Result:
         The same analysis with other floating frames, which `verdict` needs where there are gradients.
     enriched
         The same analysis with more shapes in frozen bodies, which `verdict` needs away from their design and for gradients.
+    verdict
+        Whether the numbers can be trusted, with all reasons against it. It is found out when it is first asked for; that takes up to a few
+        more runs with steps of other lengths.
+    warnings
+        The same as a tuple, doubts first.
     """
 
     values: dict[str, Any]
@@ -187,6 +197,7 @@ class Result:
         That costs half a run, one with more floating frames where there are gradients of bodies that deform far, and one with
         more shapes where bases are frozen.
         """
+        self.solution.system.refuse_changed_files()
         found, errors = self._verdict, self.weighed_frames
         if self.gradients and self.solution.system.n_x and (errors is None or most_pulled(self.solution) not in errors.frames):
             found = Verdict.of([*found.warnings, *steep_joints(self.solution)], found.measures)
@@ -253,7 +264,7 @@ class Result:
             *self._undefined(),
             *self._of_vibrations(),
         )
-        about_states = unless_it_converges(cautions(self.solution, measured), self.solution, self.step_error, self.measures)
+        about_states = unless_it_converges(cautions(self.solution), self.solution, self.step_error, self.measures)
         about_states = unless_unfelt(about_states, self.solution, self._answers)
         return Verdict.of(without_false_zeros([*about_states, *about_responses]), measured)
 
@@ -285,68 +296,201 @@ class Result:
             if not np.isfinite(number):
                 yield Caution("undefined", f"{what} does not exist at this design; it is nan, in JSON null.", doubt=False)
 
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            "a run cannot be pickled: keep it with run.save(path), or hand out run.values, run.gradients, run.verdict"
+        )
 
-def result(
-    scene: Scene,
+    @property
+    def scene(self) -> Scene:
+        """Scene that was run, at the numbers of the run."""
+        return self.solution.system.scene
+
+    def table(self) -> str:
+        """Values, gradients and the verdict as lines of text.
+
+        Returns
+        -------
+        text
+            One line for every response, one for every gradient, and the verdict with its reasons.
+        """
+        return "\n\n".join([*(table.text() for table in self._tables()), str(self.verdict)])
+
+    def stress(self, body: str) -> tuple[np.ndarray, np.ndarray]:
+        """Stress of a flexible body at all its stress points and all times, with its derivatives.
+
+        Parameters
+        ----------
+        body
+            Name of the body.
+
+        Returns
+        -------
+        stress
+            (n_times, n_points), in the scene's unit of stress; of solids in space that of von Mises.
+        dstress
+            (n_times, n_points, n_variables), total derivatives by the model's variables; none if the run did not compute them.
+
+        Raises
+        ------
+        InputError
+            There is no flexible body of that name; or the file of its reduced model has changed since the scene was compiled.
+        ModelFileError
+            Its reduced model holds no stress.
+        """
+        from toolkit.responses.stress.stress import stress_field
+
+        self.scene.body(body)
+        self.solution.system.refuse_changed_files()
+        return stress_field(self.solution, body)
+
+    def plot(self) -> Figure:
+        """Curves of a motion over time, or an equilibrium as a picture.
+
+        Returns
+        -------
+        figure
+            A figure of matplotlib, which a notebook shows; `figure.savefig("run.svg")` keeps it.
+
+        Raises
+        ------
+        RenderError
+            matplotlib is not installed; or the run is an equilibrium in space, which `render` draws.
+        """
+        from toolkit.render.figures import figure_of
+
+        self.solution.system.refuse_changed_files()
+        return figure_of(self.solution)
+
+    def render(
+        self, directory: str | Path = "output", instants: Sequence[float] | None = None, width: int = 1600, format: str = "png"
+    ) -> list[Path]:
+        """Draw the scene at several instants into the files of a folder.
+
+        Parameters
+        ----------
+        directory
+            Folder of the pictures, which is made if it does not exist.
+        instants
+            Times; each is drawn at the nearest step. By default up to four at which something happens.
+        width
+            Of every picture, in pixels.
+        format
+            "png"; of scenes in the plane also "svg" or "pdf".
+
+        Returns
+        -------
+        files
+            Paths of the pictures.
+
+        Raises
+        ------
+        RenderError
+            A package or a system library is missing; names what to install.
+        InputError
+            An instant lies outside of the run, or there are no such files.
+        """
+        from toolkit.render.pictures import render_solution
+        from toolkit.render.view import View
+
+        self.solution.system.refuse_changed_files()
+        return render_solution(self.solution, directory, instants, width, View(format=format))
+
+    def save(self, path: str | Path) -> Path:
+        """Keep states, stress, values, gradients, verdict and scene in a file, which `load`, `ffrf render` and `ffrf export` read.
+
+        Parameters
+        ----------
+        path
+            Name of the file, by custom ending in .h5. An older results file of that name is replaced as a whole.
+
+        Returns
+        -------
+        path
+            Of the file.
+
+        Raises
+        ------
+        InputError
+            There is a file of that name that is no results file, or the folder cannot be written to.
+        """
+        from toolkit.results.results_file import save_results
+
+        self.solution.system.refuse_changed_files()
+        save_results(self, Path(path))
+        return Path(path)
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def __repr__(self) -> str:
+        kind = "motion" if moving(self.solution) else "equilibrium"
+        values = ", ".join(f"{name} = {value:.6g} {self.units[name]}".rstrip() for name, value in self.values.items())
+        return f"<Run: {kind}, {values or 'no responses'}; method {self.method}>"
+
+    def _repr_html_(self) -> str:
+        """HTML that a notebook shows."""
+        return "".join(table.html() for table in self._tables()) + f"<pre>{escape(str(self.verdict))}</pre>"
+
+    def _tables(self) -> list[Any]:
+        from toolkit.results.short_tables import table_of_gradients, table_of_values
+
+        return [table for table in (table_of_values(self), table_of_gradients(self)) if table is not None]
+
+
+def run_of(
     solution: Solution,
-    values: dict[str, Any],
+    values: Mapping[str, Any],
     gradients: dict[str, dict[str, float]],
     method: str,
     primal: float | None,
     extra: float | None,
     repeat: Repeat | None = None,
-) -> Result:
-    """A result with the units of its responses; arguments as the fields of `Result`."""
-    units = {name: response.unit(scene.units) for name, response in responses_of(scene, moving(solution)).items()}
-    return Result(
-        {name: float(np.real(value)) for name, value in values.items()},
-        units,
-        gradients,
-        method,
-        solution,
-        primal,
-        extra,
-        repeat=repeat,
-    )
-
-
-def force_cautions(solution: Solution, noise: Mapping[str, Any], sizes: Mapping[str, float]) -> Iterator[Caution]:
-    """Cautions about noisy joint forces: a doubt where a response is such a force at its time, otherwise a remark.
-
-    The noise is that of `force_noise`, sizes are the largest that responses are.
-    """
+) -> Run:
+    """Run with the units of its responses; arguments as the fields of `Run`."""
     scene = solution.system.scene
-    if not noise or noise["size"] <= NOISY:
-        return
-    joints = noise_of_joints(solution)
-    noisy = [name for name, each in scene.responses.items() if _noise_in(each, joints, solution, sizes.get(name, 0.0)) > NOISY]
-    quiet = [name for name, each in scene.responses.items() if name not in noisy and _largest_noise(each, joints) > NOISY]
-    yield from noisy_forces(solution.options or scene.solver, noise, noisy, quiet)
+    units = {name: response.unit(scene.units) for name, response in responses_of(scene, moving(solution)).items()}
+    real = {name: float(np.real(value)) for name, value in values.items()}
+    return Run(real, units, gradients, method, solution, primal, extra, repeat=repeat)
 
 
-def _largest_noise(response: Any, joints: Mapping[str, JointNoise]) -> float:
-    """Noise at any time in the joint's force that a response is made of, as a part of the joint's largest force."""
-    looked = response.source if isinstance(response, OverTime) else response
-    joint = looked.joint if isinstance(looked, JointForce | Power) else None
-    return 0.0 if joint is None else float(joints[joint].noise.max())
+def load(path: str | Path, models: str | Path | None = None) -> Run:
+    """Read a run that `Run.save` or `ffrf ... --output` has kept, without solving anything.
 
+    Parameters
+    ----------
+    path
+        The results file.
+    models
+        Folder of the reduced models, if they are not where they were.
 
-def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution, size: float) -> float:
-    """Noise in a response that is a joint's force or a driver's power, relative to the largest.
+    Returns
+    -------
+    run
+        Values, gradients, states and verdict as they were kept.
 
-    It is that at the response's time, or of an extreme over time at any. Means do not feel what alternates. It is a part of the
-    joint's largest force, or of the largest that the response itself is, whichever is less.
+    Raises
+    ------
+    ResultsFileError
+        The file cannot be read, or a reduced model is missing or another one.
     """
-    extreme = isinstance(response, TimeMax | TimeMin | TimeKS)
-    looked = response.source if extreme else response
-    joint = looked.joint if isinstance(looked, JointForce | Power) else None
-    if joint is None:
-        return 0.0
-    last, step = len(solution.times) - 1, 0 if extreme else looked.step(solution)
-    found = float(joints[joint].noise.max()) if extreme else noise_at(joints[joint], step)
-    if found <= NOISY:
-        return found
-    states = np.arange(last + 1) if extreme else np.arange(max(step - AROUND, 0), min(step + AROUND, last) + 1)
-    look = looked.instants(solution)
-    values = np.array([float(np.real(look(int(n)).value)) for n in states])
-    return min(found, noise_of_values(values, solution.times[states], size))
+    from toolkit.results.results_file import load_results
+
+    return restored(load_results(Path(path)), models)
+
+
+def restored(results: Results, models: str | Path | None = None) -> Run:
+    """Run whose results were kept, with its scene compiled as if it had just been solved; arguments and errors as of `load`."""
+    from toolkit.results.collect import restore_scene
+
+    system = prepare(restore_scene(results, models), results.design)
+    n_q, names = system.n_q, list(system.numbering.names)
+    if (names[:n_q], names[n_q:]) != (results.coordinates, results.multiplier_names):
+        raise ResultsFileError(
+            f"the scene in {results.label} has other unknowns than its states; the file is damaged, or this program numbers them "
+            "in another way. Run the scene again."
+        )
+    states, counted = {name: getattr(results, name) for name in STATES}, dict(results.run)
+    primal, extra = (counted.pop(name) for name in ("wall_primal", "wall_sensitivity"))
+    solution = Solution(system, **states, **counted, judge=lambda _: results.verdict)
+    return Run(results.responses, results.response_units, results.gradients, results.method, solution, primal, extra)
