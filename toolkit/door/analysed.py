@@ -18,7 +18,7 @@ from toolkit.sensitivity.direct import again, by_direct, enriched, evaluated, va
 from toolkit.sensitivity.frames_for_gradients import more_frames
 from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method
-from toolkit.sensitivity.preparation import ANALYSES, Kind, check_kind, solve
+from toolkit.sensitivity.preparation import ANALYSES, Kind, solve
 from toolkit.sensitivity.run import Run
 from toolkit.solvers.start.continued import continued_start
 from toolkit.solvers.start.kept_scene import refuse_other_run
@@ -40,9 +40,8 @@ def analysed(
     Raises
     ------
     InputError
-        There is no such analysis or method, or nothing to differentiate by; and all that the analysis raises.
+        There is no such method, or nothing to differentiate by; and all that the analysis raises.
     """
-    check_kind(kind)
     check_method(gradients)
     if gradients and not compiled.names:
         raise InputError("gradients of what? The model has no design variables. Name some: compile(scene, variables=[...]).")

@@ -401,6 +401,7 @@ class Model:
         InputError
             There is no such analysis; and all that `simulate` and `statics` raise.
         """
+        check_kind(analysis)
         return analysed(self._at(numbers), analysis, gradients, start, progress, timed, keep_states)
 
     def _at(self, numbers: Mapping[str, float] | None) -> Compiled:

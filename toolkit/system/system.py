@@ -268,7 +268,7 @@ class System:
         if self._keeps_memory:
             self._handed.give_back(key, record)
 
-    @property
+    @cached_property
     def _keeps_memory(self) -> bool:
         """Whether runs are so short that new memory takes long beside them; not where numba is switched off."""
         return self.compiled and self.n <= FEW and isinstance(self._handed.of(self.plan), Packed)
