@@ -8,8 +8,8 @@ import numpy as np
 
 from toolkit.compilation.quantities import curves_of
 from toolkit.curves.curve import Curve
-from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.curves.table import Table
+from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.system.solution import Solution
 
 BEYOND = 0.1

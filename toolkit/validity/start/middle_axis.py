@@ -14,8 +14,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.bodies.body import QUATERNION
-from toolkit.foundation.verdict import Caution, check
 from toolkit.bodies.rigid import SpatialRigidBody
+from toolkit.foundation.verdict import Caution, check
 from toolkit.kinematics.spatial import angular_velocity
 from toolkit.system.solution import Solution
 
