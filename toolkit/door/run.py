@@ -99,7 +99,7 @@ class Run(Result):
         """
         from toolkit.responses.stress.stress import stress_field
 
-        self.scene.body(body)
+        self.solution.system.scene.body(body)
         self.solution.system.refuse_changed_files()
         return stress_field(self.solution, body)
 

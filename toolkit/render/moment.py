@@ -17,7 +17,7 @@ from toolkit.joints.joint import Joint
 from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.markers.component import Component
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 
 T = TypeVar("T")
@@ -43,8 +43,8 @@ class Moment(ABC):
         return found
 
     @property
-    def scene(self) -> Scene:
-        """Scene that was solved."""
+    def scene(self) -> ResolvedScene:
+        """ResolvedScene that was solved."""
         return self.solution.system.scene
 
     @property

@@ -19,7 +19,6 @@ from toolkit.foundation.errors import InputError
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.responses.stress.stress import stress_field
 from toolkit.results.results import BodyResults, Results, SceneRecord
-from toolkit.scene.cut_scene import written
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import again
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
@@ -108,7 +107,7 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
         },
         judged=found.verdict.record(),
         settings=(solution.options or scene.solver).model_dump(),
-        scene=_record(written(scene).model_copy(update={"solver": solution.options or scene.solver}), text, changes or {}),
+        scene=_record(scene.written.model_copy(update={"solver": solution.options or scene.solver}), text, changes or {}),
         writers={"python": platform.python_version(), **{name: _version(name) for name in WRITERS}},
     )
 

@@ -25,7 +25,7 @@ from toolkit.validity.bodies.deformation import LIMIT, instants_of, whole_bodies
 
 def bent_pieces(solution: Solution) -> Iterator[Caution]:
     """Doubts about solids whose pieces bend so far that more of them are needed, whatever the number of frames."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     for body in whole_bodies(scene):
         if not is_in_pieces(scene, body):
             continue
@@ -44,7 +44,7 @@ def shortening(solution: Solution, body: str) -> tuple[float, float, int]:
 
     With it the largest angle of an end in rad, and the number of pieces.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     instants = instants_of(solution, body)
     bows, turns = [], []
     for name, part in deforming(scene).items():

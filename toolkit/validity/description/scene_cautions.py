@@ -14,6 +14,7 @@ from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.friction import Friction
 from toolkit.loads.places import BetweenBodies, BetweenPoints
+from toolkit.scene.resolution import ResolvedScene, loaded
 from toolkit.scene.scene import Scene
 from toolkit.validity.description.frame_number import choices_of_frames
 from toolkit.validity.description.mesh_cautions import cautions_of_meshes
@@ -24,7 +25,7 @@ TURNING = (Spherical, SpatialRevolute, Universal, Cylindrical)
 """Kinds of joints in space that are there to let bodies turn; in the plane every frame that moves also turns."""
 
 
-def cautions_of_joints(scene: Scene) -> Iterator[Caution]:
+def cautions_of_joints(scene: ResolvedScene) -> Iterator[Caution]:
     """Cautions of all joints of a scene."""
     for name, joint in scene.joints.items():
         if not any(scene.body(body).has_frame for body in joint.bodies):
@@ -38,7 +39,7 @@ def cautions_of_joints(scene: Scene) -> Iterator[Caution]:
             )
 
 
-def _between_fixed_frames(scene: Scene, name: str, joint: Joint) -> Iterator[Caution]:
+def _between_fixed_frames(scene: ResolvedScene, name: str, joint: Joint) -> Iterator[Caution]:
     """A joint at a point that deforms is legitimate where the other side is the ground; anything else is worth a word."""
     deform = [_moves(scene, *grip) for grip in joint.grips]
     flexible = [isinstance(scene.body(body), ModelBody) for body in joint.bodies]
@@ -64,7 +65,7 @@ def _between_fixed_frames(scene: Scene, name: str, joint: Joint) -> Iterator[Cau
         )
 
 
-def _moves(scene: Scene, body: str, point: str) -> bool:
+def _moves(scene: ResolvedScene, body: str, point: str) -> bool:
     """Whether any coordinate moves a point of a body."""
     return len(scene.body(body).marker(scene, point, body).columns) > 0
 
@@ -73,7 +74,7 @@ def _both(joint: Joint) -> str:
     return f"{joint.bodies[0]!r} and {joint.bodies[1]!r}"
 
 
-def damping_in_the_frame(scene: Scene) -> Iterator[Caution]:
+def damping_in_the_frame(scene: ResolvedScene) -> Iterator[Caution]:
     """Bodies with a moving frame, whose elements have mass-proportional damping of their own."""
     given = scene.model_parameters()
     for name, body in scene.bodies.items():
@@ -89,12 +90,13 @@ def damping_in_the_frame(scene: Scene) -> Iterator[Caution]:
 
 def cautions_of_scene(scene: Scene) -> list[Caution]:
     """All cautions that follow from what is written, in the scene and beside its models, before anything runs."""
+    scene = loaded(scene)
     found = [*cautions_of_joints(scene), *_held_by_nothing(scene), *cautions_of_units(scene), *stale_models(scene)]
     found += _between_points_of_one(scene)
     return [*found, *choices_of_frames(scene), *damping_in_the_frame(scene), *cautions_of_meshes(scene)]
 
 
-def _between_points_of_one(scene: Scene) -> Iterator[Caution]:
+def _between_points_of_one(scene: ResolvedScene) -> Iterator[Caution]:
     """Loads along a line between two points of one body that does not deform."""
     for name, load in scene.loads.items():
         if isinstance(load, BetweenPoints) and load.bodies[0] == load.bodies[1]:
@@ -107,7 +109,7 @@ def _between_points_of_one(scene: Scene) -> Iterator[Caution]:
                 )
 
 
-def _held_by_nothing(scene: Scene) -> Iterator[Caution]:
+def _held_by_nothing(scene: ResolvedScene) -> Iterator[Caution]:
     """Flexible bodies that no joint and no spring grips, although their model clamps them."""
     holding = [
         each

@@ -12,7 +12,7 @@ from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.markers.component import Component
 from toolkit.reduced_model.questions.material_questions import IN_SI, material_questions
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 
 THICK, THIN = 3.0, 2e-5
 """Thickness of a flexible body in radii of gyration above and below which it is questioned."""
@@ -32,7 +32,7 @@ LIKE_EARTH = 0.06
 """Relative distance from the earth's gravity within which a number is meant to be it: also 10 m/s^2 and 9.78, but no other planet's."""
 
 
-def cautions_of_units(scene: Scene) -> Iterator[Caution]:
+def cautions_of_units(scene: ResolvedScene) -> Iterator[Caution]:
     """Cautions of all numbers of a scene that no material has, or that are those of other units; what many bodies share is said once."""
     said: set[str] = set()
     for name, body in scene.bodies.items():
@@ -44,7 +44,7 @@ def cautions_of_units(scene: Scene) -> Iterator[Caution]:
     yield from _of_gravity(scene)
 
 
-def _of_body(scene: Scene, name: str, body) -> Iterator[Caution]:
+def _of_body(scene: ResolvedScene, name: str, body) -> Iterator[Caution]:
     where = f"bodies.{name}"
     if isinstance(body, ModelBody):
         values = {**scene.model(body.model).nominal, **body.model_values()}
@@ -58,7 +58,7 @@ def _of_body(scene: Scene, name: str, body) -> Iterator[Caution]:
         yield from _of_mass(scene, name, body)
 
 
-def _of_thickness(scene: Scene, where: str, body: ModelBody, values: dict[str, float]) -> Iterator[Caution]:
+def _of_thickness(scene: ResolvedScene, where: str, body: ModelBody, values: dict[str, float]) -> Iterator[Caution]:
     size, length = body.radius_of_gyration(scene), unit(scene.units, "length")
     odd = {key: t for key, t in values.items() if key.startswith("thickness") and not THIN * size <= t <= THICK * size}
     for key, thickness in list(odd.items())[:1]:
@@ -70,7 +70,7 @@ def _of_thickness(scene: Scene, where: str, body: ModelBody, values: dict[str, f
         )
 
 
-def _of_rod(scene: Scene, where: str, body: UniformRod) -> Iterator[Caution]:
+def _of_rod(scene: ResolvedScene, where: str, body: UniformRod) -> Iterator[Caution]:
     start, end = (np.real(scene.position(point)) for point in body.between)
     long, thick = float(np.linalg.norm(end - start)), float(np.sqrt(np.real(body.area)))
     if thick > STOUT * long:
@@ -82,7 +82,7 @@ def _of_rod(scene: Scene, where: str, body: UniformRod) -> Iterator[Caution]:
         )
 
 
-def _of_mass(scene: Scene, name: str, body: GivenMass) -> Iterator[Caution]:
+def _of_mass(scene: ResolvedScene, name: str, body: GivenMass) -> Iterator[Caution]:
     mass, length = float(np.real(body.mass)), unit(scene.units, "length")
     span = _span(scene, name)
     if span > APART * _extent(scene) and mass / span**3 * IN_SI[scene.units]["density"] > DENSEST:
@@ -102,7 +102,7 @@ def _of_mass(scene: Scene, name: str, body: GivenMass) -> Iterator[Caution]:
         )
 
 
-def _span(scene: Scene, name: str) -> float:
+def _span(scene: ResolvedScene, name: str) -> float:
     """Largest distance between points where joints and loads grip a body; 0 with fewer than two."""
     components = [each for each in (*scene.joints.values(), *scene.loads.values()) if isinstance(each, Component)]
     places = {point for each in components for body, point in each.grips if body == name}
@@ -110,13 +110,13 @@ def _span(scene: Scene, name: str) -> float:
     return float(np.linalg.norm(positions[:, None] - positions[None], axis=-1).max()) if len(positions) > 1 else 0.0
 
 
-def _extent(scene: Scene) -> float:
+def _extent(scene: ResolvedScene) -> float:
     """Extent of the points; 0 if there are fewer than two."""
     positions = np.array([np.real(scene.position(point)) for point in scene.points])
     return float(np.ptp(positions, axis=0).max()) if len(positions) > 1 else 0.0
 
 
-def _of_gravity(scene: Scene) -> Iterator[Caution]:
+def _of_gravity(scene: ResolvedScene) -> Iterator[Caution]:
     size, (reads, meant) = float(np.linalg.norm(np.real(scene.gravity))), READ_AS[scene.units]
     if abs(size / meant - 1) <= LIKE_EARTH:
         label = f"{unit(scene.units, 'length')}/s^2"

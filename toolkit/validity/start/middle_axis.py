@@ -29,7 +29,7 @@ STILL = 0.1
 
 def middle_spins(solution: Solution) -> Iterator[Caution]:
     """A doubt for every body that no joint holds and that begins to spin about its middle axis."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     held = {body for joint in scene.joints.values() for body, _ in joint.grips}
     for name, body in scene.bodies.items():
         if isinstance(body, SpatialRigidBody) and name not in held and body.turns == QUATERNION:
@@ -45,7 +45,7 @@ def middle_spins(solution: Solution) -> Iterator[Caution]:
 
 def _growth(solution: Solution, name: str, body: SpatialRigidBody) -> tuple[float, float]:
     """Part of the spin that lies across the middle axis at the start, and the exponent by which it grows while it is small."""
-    moments, axes = np.linalg.eigh(np.real(body.mass_properties(solution.system.placed)[2]))
+    moments, axes = np.linalg.eigh(np.real(body.mass_properties(solution.system.scene)[2]))
     first, middle, last = moments.sum() - moments[::-1]
     where = solution.coordinates(name)
     turned = slice(where.start + body.moves, where.start + body.moves + QUATERNION)

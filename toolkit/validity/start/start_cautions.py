@@ -35,7 +35,7 @@ def _written_shapes(scene: Scene) -> dict[str, ModelBody]:
 
 def bent_otherwise(solution: Solution) -> Iterator[Caution]:
     """Remarks on written deflections that closing the joints has changed."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     for name, body in _written_shapes(scene).items():
         q_f = np.real(solution.q[0, elastic_coordinates(solution, name)])
         for point, written in body.deflected["deflection"].items():
@@ -53,7 +53,7 @@ def bent_otherwise(solution: Solution) -> Iterator[Caution]:
 
 def shapes_without_effect(solution: Solution) -> Iterator[Caution]:
     """A remark that a state of rest has no use for a deflection at the start."""
-    for name in [*_written_shapes(solution.system.placed)][:1]:
+    for name in [*_written_shapes(solution.system.scene)][:1]:
         yield Caution(
             "deflection-without-effect",
             f"the deflection of {name!r} at the start has no effect: an equilibrium, and a run that starts from one, finds its own shape.",
@@ -95,7 +95,7 @@ def cautions_of_start(solution: Solution) -> Iterator[Caution]:
 
 def moved_bodies(solution: Solution) -> dict[str, tuple[float, float]]:
     """Difference of a run's start from the written positions: body -> (distance of its origin, angle in rad)."""
-    given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.placed
+    given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.scene
     return {name: _move(body, given[at], found[at]) for name, body in scene.bodies.items() for at in [solution.coordinates(name)]}
 
 
@@ -110,7 +110,7 @@ def _move(body, given: np.ndarray, found: np.ndarray) -> tuple[float, float]:
 
 
 def _kept_start(solution: Solution) -> Iterator[Caution]:
-    system, end = solution.system, kept_state(solution.system.placed)
+    system, end = solution.system, kept_state(solution.system.scene)
     if end is None:
         return
     yield from _moved_start(solution, moved_by(system, end.q, solution.q[0]))
@@ -137,7 +137,7 @@ def _moved_start(solution: Solution, moved: float) -> Iterator[Caution]:
 
 
 def _assembled(solution: Solution) -> Iterator[Caution]:
-    size, label = solution.system.placed.size, unit(solution.system.scene.units, "length")
+    size, label = solution.system.scene.size, unit(solution.system.scene.units, "length")
     moves = {name: move for name, move in moved_bodies(solution).items() if max(move[0] / size, move[1]) > MOVED}
     if moves:
         furthest = sorted(moves, key=lambda name: -max(moves[name][0] / size, moves[name][1]))[:MOST_NAMED]
@@ -179,8 +179,8 @@ def _at_rest(solution: Solution) -> Iterator[Caution]:
 
 
 def _without_velocities(solution: Solution) -> Iterator[Caution]:
-    bodies = solution.system.placed.bodies.items()
-    scene = solution.system.placed
+    bodies = solution.system.scene.bodies.items()
+    scene = solution.system.scene
     written = [name for name, body in bodies if body.written_velocities() or writes_shape(body)]
     moving = [name for name in written if np.any(scene.bodies[name].initial_state(scene)[1])]
     if moving:
@@ -195,7 +195,7 @@ def _deforming(solution: Solution) -> Iterator[Caution]:
     label = unit(solution.system.scene.units, "length")
     fastest = float((solution.system.weights[: solution.system.n_q] * np.abs(np.real(solution.v[0]))).max(initial=0))
     for each in start_state(solution):
-        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.placed.size:
+        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.scene.size:
             yield Caution(
                 "starts-deforming",
                 f"{each.body!r} starts with a velocity of deformation of {each.deforming:.3g} {label}/s, because the joints and the "

@@ -12,7 +12,7 @@ from toolkit.foundation.itself import Itself
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.reduced_model.model import Mesh
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import is_in_pieces
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
@@ -20,7 +20,7 @@ FINER = 2
 """How many times as many points as nodes the outline of a skin has at least, whose curvature it shows; that of a frame has its nodes."""
 
 
-def folded_skins(scene: Scene) -> Iterator[Caution]:
+def folded_skins(scene: ResolvedScene) -> Iterator[Caution]:
     """Skins thicker than twice their smallest radius: a doubt if their stress is asked for, otherwise a remark.
 
     There the inner fibre has no length, so that the curved beam that a straight element stands for does not exist; mass is counted twice.
