@@ -429,7 +429,7 @@ def test_the_stress_of_a_bent_cantilever_is_that_of_the_moment(tmp_path):
 
 def test_a_place_far_from_the_body_and_a_wrong_fibre_are_refused(tmp_path):
     write_models(tmp_path)
-    scene = CASES["plane"][0](tmp_path)
+    scene = loaded(CASES["plane"][0](tmp_path))
     with pytest.raises(InputError, match=r"no stress point near \[5, 5\]; the nearest is at \[1.1, 1.2\]"):
         StressAtPoint(body="strip", place=(5.0, 5.0)).check(scene)
     with pytest.raises(InputError, match=r"a place in a scene of dimension 2 has 2 numbers, not 3"):
