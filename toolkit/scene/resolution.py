@@ -17,7 +17,7 @@ from toolkit.bodies.model_body import FRAME, ModelBody, refuse_unknown
 from toolkit.description.point import BodyPoint, Point
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
-from toolkit.joints.both.tie import Tie
+from toolkit.joints.rigid_joint import Tie
 from toolkit.reduced_model.cut.chain import breaks, chain_nodes, node_labels, place_at, place_of
 from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.names import known

@@ -16,7 +16,7 @@ from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
 from toolkit.compilation.quantities import OPEN, Quantities, seen_quantities
 from toolkit.description.design import Design
-from toolkit.joints.row_checks import keeps_rows
+from toolkit.joints.joint import keeps_rows
 from toolkit.scene.resolution import ResolvedScene, resolve
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming
