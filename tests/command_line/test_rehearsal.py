@@ -19,6 +19,7 @@ from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
 from toolkit.command_line.rehearsal import rehearse, rehearse_everything, rehearse_others
 from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
+from toolkit.scene.resolution import loaded
 from toolkit.scene.space import PLANE
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.clock import price
@@ -153,7 +154,7 @@ def test_what_is_warmed_up_is_there_for_every_scene(model):
     scene = read_scene(MODELS / model / "scene.toml")
     rehearse_everything(scene.space)
     with watched_compilation() as watch:
-        formulas_of(scene)
+        formulas_of(loaded(scene))
         rehearse_others(scene)
     assert watch.functions == 0
 

@@ -22,6 +22,7 @@ from toolkit.compilation.quantities import GROUPS, STEP, Quantities, evaluate_qu
 from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.loads.torque import Torque
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
@@ -166,7 +167,7 @@ def imaginary(part: Any) -> bool:
 
 @pytest.mark.parametrize("name", EVERY)
 def test_a_formula_that_is_left_out_has_no_derivative(name, folder):
-    scene = EVERY[name](folder)
+    scene = loaded(EVERY[name](folder))
     numbering = number(scene)
     design = scene.design_variables(scene.available_paths())
     _, seen = seen_quantities(scene, numbering)

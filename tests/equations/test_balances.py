@@ -25,6 +25,7 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.loads.torque import Torque
 from toolkit.reduced_model.file import load
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
@@ -214,7 +215,7 @@ def driven_scene(drive: dict) -> Scene:
 
 
 def mechanical_energy(scene: Scene, solution: Solution) -> np.ndarray:
-    masses = [scene.bodies[name].mass_properties(scene) for name in ("upper", "lower")]
+    masses = [scene.bodies[name].mass_properties(loaded(scene)) for name in ("upper", "lower")]
     heights = solution.q[:, [1, 4]] @ [m for m, *_ in masses]
     return rigid_energy(solution, [(m, inertia) for m, _, inertia in masses]) + 9.81 * heights
 

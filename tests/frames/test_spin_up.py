@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 import ffrf
 from preprocessing import build, save
 from tests.models.spatial_chains import chain_scene, save_chain
-from toolkit.scene.cut_scene import with_parts
+from toolkit.scene.resolution import resolve
 from toolkit.validity.bodies.corotational.comparison import compare_with_corotational
 from toolkit.validity.bodies.cut.places import node_places
 from toolkit.validity.bodies.physics import speed_limits
@@ -134,7 +134,7 @@ def test_one_frame_runs_away_and_says_so(folder):
     verdict = ffrf.compile(chain_scene(folder, "frames = 1", early, 2)).simulate().verdict
     assert not verdict.trusted
     assert "critical-speed" in verdict.codes
-    cut = with_parts(chain_scene(folder, "frames = 4", MOTOR, 2))
+    cut = resolve(chain_scene(folder, "frames = 4", MOTOR, 2))
     limits = speed_limits(cut, spinning_bodies(cut))  # one word for all parts, where a run fails
     assert limits.count("critical speed") == 1
     assert "the weakest part of beam" in limits

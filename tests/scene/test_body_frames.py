@@ -26,6 +26,7 @@ from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
 from toolkit.joints.spherical import Spherical
 from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.reduced_model.file import save
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 from toolkit.validity.description.scene_cautions import cautions_of_scene
@@ -122,7 +123,7 @@ def deflection(of: Scene, kinds: Kinds) -> float:
     found = solve_statics(system, RunOptions(load_steps=1))
     two = of.bodies["two"]
     at = solution_part(found, "two")
-    place, elastic = two.point(of, "twotip", "two")[0], at[two.frame_size :]
+    place, elastic = two.point(loaded(of), "twotip", "two")[0], at[two.frame_size :]
     if not two.has_frame:
         return float(place[1] @ [1, *elastic])
     turn = at[2] if kinds.dimension == 2 else 2 * at[6]  # small

@@ -52,6 +52,7 @@ from toolkit.report.material import Material
 from toolkit.report.write import write_report
 from toolkit.responses.stress.stress import MaxStress, stress_field
 from toolkit.results.collect import collect
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
@@ -277,7 +278,7 @@ def test_axes_of_a_joint_turn_with_the_body_that_carries_them(folder):
     solution.q[0, where + 3 : where + 7] = quaternion_of(TURN)
     (slider,) = (symbol for symbol in spatial_symbols(SpatialConfiguration(solution, 0)) if symbol.kind == "slider")
     np.testing.assert_allclose(slider.axes[:, 2], matrix_of(quaternion_of(TURN))[:, 2], atol=1e-15)  # round-off
-    np.testing.assert_array_equal(slider.point, scene.position("E"))  # where the ground has it
+    np.testing.assert_array_equal(slider.point, loaded(scene).position("E"))  # where the ground has it
 
 
 class Drawer(Prismatic):

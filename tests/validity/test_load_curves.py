@@ -21,6 +21,7 @@ from toolkit.curves.polynomial import Constant
 from toolkit.curves.rise import SmoothStep
 from toolkit.curves.table import Table
 from toolkit.description.time_grid import time_grid
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
@@ -311,7 +312,7 @@ def test_constants_and_what_rests_lose_nothing():
 def test_models_are_not_doubted(file):
     scene = read_scene(file)
     assert isinstance(scene, Scene)
-    for (group, _), curve in curves_of(scene):
+    for (group, _), curve in curves_of(loaded(scene)):
         loss = loss_of(curve, time_grid(scene.solver), group == "loads")
         assert loss is None or loss.part < 0.02
 

@@ -23,6 +23,7 @@ from toolkit.loads.load import Load
 from toolkit.loads.springs import SpatialRotationalSpringDamper
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE, Space
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
@@ -36,7 +37,7 @@ from toolkit.validity.motion.energy_balance import energy_balance
 
 def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
     """Call everything compiled that an analysis of the scene calls, with `backwards` its adjoint too."""
-    formulas_of(scene)
+    formulas_of(loaded(scene))
     small = pendulum_like(scene)
     system = prepare(small, ["points.P.x"] if backwards else [])
     solution = solve(system, kind)

@@ -16,7 +16,7 @@ from toolkit.joints.joint import AtPoint, AtPoints, BetweenPoints, Joint
 from toolkit.joints.rigid_joint import Tie
 from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 
 T = TypeVar("T")
@@ -42,8 +42,8 @@ class Moment(ABC):
         return found
 
     @property
-    def scene(self) -> Scene:
-        """Scene that was solved."""
+    def scene(self) -> ResolvedScene:
+        """ResolvedScene that was solved."""
         return self.solution.system.scene
 
     @property

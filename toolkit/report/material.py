@@ -17,7 +17,7 @@ from toolkit.render.pictures import chosen_steps
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look, choose_look, drawn_points
 from toolkit.results.results import Results
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.sensitivity.certificate.certificate import Certificate, compare
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import Kind
@@ -73,7 +73,7 @@ class Material:
     certificate: Certificate | None = None
 
     @property
-    def scene(self) -> Scene:
+    def scene(self) -> ResolvedScene:
         """Scene that was solved."""
         return self.solution.system.scene
 

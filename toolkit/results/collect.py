@@ -19,7 +19,6 @@ from toolkit.kept_run.layout import ResultsFileError, SceneRecord
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.responses.stress.stress import stress_field
 from toolkit.results.results import BodyResults, Results
-from toolkit.scene.cut_scene import written
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import scene_from_table
 from toolkit.system.flexible_bodies import flexible_body
@@ -107,7 +106,7 @@ def collect(run: Run, text: str = "", changes: Mapping[str, str] | None = None) 
         },
         judged=run.verdict.record(),
         settings=(solution.options or scene.solver).model_dump(),
-        scene=_record(written(scene).model_copy(update={"solver": solution.options or scene.solver}), text, changes or {}),
+        scene=_record(scene.written.model_copy(update={"solver": solution.options or scene.solver}), text, changes or {}),
         writers={"python": platform.python_version(), **{name: _version(name) for name in WRITERS}},
     )
 

@@ -10,7 +10,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.responses.response import Response
-from toolkit.scene.cut_scene import with_parts
+from toolkit.scene.resolution import resolve
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.system.solution import Solution
@@ -43,7 +43,7 @@ def frozen(scene: Scene, solution: Solution, halvings: int = 0) -> Scene:
 
 def prepare(scene: Scene, design: list[str] | None = None) -> System:
     """Compile a scene with what its responses look at, after they had a look at the scene."""
-    scene = with_parts(scene)
+    scene = resolve(scene)
     responses = [*{**responses_of(scene), **responses_of(scene, moving=False)}.values()]
     for response in responses:
         response.check(scene)

@@ -340,7 +340,7 @@ class Run:
         """
         from toolkit.responses.stress.stress import stress_field
 
-        self.scene.body(body)
+        self.solution.system.scene.body(body)
         self.solution.system.refuse_changed_files()
         return stress_field(self.solution, body)
 

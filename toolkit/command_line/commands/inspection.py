@@ -79,7 +79,7 @@ def describe_results(results: Results) -> dict[str, Any]:
 def describe_scene(scene: Scene) -> dict[str, Any]:
     """Record of a scene: names and kinds of all parts, design variables, numbers that could be one, and questions."""
     from toolkit.foundation.files.outside_files import outside_files
-    from toolkit.scene.cut_scene import written
+    from toolkit.scene.resolution import loaded
     from toolkit.sensitivity.preparation import responses_of
     from toolkit.validity.description.frame_choice import frame_choices
 
@@ -88,7 +88,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
     except ToolkitError:  # which is said below
         frames = {}
     outside = outside_files(scene.directory / "scene", scene.read_files())
-    groups: dict[str, Mapping[str, Any]] = {"bodies": written(scene).bodies, "joints": scene.joints, "loads": scene.loads}
+    groups: dict[str, Mapping[str, Any]] = {"bodies": loaded(scene).written.bodies, "joints": scene.joints, "loads": scene.loads}
     return {
         "units": scene.units,
         "dimension": scene.dimension,

@@ -60,10 +60,10 @@ def stability(
 
         require("matplotlib")
         prepare_folder(output, "stability.json", "stability.png", "stability.svg")
-    from toolkit.scene.cut_scene import written
+    from toolkit.scene.resolution import resolve
     from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 
-    described = written(with_chosen_frames(read(scene, changes, quiet), "transient"))
+    described = resolve(with_chosen_frames(read(scene, changes, quiet), "transient")).written
     names = design_of(described, variables) if variables or described.design else []
     chosen = None if maps is None else [name.strip() for name in maps.split(",") if name.strip()]
     runs = None if output is None else output / RUNS

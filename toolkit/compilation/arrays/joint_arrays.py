@@ -29,7 +29,7 @@ from toolkit.joints.kernels.records import (
     Joints,
 )
 from toolkit.joints.rows import Row, forms_of
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.space import PLANE
 
 PIN_PLACES, PIN_VALUES = (0, 0, 3, 0, 1, 4), (0, 1, -1, 0, 1, -1)
@@ -42,7 +42,7 @@ def laws_of(joints: list[Joint]) -> list[CPUDispatcher]:
 
 
 def joint_arrays(
-    scene: Scene,
+    scene: ResolvedScene,
     numbering: Numbering,
     values: Quantities,
     derivatives: list[Quantities],

@@ -8,6 +8,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.certificate.differences import (
@@ -245,7 +246,7 @@ def _relative(exact: Run, floors: Gradients, other: Gradients) -> Gradients:
 
 def _zeros(scene: Scene, exact: Run, limits: Gradients, others: dict[str, Gradients]) -> Gradients:
     """Largest differences between the methods for derivatives that are next to zero, relative to what a zero is measured by."""
-    sizes, whole = variable_sizes(scene, exact), {"angle": 1.0, "length": scene.size}
+    sizes, whole = variable_sizes(scene, exact), {"angle": 1.0, "length": loaded(scene).size}
     found: Gradients = {}
     for f, scale in response_scales(exact, sizes).items():
         unit = max(scale, whole.get(getattr(scene.responses.get(f), "unit_quantity", ""), 0.0), TINY)

@@ -10,6 +10,7 @@ from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.numbering import number
 from toolkit.compilation.quantities import evaluate_quantities
 from toolkit.foundation.errors import InputError
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.evaluation import by_name
@@ -67,7 +68,8 @@ def can_move(scene: Scene, path: str) -> bool:
         return True
     try:
         for step in (-TRIAL, TRIAL):
-            evaluate_quantities(moved := scene.with_number(path, value + step * (abs(value) or 1.0)), number(moved))
+            moved = loaded(scene.with_number(path, value + step * (abs(value) or 1.0)))
+            evaluate_quantities(moved, number(moved))
             check_numbers(moved)
     except InputError:
         return False

@@ -13,7 +13,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.verdict import Caution
-from toolkit.scene.cut_scene import cuttable, most_frames, written
+from toolkit.scene.resolution import cuttable, most_frames
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import evaluated, values_alone
@@ -122,7 +122,7 @@ def compare_mechanism(solution: Solution, names: Sequence[str]) -> Mechanism | N
         Design variables whose gradients are compared.
     """
     kind: Kind = "transient" if moving(solution) else "static"
-    scene = frozen(written(solution.system.scene), solution)
+    scene = frozen(solution.system.scene.written, solution)
     elements = {name: most_frames(scene, name) for name in cuttable(scene)}
     if not elements:
         return None

@@ -173,7 +173,7 @@ def _numbers_of_a_state(solution: Solution, variables: int) -> int:
     """Count of numbers in a state: coordinates and multipliers with derivatives, and stresses asked for at all times."""
     system = solution.system
     asked = {each.body for each in system.scene.responses.values() if isinstance(each, StressResponse) and each.when == "all"}
-    return system.n * (1 + variables) + sum(stress_rows(system.placed, body).shape[0] for body in asked)
+    return system.n * (1 + variables) + sum(stress_rows(system.scene, body).shape[0] for body in asked)
 
 
 def _with_lost(found: StepError, known: JudgedNumbers, lost: LostVibrations, solution: Solution) -> StepError:

@@ -19,7 +19,7 @@ from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.magnitude import Largest, magnitude_that_counts
-from toolkit.scene.cut_scene import branches, can_be_cut, fewest_cut
+from toolkit.scene.resolution import branches, can_be_cut, fewest_cut
 from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution

@@ -14,6 +14,7 @@ import numpy as np
 
 from toolkit.foundation.errors import ToolkitError
 from toolkit.responses.over_time.missed_peaks import peaks
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_error import LENIENT
 from toolkit.sensitivity.run import UNIMPORTANT, Run
@@ -71,7 +72,8 @@ def written_numbers(scene: Scene, designs: Sequence[Mapping[str, float]]) -> lis
     """Numbers that designs are written as: all that any of them gives; where one gives none, the scene's own."""
     names = [name for name in dict.fromkeys(name for each in designs for name in each) if _is_known(scene, name)]
     own = {name: scene.value_of(name) for name in names}
-    least = np.array([OF_A_SCENE * scene.size if scene.paths_of(name)[0].startswith("points.") else 0.0 for name in names])
+    size = loaded(scene).size
+    least = np.array([OF_A_SCENE * size if scene.paths_of(name)[0].startswith("points.") else 0.0 for name in names])
     return [Indicators(np.array([_real(each.get(name, own[name])) for name in names]), least) for each in designs]
 
 

@@ -30,7 +30,7 @@ def bent_pieces(solution: Solution) -> Iterator[Caution]:
     Limit: 5 % of its largest displacement.
     Fix: more pieces in the body file.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     for body in whole_bodies(scene):
         if not is_in_pieces(scene, body):
             continue
@@ -48,7 +48,7 @@ def shortening(solution: Solution, body: str) -> tuple[float, float, int]:
 
     With it the largest angle of an end in rad, and the number of pieces.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     instants = instants_of(solution, body)
     bows, turns = [], []
     for name, part in deforming(scene).items():

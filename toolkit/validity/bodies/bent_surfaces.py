@@ -19,7 +19,7 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain
@@ -66,10 +66,10 @@ Measured: TypeAlias = Deformation | Bending
 @check("large-deformation", STATES)
 def bent_surfaces(solution: Solution) -> Iterator[Caution]:
     """Bodies whose elements are not known that leave the range of small deformations, or come near to buckling."""
-    for body in whole_bodies(solution.system.placed):
+    for body in whole_bodies(solution.system.scene):
         found = bending(solution, body)
         if found is not None and not found.relative <= LIMIT:
-            yield bent_surfaces.caution(_told(solution.system.placed, body, found), body=body, part=found.relative)
+            yield bent_surfaces.caution(_told(solution.system.scene, body, found), body=body, part=found.relative)
         if found is not None and found.load > LIMIT:
             part = found.load / (1 - found.load) if found.load < 1 else np.inf
             yield Caution("critical-load", _compressed(body, found.load), not found.load <= DOUBTFUL, body, part)
@@ -82,7 +82,7 @@ def geometric_errors(solution: Solution) -> dict[str, Measured | None]:
 
 def bending(solution: Solution, body: str) -> Bending | None:
     """How far one body bends; None where its finite elements tell it better, or nothing does."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     if isinstance(scene.bodies[body], CutBody) or has_chain(scene, body):
         return None
     design = design_point(scene, body, "surface", "outline")
@@ -144,7 +144,7 @@ def _compressed(body: str, load: float) -> str:
     )
 
 
-def _told(scene: Scene, body: str, found: Bending) -> str:
+def _told(scene: ResolvedScene, body: str, found: Bending) -> str:
     length = unit(scene.units, "length")
     return (
         f"{body} leaves the range of small deformations: it is displaced by up to {found.displacement:.3g} {length} in its frame at "

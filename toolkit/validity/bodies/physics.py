@@ -12,7 +12,7 @@ from toolkit.foundation.verdict import MOTION, SPIN, STATES, Caution, check
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.responses.vibrations.least_frequency import LeastFrequency
 from toolkit.responses.vibrations.vibration import OfVibration
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain
 from toolkit.validity.bodies.compressed.critical_load import Compression, critical_compressions
@@ -37,7 +37,7 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
     Fix: more frames, or a stiffer body.
     """
     length = unit(solution.system.scene.units, "length")
-    scene = solution.system.placed
+    scene = solution.system.scene
     for body, each in deformations(solution).items():
         if each is not None and each.exceeded:
             yield large_deformations.caution(
@@ -69,7 +69,7 @@ def critical_loads(solution: Solution, lateral: bool = False) -> Iterator[Cautio
         Whether anything is asked for that depends on the stiffness across the compression: frequencies, or derivatives that the
         solution does not hold. Otherwise an equilibrium that nothing bends is right below the critical load, and this is no doubt.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     lateral = lateral or any(isinstance(each, OfVibration | LoadMargin | LeastFrequency) for each in scene.responses.values())
     for found in critical_compressions(solution):
         if found.straight and found.missed >= found.feigned and found.load < 1 and not lateral:
@@ -108,21 +108,21 @@ def turning(solution: Solution) -> Iterator[Caution]:
     """
     force = unit(solution.system.scene.units, "force")
     for found in turning_frames(solution):
-        if found.exceeded and (solution.steps or not has_chain(solution.system.placed, found.body)):
+        if found.exceeded and (solution.steps or not has_chain(solution.system.scene, found.body)):
             what = "too large" if found.force > 0 else "too small"
             when = f" at t = {found.time:.4g}" if solution.steps else ""
             how = f"up to about {found.error:.0%} {what}" if found.error < 1 else f"far {what}, or of any size"
             yield turning.caution(
                 f"{found.body} has a frame that turns with one of its parts. Forces of {abs(found.force):.4g} {force} along the line "
                 f"through {found.chord.first!r} and {found.chord.second!r} turn with it{when}: deflections across this line are {how}."
-                f"{advice_of_frame(solution.system.placed, found.body)}",
+                f"{advice_of_frame(solution.system.scene, found.body)}",
                 body=found.body,
                 part=found.error,
             )
 
 
 def _buckling(found: Compression, solution: Solution) -> str:
-    moving, scene = solution.steps > 0, solution.system.placed
+    moving, scene = solution.steps > 0, solution.system.scene
     when = f" at t = {found.time:.4g}" if moving else ""
     how = "compressed" if scene.space.rotations_add else "loaded"  # in space forces across it make it give way sideways, too
     if found.load >= 1:
@@ -136,13 +136,13 @@ def _buckling(found: Compression, solution: Solution) -> str:
     )
 
 
-def _written(scene: Scene, body: str) -> str:
+def _written(scene: ResolvedScene, body: str) -> str:
     """The body that a scene writes, of one of its parts."""
     found = scene.body(body)
     return found.whole if isinstance(found, FramedPart) else body
 
 
-def _more_parts(scene: Scene, body: str) -> str:
+def _more_parts(scene: ResolvedScene, body: str) -> str:
     """What has more frames than the body, or than the one that it is a part of."""
     found = scene.body(body)
     if not isinstance(found, FramedPart):
@@ -173,7 +173,7 @@ def excessive_speeds(solution: Solution) -> Iterator[Caution]:
         )
 
 
-def speed_limits(scene: Scene, bodies: Iterable[str]) -> str:
+def speed_limits(scene: ResolvedScene, bodies: Iterable[str]) -> str:
     """What to know of the critical speeds of flexible bodies that spin where a run failed; empty without any."""
     limits: dict[str, float] = {}
     for body in bodies:

@@ -16,7 +16,7 @@ from toolkit.curves.curve import Curve
 from toolkit.foundation.dimensions import LABELLED
 from toolkit.foundation.verdict import Caution, check
 from toolkit.scene.measures import number_measure
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 from toolkit.validity.curves.load_curves import loss_of
 
@@ -64,7 +64,7 @@ def unseen_moves(solution: Solution, variables: Collection[str]) -> Iterator[Cau
                 )
 
 
-def _moved(scene: Scene, variable: str) -> Scene | None:
+def _moved(scene: ResolvedScene, variable: str) -> ResolvedScene | None:
     """The scene with a complex step in the times that a variable drives; None if it drives none."""
     moved = None
     for path, factor in zip(scene.paths_of(variable), scene.factors_of(variable), strict=True):

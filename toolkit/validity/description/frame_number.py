@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from toolkit.bodies.cut.chosen_frames import ChosenFrames
-from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.cut.frame_choice import FrameChoice
+from toolkit.bodies.cut.cuttable_body import ChosenFrames, CuttableBody
 from toolkit.foundation.verdict import SCENE, Caution, check
 from toolkit.scene.scene import Scene
 
@@ -82,7 +80,7 @@ def unknown_choices(scene: Scene) -> Iterator[Caution]:
 def _unreduced(scene: Scene, name: str) -> str:
     """Sentence that one frame leaves `modes_per_frame` no parts to reduce; empty where it does."""
     body = scene.bodies[name]
-    if not isinstance(body, ChosenFrames) or body.frames != 1 or body.modes_per_frame is None:
+    if not isinstance(body, CuttableBody) or body.choice is None or body.frames != 1 or body.modes_per_frame is None:
         return ""
     return (
         " With one frame the body keeps all coordinates, and modes_per_frame reduces nothing: leave it out, or write frames = [], which "
@@ -90,7 +88,7 @@ def _unreduced(scene: Scene, name: str) -> str:
     )
 
 
-def _of_gradients(number: int, choice: FrameChoice) -> str:
+def _of_gradients(number: int, choice: ChosenFrames) -> str:
     """Sentence on the errors of gradients with the numbers that were tried; empty without gradients."""
     if not choice.gradients:
         return ""
@@ -99,12 +97,11 @@ def _of_gradients(number: int, choice: FrameChoice) -> str:
     return f" Of the worst of the gradients {', '.join([*tried, *reached])}, by comparison with twice as many."
 
 
-def choices_in(scene: Scene) -> dict[str, tuple[int, FrameChoice]]:
+def choices_in(scene: Scene) -> dict[str, tuple[int, ChosenFrames]]:
     """Body -> its number of frames and the choice, for the bodies whose number was chosen."""
     found = {}
     for name, body in scene.bodies.items():
-        choice = body.choice if isinstance(body, CutBody | ChosenFrames) else None
-        if choice is not None:
-            assert isinstance(body.frames, int)  # type: ignore[attr-defined]
-            found[name] = (body.frames, choice)  # type: ignore[attr-defined]
+        if isinstance(body, CuttableBody) and body.choice is not None:
+            assert isinstance(body.frames, int)
+            found[name] = (body.frames, body.choice)
     return found

@@ -14,6 +14,7 @@ from toolkit.joints.spherical import Spherical
 from toolkit.joints.universal import Universal
 from toolkit.loads.friction import Friction
 from toolkit.loads.load import BetweenBodies, BetweenPoints
+from toolkit.scene.resolution import ResolvedScene, loaded
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
@@ -22,7 +23,7 @@ TURNING = (Spherical, SpatialRevolute, Universal, Cylindrical)
 
 
 @check("joint-cannot-turn", (SCENE,))
-def joints_without_turns(scene: Scene) -> Iterator[Caution]:
+def joints_without_turns(scene: ResolvedScene) -> Iterator[Caution]:
     """A joint lets two bodies turn of which neither can turn as a whole.
 
     Limit: any.
@@ -39,7 +40,7 @@ def joints_without_turns(scene: Scene) -> Iterator[Caution]:
 
 
 @check("joint-holds-nothing", (SCENE,))
-def joints_without_effect(scene: Scene) -> Iterator[Caution]:
+def joints_without_effect(scene: ResolvedScene) -> Iterator[Caution]:
     """A joint ties two points that cannot move; its force is not found.
 
     Limit: any.
@@ -54,7 +55,7 @@ def joints_without_effect(scene: Scene) -> Iterator[Caution]:
 
 
 @check("joint-ties-to-the-ground", (SCENE,))
-def joints_to_the_ground(scene: Scene) -> Iterator[Caution]:
+def joints_to_the_ground(scene: ResolvedScene) -> Iterator[Caution]:
     """A joint ties a body to a point of another that cannot move, because its frame is fixed to the ground.
 
     Limit: any.
@@ -70,7 +71,7 @@ def joints_to_the_ground(scene: Scene) -> Iterator[Caution]:
 
 
 @check("joint-of-grounded-bodies", (SCENE,))
-def joints_of_grounded_bodies(scene: Scene) -> Iterator[Caution]:
+def joints_of_grounded_bodies(scene: ResolvedScene) -> Iterator[Caution]:
     """A joint ties the deformations of two bodies alone, whose frames are both fixed to the ground.
 
     Limit: any.
@@ -85,7 +86,7 @@ def joints_of_grounded_bodies(scene: Scene) -> Iterator[Caution]:
             )
 
 
-def _fixed_joints(scene: Scene) -> Iterator[tuple[str, Joint, list[bool], bool]]:
+def _fixed_joints(scene: ResolvedScene) -> Iterator[tuple[str, Joint, list[bool], bool]]:
     """Joints between fixed frames: name, joint, which of both points deform, and whether both bodies are flexible."""
     for name, joint in scene.joints.items():
         if not any(scene.body(body).has_frame for body in joint.bodies):
@@ -93,7 +94,7 @@ def _fixed_joints(scene: Scene) -> Iterator[tuple[str, Joint, list[bool], bool]]
             yield name, joint, [_moves(scene, *grip) for grip in joint.grips], flexible
 
 
-def _moves(scene: Scene, body: str, point: str) -> bool:
+def _moves(scene: ResolvedScene, body: str, point: str) -> bool:
     """Whether any coordinate moves a point of a body."""
     return len(scene.body(body).marker(scene, point, body).columns) > 0
 
@@ -103,7 +104,7 @@ def _both(joint: Joint) -> str:
 
 
 @check("frame-damping", (SCENE,))
-def damping_in_the_frame(scene: Scene) -> Iterator[Caution]:
+def damping_in_the_frame(scene: ResolvedScene) -> Iterator[Caution]:
     """Elements or groups of elements have mass-proportional damping of their own, and the body's frame moves: it acts on motion in the
     frame alone.
 
@@ -122,7 +123,8 @@ def damping_in_the_frame(scene: Scene) -> Iterator[Caution]:
 
 def cautions_of_scene(scene: Scene) -> list[Caution]:
     """All cautions that follow from what is written, in the scene and beside its models, before anything runs."""
-    return [caution for each in checks() if SCENE in each.applies_to for caution in each(scene)]
+    asked = loaded(scene)
+    return [caution for each in checks() if SCENE in each.applies_to for caution in each(asked)]
 
 
 @check("extrapolated", STATES)
@@ -136,7 +138,7 @@ def extrapolated_bodies(solution: Solution) -> Iterator[Caution]:
 
 
 @check("load-within-body", (SCENE,))
-def loads_within_bodies(scene: Scene) -> Iterator[Caution]:
+def loads_within_bodies(scene: ResolvedScene) -> Iterator[Caution]:
     """A load acts along a line between two points of one rigid body: it has no effect.
 
     Limit: any.
@@ -153,7 +155,7 @@ def loads_within_bodies(scene: Scene) -> Iterator[Caution]:
 
 
 @check("held-by-nothing", (SCENE,))
-def held_by_nothing(scene: Scene) -> Iterator[Caution]:
+def held_by_nothing(scene: ResolvedScene) -> Iterator[Caution]:
     """No joint and no spring holds a flexible body that its model clamps.
 
     Limit: any.

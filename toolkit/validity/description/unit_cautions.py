@@ -13,7 +13,7 @@ from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import SCENE, Caution, check
 from toolkit.markers.component import Component
 from toolkit.reduced_model.questions.material_questions import IN_SI, material_questions
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 
 THICK, THIN = 3.0, 2e-5
 """Thickness of a flexible body in radii of gyration above and below which it is questioned."""
@@ -34,12 +34,12 @@ LIKE_EARTH = 0.06
 
 
 @check("unit-of-density", (SCENE,))
-def unlikely_materials(scene: Scene) -> Iterator[Caution]:
+def unlikely_materials(scene: ResolvedScene) -> Iterator[Caution]:
     """Materials of bodies that no material is, or that are those of other units."""
     return _said_once(scene, _of_material)
 
 
-def _said_once(scene: Scene, check_of: Callable[[Scene, str, Any], Iterator[Caution]]) -> Iterator[Caution]:
+def _said_once(scene: ResolvedScene, check_of: Callable[[ResolvedScene, str, Any], Iterator[Caution]]) -> Iterator[Caution]:
     """Cautions about the bodies of a scene; what many of them share is said once."""
     said: set[str] = set()
     for name, body in scene.bodies.items():
@@ -50,12 +50,12 @@ def _said_once(scene: Scene, check_of: Callable[[Scene, str, Any], Iterator[Caut
                 yield caution
 
 
-def _numbers(scene: Scene, body: ModelBody) -> dict[str, float]:
+def _numbers(scene: ResolvedScene, body: ModelBody) -> dict[str, float]:
     values = {**scene.model(body.model).nominal, **body.model_values()}
     return {key: float(np.real(value)) for key, value in values.items()}
 
 
-def _of_material(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
+def _of_material(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
     if isinstance(body, ModelBody):
         yield from material_questions(_numbers(scene, body), scene.units, f"bodies.{name}")
     elif isinstance(body, UniformRod):
@@ -63,7 +63,7 @@ def _of_material(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
 
 
 @check("unit-of-thickness", (SCENE,))
-def unlikely_thicknesses(scene: Scene) -> Iterator[Caution]:
+def unlikely_thicknesses(scene: ResolvedScene) -> Iterator[Caution]:
     """The thickness of a body is out of proportion to its size.
 
     Limit: 3 times the radius of gyration, or 2e-5 of it.
@@ -72,7 +72,7 @@ def unlikely_thicknesses(scene: Scene) -> Iterator[Caution]:
     return _said_once(scene, _of_thickness)
 
 
-def _of_thickness(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
+def _of_thickness(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
     if not isinstance(body, ModelBody):
         return
     where, size, length = f"bodies.{name}", body.radius_of_gyration(scene), unit(scene.units, "length")
@@ -87,7 +87,7 @@ def _of_thickness(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
 
 
 @check("unit-of-area", (SCENE,))
-def unlikely_areas(scene: Scene) -> Iterator[Caution]:
+def unlikely_areas(scene: ResolvedScene) -> Iterator[Caution]:
     """The area of a rod makes it thicker than it is long: it may be in another unit.
 
     Limit: 3 times as thick as long.
@@ -96,7 +96,7 @@ def unlikely_areas(scene: Scene) -> Iterator[Caution]:
     return _said_once(scene, _of_rod)
 
 
-def _of_rod(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
+def _of_rod(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
     if not isinstance(body, UniformRod):
         return
     start, end = (np.real(scene.position(point)) for point in body.between)
@@ -110,7 +110,7 @@ def _of_rod(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
 
 
 @check("unit-of-mass", (SCENE,))
-def unlikely_masses(scene: Scene) -> Iterator[Caution]:
+def unlikely_masses(scene: ResolvedScene) -> Iterator[Caution]:
     """The mass of a rigid body is that of none of its size.
 
     Limit: 1000 times the density of osmium.
@@ -119,7 +119,7 @@ def unlikely_masses(scene: Scene) -> Iterator[Caution]:
     return _said_once(scene, _of_mass)
 
 
-def _of_mass(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
+def _of_mass(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
     span = _span(scene, name) if isinstance(body, GivenMass) else 0.0
     if span > APART * _extent(scene) and float(np.real(body.mass)) / span**3 * IN_SI[scene.units]["density"] > DENSEST:
         yield unlikely_masses.caution(
@@ -130,7 +130,7 @@ def _of_mass(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
 
 
 @check("unit-of-inertia", (SCENE,))
-def unlikely_inertias(scene: Scene) -> Iterator[Caution]:
+def unlikely_inertias(scene: ResolvedScene) -> Iterator[Caution]:
     """The inertia of a rigid body with its mass is that of one far larger than the scene.
 
     Limit: a radius of gyration of 30 times the extent of the scene's points.
@@ -139,7 +139,7 @@ def unlikely_inertias(scene: Scene) -> Iterator[Caution]:
     return _said_once(scene, _of_inertia)
 
 
-def _of_inertia(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
+def _of_inertia(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
     extent, length = _extent(scene), unit(scene.units, "length")
     if isinstance(body, GivenMass) and extent and (radius := body.radius_of_gyration(scene)) > FAR_OUT * extent:
         yield unlikely_inertias.caution(
@@ -149,7 +149,7 @@ def _of_inertia(scene: Scene, name: str, body: Any) -> Iterator[Caution]:
         )
 
 
-def _span(scene: Scene, name: str) -> float:
+def _span(scene: ResolvedScene, name: str) -> float:
     """Largest distance between points where joints and loads grip a body; 0 with fewer than two."""
     components = [each for each in (*scene.joints.values(), *scene.loads.values()) if isinstance(each, Component)]
     places = {point for each in components for body, point in each.grips if body == name}
@@ -157,14 +157,14 @@ def _span(scene: Scene, name: str) -> float:
     return float(np.linalg.norm(positions[:, None] - positions[None], axis=-1).max()) if len(positions) > 1 else 0.0
 
 
-def _extent(scene: Scene) -> float:
+def _extent(scene: ResolvedScene) -> float:
     """Extent of the points; 0 if there are fewer than two."""
     positions = np.array([np.real(scene.position(point)) for point in scene.points])
     return float(np.ptp(positions, axis=0).max()) if len(positions) > 1 else 0.0
 
 
 @check("unit-of-gravity", (SCENE,))
-def unlikely_gravity(scene: Scene) -> Iterator[Caution]:
+def unlikely_gravity(scene: ResolvedScene) -> Iterator[Caution]:
     """Gravity has the digits of 9.81 m/s2 in a scene in mm.
 
     Limit: 9.78 to 9.84 in mm-t-s.

@@ -93,7 +93,7 @@ def largest_work(solution: Solution) -> float:
 
     Zero with inertia, where the sum of the works is a size itself.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     if not (solution.options or scene.solver).quasi_static:
         return 0.0
     steps = np.array(spread(len(solution.times) - 1, LOOKED_AT))

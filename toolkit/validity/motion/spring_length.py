@@ -27,7 +27,7 @@ def springs_through_zero(solution: Solution) -> Iterator[Caution]:
     Its force jumps by 2 k l_0 there. Values follow the jump to first order in the step; derivatives hold it at its time, and miss how the
     design moves it.
     """
-    scene, last = solution.system.placed, len(solution.times) - 1
+    scene, last = solution.system.scene, len(solution.times) - 1
     springs = {
         name: load
         for name, load in scene.loads.items()

@@ -34,7 +34,7 @@ def middle_spins(solution: Solution) -> Iterator[Caution]:
     Limit: growth by 100, and less than 1e-6 of the spin across the axis at the start.
     Fix: a disturbance that is meant in the body's `angular_velocity`, such as a thousandth of it.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     held = {body for joint in scene.joints.values() for body, _ in joint.grips}
     for name, body in scene.bodies.items():
         if isinstance(body, SpatialRigidBody) and name not in held and body.turns == QUATERNION:
@@ -49,7 +49,7 @@ def middle_spins(solution: Solution) -> Iterator[Caution]:
 
 def _growth(solution: Solution, name: str, body: SpatialRigidBody) -> tuple[float, float]:
     """Part of the spin that lies across the middle axis at the start, and the exponent by which it grows while it is small."""
-    moments, axes = np.linalg.eigh(np.real(body.mass_properties(solution.system.placed)[2]))
+    moments, axes = np.linalg.eigh(np.real(body.mass_properties(solution.system.scene)[2]))
     first, middle, last = moments.sum() - moments[::-1]
     where = solution.coordinates(name)
     turned = slice(where.start + body.moves, where.start + body.moves + QUATERNION)

@@ -36,7 +36,7 @@ def _written_shapes(scene: Scene) -> dict[str, ModelBody]:
 @check("assembled")
 def bent_otherwise(solution: Solution) -> Iterator[Caution]:
     """Remarks on written deflections that closing the joints has changed."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     for name, body in _written_shapes(scene).items():
         q_f = np.real(solution.q[0, elastic_coordinates(solution, name)])
         for point, written in body.deflected["deflection"].items():
@@ -58,7 +58,7 @@ def shapes_without_effect(solution: Solution) -> Iterator[Caution]:
     Limit: any.
     Fix: leave it out, or start from the written positions.
     """
-    for name in [*_written_shapes(solution.system.placed)][:1]:
+    for name in [*_written_shapes(solution.system.scene)][:1]:
         yield shapes_without_effect.caution(
             f"the deflection of {name!r} at the start has no effect: an equilibrium, and a run that starts from one, finds its own shape.",
             doubt=False,
@@ -100,7 +100,7 @@ def cautions_of_start(solution: Solution) -> Iterator[Caution]:
 
 def moved_bodies(solution: Solution) -> dict[str, tuple[float, float]]:
     """Difference of a run's start from the written positions: body -> (distance of its origin, angle in rad)."""
-    given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.placed
+    given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.scene
     return {name: _move(body, given[at], found[at]) for name, body in scene.bodies.items() for at in [solution.coordinates(name)]}
 
 
@@ -121,7 +121,7 @@ def kept_start(solution: Solution) -> Iterator[Caution]:
     Limit: any.
     Fix: run the first one with these numbers.
     """
-    system, end = solution.system, kept_state(solution.system.placed)
+    system, end = solution.system, kept_state(solution.system.scene)
     if end is None:
         return
     yield from moved_start(solution, moved_by(system, end.q, solution.q[0]))
@@ -158,7 +158,7 @@ def moved_by_assembly(solution: Solution) -> Iterator[Caution]:
     Limit: 1e-9 of the model size (or rad); in statics its own tolerance of positions.
     Fix: nothing, or write the positions that are told.
     """
-    size, label = solution.system.placed.size, unit(solution.system.scene.units, "length")
+    size, label = solution.system.scene.size, unit(solution.system.scene.units, "length")
     moves = {name: move for name, move in moved_bodies(solution).items() if max(move[0] / size, move[1]) > MOVED}
     if moves:
         furthest = sorted(moves, key=lambda name: -max(moves[name][0] / size, moves[name][1]))[:MOST_NAMED]
@@ -211,8 +211,8 @@ def velocities_without_effect(solution: Solution) -> Iterator[Caution]:
     Limit: any.
     Fix: leave it out, or leave out `solver.quasi_static`.
     """
-    bodies = solution.system.placed.bodies.items()
-    scene = solution.system.placed
+    bodies = solution.system.scene.bodies.items()
+    scene = solution.system.scene
     written = [name for name, body in bodies if body.written_velocities() or writes_shape(body)]
     moving = [name for name in written if np.any(scene.bodies[name].initial_state(scene)[1])]
     if moving:
@@ -232,7 +232,7 @@ def deforming_starts(solution: Solution) -> Iterator[Caution]:
     label = unit(solution.system.scene.units, "length")
     fastest = float((solution.system.weights[: solution.system.n_q] * np.abs(np.real(solution.v[0]))).max(initial=0))
     for each in start_state(solution):
-        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.placed.size:
+        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.scene.size:
             yield deforming_starts.caution(
                 f"{each.body!r} starts deforming with {each.deforming:.3g} {label}/s: the joints and the written velocities leave no "
                 f"motion in which it keeps its shape. It begins to vibrate. {deforming_starts.fix}",

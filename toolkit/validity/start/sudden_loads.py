@@ -62,7 +62,7 @@ def halved_steps(solution: Solution) -> Iterator[Caution]:
     lengths, count = np.diff(solution.whole_run), len(solution.halved)
     when = ", ".join(f"{time:.4g}" for time in solution.halved[:MOST_NAMED])
     more = f" and {count - MOST_NAMED} more" if count > MOST_NAMED else ""
-    why = told_loads(solution.system.placed, options) if solution.halved[0] == 0 and not solution.own_start else ""
+    why = told_loads(solution.system.scene, options) if solution.halved[0] == 0 and not solution.own_start else ""
     why = told_frictions(solution.system, _padded(solution), float(lengths.max())) or why
     yield halved_steps.caution(
         f"{count} {'step was' if count == 1 else 'steps were'} halved, because Newton did not converge in a whole one: at "

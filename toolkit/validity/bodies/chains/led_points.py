@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
 from toolkit.system.marker_states import marker_states
 from toolkit.system.solution import Solution
@@ -163,7 +163,7 @@ def _own(solution: Solution, line: Line, q: np.ndarray) -> np.ndarray:
     return q[solution.coordinates(line.body)]
 
 
-def _place(scene: Scene, line: Line, own: np.ndarray, place: np.ndarray, shape: np.ndarray) -> np.ndarray:
+def _place(scene: ResolvedScene, line: Line, own: np.ndarray, place: np.ndarray, shape: np.ndarray) -> np.ndarray:
     """Where a point of the body is, (d,), by the body's coordinates, real or complex."""
     body: Any = scene.body(line.body)
     origin = own[: body.moves] if body.moves else np.array(body.position)

@@ -22,7 +22,7 @@ CERTAIN = 2
 @check("outgrown-frames", STATES)
 def outgrown_choices(solution: Solution) -> Iterator[Caution]:
     """Bodies whose number of frames was chosen by an error that this solution exceeds."""
-    choices = choices_in(solution.system.placed)
+    choices = choices_in(solution.system.scene)
     for body, metered in geometric_errors(solution).items() if choices else ():
         if metered is None or body not in choices or choices[body][1].kept_run:
             continue

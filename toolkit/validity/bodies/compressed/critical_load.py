@@ -70,7 +70,7 @@ def compression(solution: Solution, of_interest: float = 0.0) -> Compression | N
 
     So it is, too, where less than a part of interest is known to be missing in all states: to know that takes less time.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     known = {body: found for body in flexible_bodies(scene) if (found := stiffening(scene, body))}
     softest = _softest(solution, known)
     if of_interest and all(misses_less(solution, known, n, of_interest) for n in softest):

@@ -128,7 +128,7 @@ def _faster(found: Merging, s: complex) -> str:
 
 
 def _remedy(solution: Solution, found: Merging) -> str:
-    return f"Fix: {divided(solution.system.placed, found.body, ENOUGH)}."
+    return f"Fix: {divided(solution.system.scene, found.body, ENOUGH)}."
 
 
 def _size(part: float) -> str:
@@ -147,9 +147,7 @@ def _times(found: Merging, k: int, of_loads: bool) -> float:
 def _found(solution: Solution) -> Merging | None:
     """Vibrations with and without the missing geometric stiffness; None where the stiffness is symmetric or complete."""
     if Merging not in solution.known:
-        known = {
-            body: law for body in flexible_bodies(solution.system.placed) if (law := stiffening(solution.system.placed, body))
-        }
+        known = {body: law for body in flexible_bodies(solution.system.scene) if (law := stiffening(solution.system.scene, body))}
         solution.known[Merging] = _compared(solution, known) if known else None
     found: Merging | None = solution.known[Merging]
     return found

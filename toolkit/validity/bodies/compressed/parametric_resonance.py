@@ -91,7 +91,7 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
         times = found.true / found.found
         yield parametric_resonance.caution(
             f"{what}. These equations, which lack the geometric stiffness inside of frames, do not show it. With it this vibration is up "
-            f"to {times:.3g} times as large. Fix: {divided(solution.system.placed, found.body, 4.0)}.",
+            f"to {times:.3g} times as large. Fix: {divided(solution.system.scene, found.body, 4.0)}.",
         )
     elif not shown and found.growth > SETS_OFF:
         yield parametric_resonance.caution(
@@ -104,7 +104,7 @@ def resonance(solution: Solution) -> Resonance | None:
     """Vibration that grows most by alternating forces; None where none alternates, or nothing grows."""
     if not solution.steps or len(solution.times) < ALTERNATES or _moved(solution) > STILL:
         return None
-    scene = solution.system.placed
+    scene = solution.system.scene
     known = {body: law for body in flexible_bodies(scene) if (law := stiffening(scene, body))}
     alternating = [body for body, law in known.items() if _alternates(solution, body, law)]
     if not alternating:
@@ -120,7 +120,7 @@ def _alternates(solution: Solution, body: str, law: Stiffening) -> bool:
     For a part, the whole that it was cut from counts, by the square of the number of parts.
     """
     part = np.real(solution.q[:, elastic_coordinates(solution, body)]) @ (law.compliances @ law.forces)
-    scene = solution.system.placed
+    scene = solution.system.scene
     whole = getattr(scene.body(body), "whole", None)
     count = sum(getattr(scene.body(each), "whole", "") == whole for each in scene.pieces()) if whole else 1
     half = count**2 * np.ptp(part) / 2

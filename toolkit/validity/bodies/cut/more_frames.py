@@ -6,12 +6,11 @@ import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.cuttable_body import CuttableBody
-from toolkit.scene.cut_scene import can_be_cut, fewest_cut, most_frames
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene, can_be_cut, fewest_cut, most_frames
 from toolkit.system.flexible_bodies import elements_of
 
 
-def divided(scene: Scene, body: str, excess: float) -> str:
+def divided(scene: ResolvedScene, body: str, excess: float) -> str:
     """What divides a body whose error is so many times what it may be: frames in a number where its model allows them.
 
     The error falls with the square of the number.

@@ -18,7 +18,7 @@ import numpy as np
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.reduced_model.parts.sections import BeamSections
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import SECTIONS, chain
@@ -37,20 +37,20 @@ def fibres_alone(solution: Solution) -> Iterator[Caution]:
     Limit: 5 % of von Mises' stress.
     Fix: fibres in the frame file, or a body of solid elements.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     for body in whole_bodies(scene):
         if body in bodies_of_stress(scene) and not is_in_pieces(scene, body) and is_of_fibres(scene, body):
             yield from _lacking(solution, body)
 
 
-def is_of_fibres(scene: Scene, body: str) -> bool:
+def is_of_fibres(scene: ResolvedScene, body: str) -> bool:
     """Whether the stress of a body is that of beams in space: one component at every point, where solids have six."""
     _, *components, _ = flexible_body(scene, body).design_point(scene).model.invariants.stress_operator.shape
     return components == [1]
 
 
 def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
-    scene = solution.system.placed
+    scene = solution.system.scene
     parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
     found = [_stresses(solution, body, name) for name in parts]
     known = [each for each in found if each is not None]
@@ -81,7 +81,7 @@ def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] |
 
     None where elements or sections are not known, infinite where a section has no fibre but its middle.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     behind = chain(scene, name)
     if behind is None:
         return None
@@ -117,7 +117,7 @@ class Fibres(NamedTuple):
     made_of: BeamSections  # of all elements of the part
 
 
-def _fibres(scene: Scene, body: str, name: str, count: int) -> Fibres | None:
+def _fibres(scene: ResolvedScene, body: str, name: str, count: int) -> Fibres | None:
     """Fibres of a part with so many elements; None where its sections are not known."""
     design = flexible_body(scene, body).design_point(
         scene, "stress", "elements", "element_derivatives", "element_affine", *SECTIONS

@@ -34,7 +34,7 @@ from toolkit.joints.joint import Joint
 from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.cut.part_model import FIRST, LAST
 from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.solvers.spin.generator import angular_velocity
 from toolkit.system.flexible_bodies import deforming, design_point, flexible_body, spins_of
 from toolkit.system.solution import Solution
@@ -67,13 +67,13 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
         f"spin {lowers}, and those in this plane by more. Fix: spin_stiffening = true in its table, with a reduced model that was built "
         "for it; or more bodies in a row, which stiffen at the joints between them: with twice as many a quarter of this is left."
     )
-    if flexible_body(solution.system.placed, worst).spin_stiffening:
+    if flexible_body(solution.system.scene, worst).spin_stiffening:
         text = told(worst, part)
     yield missing_stiffening.caution(text, doubt=part > DOUBTFUL)
 
 
 def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
-    scene = solution.system.placed
+    scene = solution.system.scene
     for name, body in ((name, body) for name, body in scene.bodies.items() if isinstance(body, CutBody)):
         across, within = lacking(solution, name, body)
         spatial, frames = len(scene.space.axes) > 2, len(body.cuts) - 1  # in the plane nothing vibrates across it
@@ -92,7 +92,7 @@ def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
 
 def lacking(solution: Solution, name: str, body: CutBody) -> tuple[float, float]:
     """Parts by which the lowest frequencies of a cut body across the plane of the spin and in this plane are too low."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     forces: dict[str, dict[str, float]] = {part: {} for part in body.parts(name)}
     of_joints = wrenches_of_joints(solution).at(0)[:, 0, : scene.dimension]
     for force, joint in zip(of_joints, scene.joints.values(), strict=True):
@@ -116,18 +116,18 @@ def _bent(lengths: np.ndarray, free_at_first: bool, free_at_last: bool) -> np.nd
     return np.diff(ends) if free_at_first or not free_at_last else -np.diff((1 - ends) ** 5)
 
 
-def _length(scene: Scene, part: str) -> float:
+def _length(scene: ResolvedScene, part: str) -> float:
     one, other = (np.real(design_point(scene, part).interface(name).here[0][:, 0]) for name in (FIRST, LAST))
     return float(np.linalg.norm(other - one))
 
 
 def _flexible(solution: Solution) -> list[str]:
-    bodies = deforming(solution.system.placed)
+    bodies = deforming(solution.system.scene)
     return [name for name, body in bodies.items() if body.turns and not isinstance(body, FramedPart)]
 
 
 def _part(solution: Solution, body: str, speed: float) -> float:
-    scene = solution.system.placed
+    scene = solution.system.scene
     gripped: dict[str, float] = {}
     of_joints = wrenches_of_joints(solution).at(0)[:, 0, : scene.dimension]
     for force, joint in zip(of_joints, scene.joints.values(), strict=True):

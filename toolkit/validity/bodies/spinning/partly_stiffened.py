@@ -34,7 +34,7 @@ CARRIED = 0.01
 
 def stiffened(solution: Solution) -> list[str]:
     """Names of the bodies that ask for stiffening by their spin."""
-    bodies = deforming(solution.system.placed).items()
+    bodies = deforming(solution.system.scene).items()
     return [name for name, body in bodies if body.spin_stiffening and not isinstance(body, FramedPart)]
 
 
@@ -64,7 +64,7 @@ def off_the_axis(solution: Solution, body: str, spin: np.ndarray, instant: int) 
     speed = float(np.linalg.norm(spin))
     if speed == 0:
         return 0.0
-    scene = solution.system.placed
+    scene = solution.system.scene
     found: Any = flexible_body(scene, body)
     inv, where = found.invariants(scene), solution.coordinates(body)
     centre = np.zeros(3)

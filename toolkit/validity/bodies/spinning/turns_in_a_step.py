@@ -34,7 +34,7 @@ def turns_in_a_step(solution: Solution) -> Iterator[Caution]:
     Steps of other lengths may all see it at the same angles: with a turn in each of them a point on a wheel rests, and a force that
     turns with it is constant. The frames of bodies that move freely in space are not looked at: Newton's iteration fails before.
     """
-    numbering, scene = solution.system.numbering, solution.system.placed
+    numbering, scene = solution.system.numbering, solution.system.scene
     turned = {
         name: _furthest(solution, numbering.first[name] + body.moves)
         for name, body in scene.bodies.items()
@@ -60,7 +60,7 @@ def _furthest(solution: Solution, coordinate: int) -> float:
 def _matters(solution: Solution, name: str) -> bool:
     """Whether anything depends on how the body stands: it deforms, or something grips it or looks at it beside its centre, or along its
     own axes."""
-    system, scene = solution.system, solution.system.placed
+    system, scene = solution.system, solution.system.scene
     body, first = scene.bodies[name], system.numbering.first[name]
     if isinstance(body, ModelBody) or any(_directed(each, name) for each in _components(scene)):
         return True

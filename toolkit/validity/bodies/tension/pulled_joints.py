@@ -55,7 +55,7 @@ def pulled_joints(solution: Solution) -> Iterator[Caution]:
     """Doubts about responses that are joint forces, at the end or over time, and lack the pull of a deflection."""
     low = {name: each for name, each in lacking_joints(solution).items() if abs(each.missing) > LIMIT * each.counts > 0}
     if low:
-        body, scene = most_pulled(solution), solution.system.placed
+        body, scene = most_pulled(solution), solution.system.scene
         asked = joint_forces(scene)
         told = [
             f"{name} by {abs(each.missing):.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {each.size:.3g} at the most"

@@ -152,5 +152,5 @@ def _times(factor: float) -> str:
 
 
 def _remedy(solution: Solution, body: str, part: float) -> str:
-    helps = divided(solution.system.placed, body, part / LIMIT)
+    helps = divided(solution.system.scene, body, part / LIMIT)
     return f"Linear FFRF knows this between frames, and not inside of one. Fix: {helps}."
