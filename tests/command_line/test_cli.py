@@ -30,7 +30,7 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.sensitivity.result import result
+from toolkit.sensitivity.run import run_of
 
 ROOT = Path(__file__).parents[2]
 SCENE = str(ROOT / "models" / "morphing_wing" / "scene.toml")
@@ -268,7 +268,7 @@ def test_a_number_that_does_not_exist_is_null_and_named():
     scene = read_scene(SCENE)
     solution = solve(prepare(scene), "static")
     slopes = {name: {"t_w": np.nan if name == "shape_rmse" else 1.0} for name in RESPONSES}
-    found = result(scene, solution, evaluate_responses(solution), slopes, "direct", 0.0, 0.0)
+    found = run_of(solution, evaluate_responses(solution), slopes, "direct", 0.0, 0.0)
     assert any(each.code == "undefined" and "the derivative of shape_rmse by t_w" in each.text for each in found.warnings)
     told = finite(RunAnswer(found, found.verdict).record())
     assert told["gradients"]["shape_rmse"] == {"t_w": None}
@@ -606,7 +606,8 @@ def test_a_scene_in_place_of_results_and_no_variable_at_all_are_told():
 
 def test_the_command_on_the_page_about_new_ones_runs(tmp_path):
     """A body in the plane has three coordinates, and a distance is one row: as JSON, as tables and as files."""
-    (page,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "house.md").read_text(encoding="utf-8"), re.DOTALL)
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "house.md").read_text(encoding="utf-8"), re.DOTALL)
+    (page,) = (each for each in blocks if "def size(" in each)
     written: dict = {"__name__": "size_command"}
     exec(compile(page, "house.md", "exec"), written)
     new = typer.Typer()

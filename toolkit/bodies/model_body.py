@@ -3,7 +3,7 @@
 # Without `from __future__ import annotations`: pydantic before 2.13 looks for the names of the type of extra keys in the modules of
 # subclasses.
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -11,9 +11,9 @@ from pydantic import ConfigDict
 
 from toolkit.bodies.body import CENTRE, Body, Placed
 from toolkit.bodies.start_shape import start_shape
-from toolkit.bodies.unknown_keys import refuse_unknown_keys
 from toolkit.description.description import FileName, Number
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.design_point import DesignPoint, design_at
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
 from toolkit.reduced_model.parts.spin import SPIN_STIFFENING
@@ -61,9 +61,14 @@ class ModelBody(Body):
         return False
 
     @property
-    @abstractmethod
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
         """Written displacements at the start and their velocities: key of the table -> point -> numbers in the body's axes."""
+        written: Any = self
+        return {"deflection": written.deflection, "elastic_velocity": written.elastic_velocity}
+
+    def coordinate_names(self, scene: Placed) -> list[str]:
+        """Names of the frame's coordinates, and of the elastic ones by their numbers."""
+        return [*self.frame_names(), *(f"elastic coordinate {k}" for k in range(scene.model(self.model).n_f))]
 
     def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Elastic coordinates (n_f,) and their velocities at the start, see `start_shape`; zero where nothing is written."""
@@ -219,9 +224,35 @@ class ModelBody(Body):
     def spins(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Angular velocity of its frame in the axes of the reduced model, (n_t, 3), from its coordinates and velocities (n_t, size)."""
 
+    @property
     @abstractmethod
+    def placement(self) -> np.ndarray:
+        """Rotation matrix of the reduced model's axes at the start, (d, d)."""
+
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
         """Undeformed global position of an interface point, (d,)."""
+        written: Any = self
+        return np.array(written.position) + self.placement @ self.point(scene, point, name)[0][:, 0]
+
+
+def refuse_unknown_keys(body: Body, keys: Iterable[str], model: ReducedModel, scene: Placed) -> None:
+    """Refuse the first of these keys of a body that its reduced model has no parameter for.
+
+    Raises
+    ------
+    InputError
+        It names the body and the key, and lists its own keys and the parameters.
+    """
+    unknown = next((key for key in keys if key not in model.nominal), None)
+    if unknown is None:
+        return
+    name = next(name for name, other in scene.bodies.items() if other is body)
+    own = type(body).model_fields
+    raise InputError(
+        f"bodies.{name} has no key {unknown!r}{meant(unknown, [*own, *model.parameters])}, and its reduced model {model.label} has no "
+        f"parameter {unknown!r}. Keys: {listed(own)}; parameters: {listed(model.parameters)}. Use one of these names, or state the "
+        "parameter in the skin file and run preprocessing again."
+    )
 
 
 def refuse_unknown(model: ReducedModel, interface: str, body: str) -> None:

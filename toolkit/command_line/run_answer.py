@@ -11,9 +11,9 @@ from toolkit.foundation.units import unit
 from toolkit.report.answer import Answer, Record, Table
 
 if TYPE_CHECKING:
-    from toolkit.sensitivity.result import Result
+    from toolkit.sensitivity.run import Run
     from toolkit.system.solution import Solution
-    from toolkit.validity.bodies.deformation import Measured
+    from toolkit.validity.bodies.bent_surfaces import Measured
 
 Deformations = Mapping[str, "Measured | None"]
 
@@ -21,7 +21,7 @@ Deformations = Mapping[str, "Measured | None"]
 class RunAnswer(Answer):
     """Motion or equilibrium of a scene."""
 
-    result: Result
+    result: Run
 
     @cached_property
     def deformations(self) -> Deformations:
@@ -64,7 +64,7 @@ class RunAnswer(Answer):
         yield from remarks(self.result)
 
 
-def path_record(result: Result) -> Record:
+def path_record(result: Run) -> Record:
     """Record of what a static solution has passed on its path, if that was followed past limit points."""
     path = result.solution.path
     if not path or not path.passed_limit:
@@ -107,7 +107,7 @@ def deformation_table(solution: Solution, found: Deformations) -> Table:
     return Table(["deformation of", *sizes], rows)
 
 
-def accuracy(result: Result) -> list[str]:
+def accuracy(result: Run) -> list[str]:
     """Sentences on the time-step error of values and gradients, as far as it is known."""
     lines, found = [], result.step_error
     if result.solution.local_error is not None:
@@ -127,7 +127,7 @@ def _percent(part: float) -> str:
     return f"{100 * part:.2g} %" if part > 0 else "0 %"
 
 
-def chosen_steps(result: Result) -> list[str]:
+def chosen_steps(result: Run) -> list[str]:
     """Sentences on the steps that a run has chosen, and on whose derivatives its gradients are."""
     if (result.solution.options or result.solution.system.scene.solver).local_error is None:
         return []
@@ -139,7 +139,7 @@ def chosen_steps(result: Result) -> list[str]:
     )
 
 
-def remarks(result: Result) -> list[str]:
+def remarks(result: Run) -> list[str]:
     """Sentences on responses, constraint violation and energy balance, iterations and wall times."""
     from toolkit.responses.stress.stress import KSStress
     from toolkit.validity.start.start_state import start_lines

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.units import unit
 from toolkit.joints.joint import Joint
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.torque import Torque
 from toolkit.render.colors import UNDEFORMED
 from toolkit.render.curves import merged
 from toolkit.render.curves import told as told_apart
@@ -64,7 +64,7 @@ def monitor_curves(material: Material) -> list[Drawing]:
         below.axhline(tolerance, color="black", linewidth=1, linestyle=":")
         below.annotate("limit of the run", (times[-1], tolerance), (0, -3), textcoords="offset points", ha="right", va="top")
         below.set_ylabel("relative drift")
-        below.set_title("largest opening of a joint, relative to the scene's size", loc="left")
+        below.set_title("largest opening of a joint, relative to the model size", loc="left")
         below.set_xlabel(f"time in {unit(material.scene.units, 'time')}")
     caption = (
         "The defect of the energy balance is what the time scheme created (or took, negative), and the error of the sum over time steps. "

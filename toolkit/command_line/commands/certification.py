@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
     from toolkit.sensitivity.certificate.certificate import Certificate
     from toolkit.sensitivity.certificate.fresh_models import FreshGradients
-    from toolkit.sensitivity.result import Result
+    from toolkit.sensitivity.run import Run
 
 
 def certify(
@@ -132,7 +132,7 @@ class CertificateAnswer(Answer):
         yield certificate_drawing(self.result)
 
 
-def _tables_afresh(found: FreshGradients | None, exact: Result) -> Iterator[Table | str]:
+def _tables_afresh(found: FreshGradients | None, exact: Run) -> Iterator[Table | str]:
     """Table of gradients by fresh models, and what is missing in it."""
     if found is None:
         yield "No comparison with reduced models built afresh: the preprocessing is not installed."
@@ -206,14 +206,14 @@ def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> Fre
         return fresh_gradients(scene, names, kind, progress)
 
 
-def with_doubts_afresh(verdict: Verdict, found: FreshGradients | None, exact: Result) -> Verdict:
+def with_doubts_afresh(verdict: Verdict, found: FreshGradients | None, exact: Run) -> Verdict:
     """Verdict with what fresh models say against frozen bases."""
     from toolkit.sensitivity.certificate.fresh_models import doubts_of_fresh
 
     return verdict if found is None else Verdict.of([*verdict.warnings, *doubts_of_fresh(found, exact)], verdict.measures)
 
 
-def check_afresh(found: FreshGradients | None, exact: Result) -> None:
+def check_afresh(found: FreshGradients | None, exact: Run) -> None:
     """Refuse gradients that fresh models contradict.
 
     Raises

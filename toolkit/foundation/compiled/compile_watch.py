@@ -21,6 +21,13 @@ class CompileWatch(event.Listener):
         self._on_first, self._on_function = on_first, on_function
         self._depth = 0
         self._begun = 0.0
+        self._opened = clock.perf_counter()
+        self.rest = 0.0
+        """Time in s that the block took beyond compilation, once it has ended."""
+
+    def close(self) -> None:
+        """Note that the block has ended."""
+        self.rest = clock.perf_counter() - self._opened - self.seconds
 
     def on_start(self, event: event.Event) -> None:
         """Note that a function begins to be compiled."""
@@ -52,3 +59,4 @@ def watched_compilation(
         yield watch
     finally:
         event.unregister(KIND, watch)
+        watch.close()
