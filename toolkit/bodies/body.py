@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import model_validator
 
 from toolkit.bodies.chain_strains import Strains, no_strains
-from toolkit.description.description import InSpace, Number, Triple
+from toolkit.description.description import InSpace, Number, Scalar, Triple
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.vectors.rows import filled_up
 from toolkit.kinematics.spatial import angular_velocity, axes_along, matrix_of, quaternion_rate
@@ -41,10 +41,10 @@ class Placed(Protocol):
     def model(self, path: str, *parts: str) -> ReducedModel:
         """Parts of the reduced model in a file, whose path is relative to the scene's folder."""
 
-    def arc_lengths(self, body: Any) -> dict[str, Any]:
+    def arc_lengths(self, body: Body) -> dict[str, Scalar]:
         """Interface points of a body that the scene puts elsewhere along it, by their names in the reduced model."""
 
-    def of_body(self, body: Any, what: Hashable, make: Callable[[], T]) -> T:
+    def of_body(self, body: Body, what: Hashable, make: Callable[[], T]) -> T:
         """Result of a computation for one body of the scene; a scene that remembers its answers has it made once."""
 
 
@@ -139,7 +139,7 @@ class Body(InSpace):
         """Constant terms of the body's equations of motion."""
 
     @abstractmethod
-    def whole_mass(self, scene: Placed) -> Any:
+    def whole_mass(self, scene: Placed) -> Scalar:
         """Mass of the body."""
 
     def floating(self, _scene: Placed) -> Any:
@@ -150,7 +150,7 @@ class Body(InSpace):
         """Invariants of a moving frame, each times the body's mass-proportional damping; None if it has neither."""
         return None
 
-    def model_values(self) -> Mapping[str, Any]:
+    def model_values(self) -> Mapping[str, Scalar]:
         """Values of the parameters of the body's reduced model that the scene sets."""
         return {}
 
@@ -172,7 +172,7 @@ class MarkerNumbers(NamedTuple):
 class FloatingNumbers(NamedTuple):
     """Invariants of a flexible body with a moving frame; G, H and S on their common pattern."""
 
-    mass: Any
+    mass: Scalar
     moment: np.ndarray  # (1 + n_f, 2) N^T
     row: np.ndarray
     column: np.ndarray
@@ -180,7 +180,7 @@ class FloatingNumbers(NamedTuple):
     gyroscopic: np.ndarray
     stiffening: np.ndarray  # S on the same entries; () of a body that no spin stiffens
 
-    def times(self, factor: Any) -> FloatingNumbers:
+    def times(self, factor: Scalar) -> FloatingNumbers:
         """All invariants times a factor, without the spin stiffening S."""
         return self._replace(
             mass=factor * self.mass,
@@ -268,7 +268,7 @@ class SpatialMarkerNumbers(NamedTuple):
 class SpatialFloatingNumbers(NamedTuple):
     """Invariants of a body whose frame turns; all Q[a, b] and S[a, b] on their common pattern."""
 
-    mass: Any
+    mass: Scalar
     moment: np.ndarray  # (1 + n_f, 3) N^T
     row: np.ndarray
     column: np.ndarray
@@ -276,7 +276,7 @@ class SpatialFloatingNumbers(NamedTuple):
     axis: np.ndarray  # (3,) that a turning frame turns about
     stiffening: np.ndarray  # (n_entries, 9) S_ab - delta_ab tr S / 2; () of a body that no spin stiffens
 
-    def times(self, factor: Any) -> SpatialFloatingNumbers:
+    def times(self, factor: Scalar) -> SpatialFloatingNumbers:
         """All invariants times a factor, without the spin stiffening S."""
         return self._replace(
             mass=factor * self.mass, moment=factor * self.moment, second=factor * self.second, stiffening=np.zeros(())
@@ -375,7 +375,7 @@ class SpatialBody(Body):
         turning = {} if self.angular_velocity is None else {self.moves + k: "angular_velocity" for k in range(self.turns)}
         return turning | ({} if self.velocity is None else {k: f"velocity.{k}" for k in range(self.moves)})
 
-    def frame_state(self, origin: np.ndarray, quaternion: np.ndarray, omega: Any) -> tuple[np.ndarray, np.ndarray]:
+    def frame_state(self, origin: np.ndarray, quaternion: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and velocities of the frame at the start; omega in the frame's axes."""
         turned: dict[int, Any] = {
             4: (quaternion, quaternion_rate(quaternion, omega)),
@@ -401,7 +401,7 @@ class SpatialBody(Body):
         return found
 
     @abstractmethod
-    def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> Any:
+    def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> SpatialMarkerNumbers:
         """Marker on this body at the named point of the scene; `axes` (3, 3) in the undeformed configuration."""
 
 

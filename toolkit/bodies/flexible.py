@@ -39,24 +39,14 @@ class Flexible(CuttableBody, StartVelocity):
     """A flexible body, which moves with its frame. `frame = "grounded"` fixes the reference condition (the clamp of its model) to the
     ground: then no frame coordinates exist, and no joint can move the body as a whole.
 
-    Any parameter of the reduced model (thickness, youngs_modulus, ...) can be given by name and replaces its nominal value.
+    Any parameter of the reduced model (density, youngs_modulus, ...) can be given by name and replaces its nominal value.
 
     Attributes
     ----------
     frame
         Whether the reference condition moves or is fixed to the ground.
-    position
-        Where the origin of the reduced model lies at the start, in units of length.
     angle
         Rotation of the reduced model's axes at the start, in rad.
-    deflection
-        Point of the body -> u_x, u_y, its displacement at the start since the undeformed body, in the axes of the reduced model, in units
-        of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
-        as if forces at these points had bent it and let go. Statics, and `solver.start = "equilibrium"`, find their own shape.
-    elastic_velocity
-        Point of the body -> velocity of that displacement at the start, in length/time; the rest of the body moves in the shape of least
-        strain energy. It holds, or is refused if the joints do not allow it; left out, the body starts with the velocities that the
-        joints ask for, and without deforming where it can.
     """
 
     kind = "flexible"
@@ -199,18 +189,8 @@ class SpatialFlexible(CuttableBody, SpatialBody):
 
     Attributes
     ----------
-    position
-        Where the origin of the reduced model lies at the start, in units of length.
     orientation
         Rotation vector that turns the reduced model's axes to where they are at the start; its length is the angle in rad.
-    deflection
-        Point of the body -> its displacement at the start since the undeformed body, in the axes of the reduced model, in units
-        of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
-        as if forces at these points had bent it and let go. Statics, and `solver.start = "equilibrium"`, find their own shape.
-    elastic_velocity
-        Point of the body -> velocity of that displacement at the start, in length/time; the rest of the body moves in the shape of least
-        strain energy. It holds, or is refused if the joints do not allow it; left out, the body starts with the velocities that the
-        joints ask for, and without deforming where it can.
     """
 
     kind = "flexible"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -69,7 +69,7 @@ class SpatialGround(InertialFrame, SpatialBody):
 
     frame: Literal["grounded"] = "grounded"
 
-    def marker(self, scene: Placed, point: str, _name: str, axes: np.ndarray | None = None) -> Any:
+    def marker(self, scene: Placed, point: str, _name: str, axes: np.ndarray | None = None) -> SpatialMarkerNumbers:
         """Marker at a point that is fixed to the ground."""
         pose = pose_of(scene.position(point), np.eye(3) if axes is None else axes)
         return SpatialMarkerNumbers(pose, np.zeros(0, int), np.zeros((0, 6)))

@@ -11,7 +11,7 @@ from pydantic import ConfigDict
 
 from toolkit.bodies.body import CENTRE, Body, Placed
 from toolkit.bodies.start_shape import start_shape
-from toolkit.description.description import FileName, Number
+from toolkit.description.description import FileName, Number, Scalar
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.design_point import DesignPoint, design_at
@@ -41,6 +41,16 @@ class ModelBody(Body):
         Whether the centrifugal forces of its frame's spin stiffen the body: blades and discs that spin fast. It needs a reduced model that
         was built with `spin_stiffening = true` in `[basis]`, and a body of one frame, which turns. What accelerations of the frame, weight
         and forces at points of the body do to its stiffness is not in it.
+    position
+        Where the origin of the reduced model lies at the start, in units of length.
+    deflection
+        Point of the body -> its displacement at the start since the undeformed body, in the axes of the reduced model, in units of
+        length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
+        as if forces at these points had bent it and let go. Statics, and `solver.start = "equilibrium"`, find their own shape.
+    elastic_velocity
+        Point of the body -> velocity of that displacement at the start, in length/time; the rest of the body moves in the shape of least
+        strain energy. It holds, or is refused if the joints do not allow it; left out, the body starts with the velocities that the
+        joints ask for, and without deforming where it can.
     """
 
     model_config = ConfigDict(extra="allow")
@@ -61,7 +71,7 @@ class ModelBody(Body):
         return False
 
     @property
-    def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
+    def deflected(self) -> Mapping[str, Mapping[str, tuple[Scalar, ...]]]:
         """Written displacements at the start and their velocities: key of the table -> point -> numbers in the body's axes."""
         written: Any = self
         return {"deflection": written.deflection, "elastic_velocity": written.elastic_velocity}
@@ -83,7 +93,7 @@ class ModelBody(Body):
         points = {point: (self.point(scene, point, name)[0][:, 1:], np.array(wish)) for point, wish in written.items()}
         return start_shape(self.invariants(scene).stiffness, points, f"bodies.{name}.{key}")
 
-    def model_values(self) -> Mapping[str, Any]:
+    def model_values(self) -> Mapping[str, Scalar]:
         """Parameters of the reduced model that the scene sets."""
         return self.model_extra or {}
 
@@ -149,7 +159,7 @@ class ModelBody(Body):
             )
         return design.value(SPIN_STIFFENING)
 
-    def mass_damping(self, scene: Placed) -> Any:
+    def mass_damping(self, scene: Placed) -> Scalar:
         """alpha of the damping D = alpha M + c K, in 1/time; 0 if elements have values of their own, see `damping_differs`."""
         design = self.design_point(scene)
         number = design.model.numbers.get(MASS_DAMPING)
@@ -175,7 +185,7 @@ class ModelBody(Body):
     def undamped(self, scene: Placed) -> Any:
         """Value of `drag` where the damping is zero: invariants without entries."""
 
-    def whole_mass(self, scene: Placed) -> Any:
+    def whole_mass(self, scene: Placed) -> Scalar:
         """Mass of the body by its reduced model."""
         return self.invariants(scene).mass
 
@@ -274,6 +284,6 @@ def _names(model: ReducedModel) -> str:
     return ", ".join(model.interfaces or {}) or "none"
 
 
-def is_zero(damping: Any) -> bool:
+def is_zero(damping: Scalar) -> bool:
     """Whether a number is zero, and not a complex step from zero."""
     return not isinstance(damping, complex) and damping == 0

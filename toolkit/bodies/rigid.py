@@ -21,7 +21,7 @@ from toolkit.bodies.body import (
     no_constants,
     pose_of,
 )
-from toolkit.description.description import Number, Positive
+from toolkit.description.description import Number, Positive, Scalar
 from toolkit.description.quantity import Quantity
 
 
@@ -29,10 +29,10 @@ class AnyRigidBody(Body):
     """Base of rigid bodies in the plane and in space: mass, centre of mass, moments about it."""
 
     @abstractmethod
-    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
+    def mass_properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, Scalar]:
         """Mass, undeformed centre of mass (d,), and about it the moment of inertia, in space second moments int rho x_a x_b dV (3, 3)."""
 
-    def properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
+    def properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, Scalar]:
         """Result of `mass_properties`, kept because many ask for it."""
         return scene.of_body(self, "mass", lambda: self.mass_properties(scene))
 
@@ -44,7 +44,7 @@ class AnyRigidBody(Body):
         """Lengths of the frame's displacements, 1 each, and nan for the coordinates of its orientation."""
         return self.frame_lengths()
 
-    def whole_mass(self, scene: Placed) -> Any:
+    def whole_mass(self, scene: Placed) -> Scalar:
         """Mass of the body, as it is given or of the rod."""
         return self.properties(scene)[0]
 
@@ -93,7 +93,7 @@ class UniformRod(AnyRigidBody):
         """Names of both ends of the rod and of a frame's origin elsewhere, on which the body is built."""
         return (*self.between, *super().named_points())
 
-    def line(self, scene: Placed) -> tuple[Any, np.ndarray, np.ndarray]:
+    def line(self, scene: Placed) -> tuple[Scalar, np.ndarray, np.ndarray]:
         """Mass, middle (d,), and vector (d,) from the first to the second end."""
         start, end = (scene.position(point) for point in self.between)
         along = end - start
@@ -138,7 +138,7 @@ class Rigid(GivenMass, RigidBody):
 
     inertia: Annotated[Positive, Quantity("mass length^2")]
 
-    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
+    def mass_properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, Scalar]:
         """Given mass, undeformed global centre of mass (2,), and given moment of inertia about it."""
         return self.mass, scene.position(self.center), self.inertia
 
@@ -148,7 +148,7 @@ class Rod(UniformRod, RigidBody):
 
     kind = "rod"
 
-    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
+    def mass_properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, Scalar]:
         """Mass, undeformed global centre of mass (2,), and moment of inertia about it, from the end points of the rod."""
         mass, middle, along = self.line(scene)
         return mass, middle, mass * (along @ along) / 12
@@ -241,7 +241,7 @@ class SpatialRigid(GivenMass, SpatialRigidBody):
             )
         return inertia
 
-    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, np.ndarray]:
+    def mass_properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, np.ndarray]:
         """Given mass, undeformed centre of mass (3,), and second moments about it (3, 3) from the given moments of inertia."""
         return self.mass, scene.position(self.center), second_moments(np.array(self.inertia))
 
@@ -251,7 +251,7 @@ class SpatialRod(UniformRod, SpatialRigidBody):
 
     kind = "rod"
 
-    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, np.ndarray]:
+    def mass_properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, np.ndarray]:
         """Mass, undeformed centre of mass (3,), and second moments about it (3, 3), from the end points of the rod."""
         mass, middle, along = self.line(scene)
         square = along @ along

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 
-from toolkit.description.description import NotNegative
+from toolkit.description.description import NotNegative, Scalar
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.loads.load import Acting, BetweenBodies, PlanarLoad, SpatialLoad
@@ -92,7 +92,7 @@ class Bushing(BetweenBodies, Acting, PlanarLoad):
     rotational_stiffness: Annotated[NotNegative, Quantity("torque/angle")] = 0.0
     rotational_damping: Annotated[NotNegative, Quantity("torque time/angle")] = 0.0
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Parameters of the law: three stiffnesses and three dampings."""
         return [*self.stiffness, self.rotational_stiffness, *self.damping, self.rotational_damping]
 
@@ -189,6 +189,6 @@ class SpatialBushing(BetweenBodies, Acting, SpatialLoad):
     rotational_stiffness: Annotated[Three, Quantity("torque/angle")] = (0.0, 0.0, 0.0)
     rotational_damping: Annotated[Three, Quantity("torque time/angle")] = (0.0, 0.0, 0.0)
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Parameters of the law: six stiffnesses and six dampings."""
         return [*self.stiffness, *self.rotational_stiffness, *self.damping, *self.rotational_damping]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from toolkit.curves.curve import Curve
-from toolkit.description.description import NotNegative, Positive
+from toolkit.description.description import NotNegative, Positive, Scalar
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.rows import RowQuantity
@@ -44,7 +44,7 @@ class Controlled(Acting):
         """Quantity of the controller's integral, that of what it measures; None without integral action."""
         return None if self.integral_gain is None else self.measured
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Gains of the controller: proportional, derivative, integral."""
         return [self.proportional_gain, self.derivative_gain, 0.0 if self.integral_gain is None else self.integral_gain]
 
@@ -141,7 +141,7 @@ class PositionController(PositionControlled, AlongAxisLoad):
 
     formula = position_controller
 
-    def parameters(self, scene: Skeleton) -> list[Any]:
+    def parameters(self, scene: Skeleton) -> list[Scalar]:
         """Gains of the controller, and the angle of the axis."""
         return self.with_axis(PositionControlled.parameters(self, scene))
 

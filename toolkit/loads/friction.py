@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from numba.core.registry import CPUDispatcher
 
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.polynomial import Constant
-from toolkit.description.description import NotNegative, Positive
+from toolkit.description.description import NotNegative, Positive, Scalar
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.kernels.along import friction_along
@@ -43,7 +43,7 @@ class Friction(BetweenBodies):
         """Time curve s(t) that scales the friction."""
         return self.curve
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Parameters of the friction law: level and width."""
         return [self.level, self.width]
 
@@ -120,7 +120,7 @@ class PlanarSlidingFriction(SlidingFriction, AlongAxisLoad):
     formula = sliding_friction
     measure = plane_offset
 
-    def parameters(self, scene: Skeleton) -> list[Any]:
+    def parameters(self, scene: Skeleton) -> list[Scalar]:
         """Level and width of the friction law, and the angle of the axis."""
         return self.with_axis(SlidingFriction.parameters(self, scene))
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from toolkit.description.description import Description, InSpace, Registered
+from toolkit.description.description import Description, InSpace, Registered, Scalar
 from toolkit.foundation.kernel import plain
 from toolkit.joints.joint import AtPoint
 from toolkit.joints.kernels.laws import angle_of
@@ -66,7 +66,7 @@ class PlanarLoad(Load, AnyPlanarLoad):
 class AlongAxisLoad(AlongAxis, PlanarLoad):
     """Base of loads along an axis fixed in body b; the angle of the axis is the last parameter."""
 
-    def with_axis(self, found: list[Any]) -> list[Any]:
+    def with_axis(self, found: list[Scalar]) -> list[Scalar]:
         """Parameters of the law, followed by the angle of the axis."""
         x, y = self.axis
         return [*found, *[0.0] * (TILT - 6 - len(found)), plain(angle_of)(y, x)]

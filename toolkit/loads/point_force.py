@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import field_validator
 
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.polynomial import Constant
-from toolkit.description.description import Description, Number, Pair, Triple
+from toolkit.description.description import Description, Number, Pair, Scalar, Triple
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.kernels.load_kernel import CURVE, SPATIAL_CURVE
@@ -60,7 +60,7 @@ class AppliedForce(Description):
         """Time curve s(t) that scales the force."""
         return self.curve
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Components of the force, and whether it follows the body."""
         return [*self.force, 1.0 if self.frame == "body" else 0.0]
 

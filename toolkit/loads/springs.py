@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
-from toolkit.description.description import NotNegative, Number
+from toolkit.description.description import NotNegative, Number, Scalar
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.rows import RowQuantity
@@ -35,7 +35,7 @@ class PointSpring(BetweenPoints, Acting):
     damping: Annotated[NotNegative, Quantity("force time/length")] = 0.0
     length: Annotated[NotNegative | None, Quantity("length")] = None
 
-    def parameters(self, scene: Skeleton) -> list[Any]:
+    def parameters(self, scene: Skeleton) -> list[Scalar]:
         """Parameters of the law: stiffness, damping, relaxed length."""
         d = scene.position(self.points[0]) - scene.position(self.points[1])
         return [self.stiffness, self.damping, np.sqrt(d @ d) if self.length is None else self.length]
@@ -60,7 +60,7 @@ class TurnSpring(BetweenBodies, Acting):
     damping: Annotated[NotNegative, Quantity("torque time/angle")] = 0.0
     rest_angle: Annotated[Number, Quantity("angle")] = 0.0
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Parameters of the law: stiffness, damping, relaxed angle."""
         return [self.stiffness, self.damping, self.rest_angle]
 

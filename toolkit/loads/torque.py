@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.polynomial import Constant
-from toolkit.description.description import Description, Number, Triple
+from toolkit.description.description import Description, Number, Scalar, Triple
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.loads.kernels.load_kernel import CURVE, SPATIAL_CURVE
@@ -17,7 +17,9 @@ from toolkit.markers.component import Place, Skeleton, on_both
 
 
 class AppliedTorque(Description):
-    """Base of torques on a body, whose reaction acts on another. With two points it acts at the second.
+    """Torque M s(t) on `body` at `point` (any point of a rigid body); the reaction acts on `reaction`.
+
+    In the plane it is positive counter-clockwise. With two points the reaction acts at the second.
 
     Attributes
     ----------
@@ -29,6 +31,8 @@ class AppliedTorque(Description):
         s(t).
     reaction
         Body that the opposite torque acts on.
+    torque
+        M, in space M_x, M_y, M_z, in force length.
     """
 
     kind: ClassVar[str] = "torque"
@@ -68,21 +72,13 @@ def torque(z, w, force, force_z, force_w):
 
 
 class Torque(AppliedTorque, PlanarLoad):
-    """Torque M s(t) on `body` at `point` (any point of a rigid body), counter-clockwise positive; the reaction acts on `reaction`.
-
-    With two points the reaction acts at the second.
-
-    Attributes
-    ----------
-    torque
-        M, in force length.
-    """
+    __doc__ = AppliedTorque.__doc__
 
     formula = torque
 
     torque: Annotated[Number, Quantity("torque")]
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Parameter of the law: the torque."""
         return [self.torque]
 
@@ -123,12 +119,10 @@ def spatial_torque(z, w, force, force_z, force_w):
 class SpatialTorque(AppliedTorque, SpatialLoad):
     """Torque M s(t) on `body` at `point` (any point of a rigid body); the reaction acts on `reaction`.
 
-    With two points the reaction acts at the second.
+    In the plane it is positive counter-clockwise. With two points the reaction acts at the second.
 
     Attributes
     ----------
-    torque
-        M_x, M_y, M_z, in force length.
     frame
         Axes of M: those of space, or those that turn with `body` at the point.
     """
@@ -138,6 +132,6 @@ class SpatialTorque(AppliedTorque, SpatialLoad):
     torque: Annotated[Triple, Quantity("torque")]
     frame: Literal["space", "body"] = "space"
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
+    def parameters(self, _scene: Skeleton) -> list[Scalar]:
         """Components of the torque, and whether it follows the body."""
         return [*self.torque, 1.0 if self.frame == "body" else 0.0]
