@@ -26,17 +26,18 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.own_files import OWN, list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import replaced
+from toolkit.foundation.verdict import Verdict
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
+from toolkit.render.packages import RenderError
 from toolkit.render.pictures import file_names
-from toolkit.report.figures.catalogue import _scale, monitor_curves
-from toolkit.report.figures.stress_sensitivity import color_range, stress_sensitivity
+from toolkit.report.answer import Answer, Table, write
+from toolkit.report.figures import _scale, color_range, monitor_curves, stress_sensitivity
 from toolkit.report.material import JUDGES, PATIENCE, Material, judge
-from toolkit.report.own_folder import begin, refuse_foreign_files
 from toolkit.report.page import typeset
 from toolkit.report.sections import viewer_data
 from toolkit.report.tables import cost_table, gradient_table
-from toolkit.report.write import write_report
+from toolkit.report.write import begin, refuse_foreign_files, write_report
 from toolkit.results.collect import collect, restore_scene
 from toolkit.results.results_file import load_results
 from toolkit.scene.scene import Scene
@@ -470,3 +471,29 @@ def test_a_variable_without_influence_has_no_colours_of_round_off():
     found = direct(read_scene(WING), ["bodies.body2.density"], "static")
     (drawing,) = stress_sensitivity(Material(found.solution, collect(found)))
     assert drawing.figure.axes[0].get_title("left") == "at the end; no influence"
+
+
+def test_an_answer_holds_without_pictures_where_they_are_not_what_was_asked_for(tmp_path, monkeypatch):
+    """Tables with names are files, numbers that do not exist are null; without matplotlib that is said, or an error of a report."""
+
+    class Few(Answer):
+        name = "few"
+
+        def record(self):
+            return {"x": float("nan"), "y": [1.0, (float("inf"), "z")]}
+
+        def tables(self):
+            return [Table(["a"], [(1 / 3,)], "rows"), Table(["b"], [(2,)]), "said"]
+
+    def missing(*_):
+        raise RenderError("pictures need matplotlib")
+
+    monkeypatch.setattr("toolkit.report.answer.require", missing)
+    answer, told = Few(None, Verdict()), []
+    files = write(answer, tmp_path, note=told.append)
+    assert [file.name for file in files] == ["rows.csv", "few.json"]
+    assert json.loads(files[1].read_text()) == {"x": None, "y": [1.0, [None, "z"]]}
+    assert files[0].read_text() == "a\n0.3333333333333333\n"
+    assert told == ["no pictures: pictures need matplotlib"]
+    with pytest.raises(RenderError, match="need matplotlib"):
+        write(answer, tmp_path)

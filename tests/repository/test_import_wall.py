@@ -101,12 +101,9 @@ ONE_EACH = (
 """Rooms of kinds that users name: each kind has a file of its own, however small."""
 APART = {
     "toolkit.command_line.completion",
-    "toolkit.command_line.printed.deformation",
-    "toolkit.command_line.printed.remarks",
     "toolkit.compilation.arrays.strain_arrays",
     "toolkit.linear.elimination_order",
     "toolkit.render.paraview.spatial_meshes",
-    "toolkit.report.figures.skin_error",
     "toolkit.studies.optimization.search.cuts",
     "toolkit.system.evaluation_memory",
     "toolkit.system.handed_records",

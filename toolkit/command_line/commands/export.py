@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from toolkit.command_line.keeping import Models
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.printed.printing import print_files
+from toolkit.command_line.printing import prepare_folder, print_files
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet
 

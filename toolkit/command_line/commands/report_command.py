@@ -10,8 +10,7 @@ import typer
 from toolkit.command_line.announcements import Progress, at_work, bar
 from toolkit.command_line.arguments import Changes, read, split
 from toolkit.command_line.keeping import Models, SceneOrResults, check_options, is_results, text_of
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.printed.printing import warn
+from toolkit.command_line.printing import prepare_folder, warn
 from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
@@ -41,8 +40,7 @@ def report(
     from toolkit.render.packages import require
 
     require("matplotlib")  # which the report imports
-    from toolkit.report.own_folder import refuse_foreign_files
-    from toolkit.report.write import write_report
+    from toolkit.report.write import refuse_foreign_files, write_report
 
     check_options(file, changes, models)
     refuse_foreign_files(output, file)
