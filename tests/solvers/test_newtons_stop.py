@@ -18,8 +18,8 @@ from toolkit.bodies.planar.rigid import Rod
 from toolkit.curves.kinds.table import Table
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.compiled.rows import LANES
 from toolkit.foundation.kernel import plain
-from toolkit.foundation.vectors.rows import LANES
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.torque import Torque

@@ -11,7 +11,7 @@ from pydantic import model_validator
 from toolkit.bodies.body import QUATERNION, Body, Placed
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
-from toolkit.foundation.vectors.rows import filled_up
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.kinematics.spatial import angular_velocity, axes_along, matrix_of, quaternion_rate
 
 ORIENTATION = ("e0", "e1", "e2", "e3")

@@ -17,8 +17,8 @@ from toolkit.bodies.kernels.spatial.small_matrices import (
     transposed_product,
 )
 from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_jacobian
+from toolkit.foundation.compiled.rows import add_to_each
 from toolkit.foundation.kernel import inlined
-from toolkit.foundation.vectors.rows import add_to_each
 from toolkit.kinematics.spatial import second_products
 
 

@@ -21,8 +21,8 @@ import numpy as np
 from toolkit.bodies.kernels.spatial.products import multiply_spatial_block
 from toolkit.bodies.kernels.spatial.small_matrices import add_nine_rows, add_three_rows, along, product, turned_dot
 from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_residual
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.foundation.vectors.rows import filled_up
 
 
 class SpatialFloating(NamedTuple):

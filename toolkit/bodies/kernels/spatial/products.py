@@ -6,8 +6,8 @@ time, which is seven times faster than a list of entries. Those of bodies with m
 
 from toolkit.bodies.kernels.spatial.small_matrices import by_transpose, transposed_product
 from toolkit.bodies.kernels.spatial.stiffening import multiply_stiffened
+from toolkit.foundation.compiled.rows import LANES, add_to_each
 from toolkit.foundation.kernel import inlined
-from toolkit.foundation.vectors.rows import LANES, add_to_each
 
 
 @inlined
