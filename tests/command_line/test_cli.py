@@ -28,7 +28,7 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.sensitivity.result import result
+from toolkit.sensitivity.run import run_of
 
 ROOT = Path(__file__).parents[2]
 SCENE = str(ROOT / "models" / "morphing_wing" / "scene.toml")
@@ -266,7 +266,7 @@ def test_a_number_that_does_not_exist_is_null_and_named():
     scene = read_scene(SCENE)
     solution = solve(prepare(scene), "static")
     slopes = {name: {"t_w": np.nan if name == "shape_rmse" else 1.0} for name in RESPONSES}
-    found = result(scene, solution, evaluate_responses(solution), slopes, "direct", 0.0, 0.0)
+    found = run_of(solution, evaluate_responses(solution), slopes, "direct", 0.0, 0.0)
     assert any(each.code == "undefined" and "the derivative of shape_rmse by t_w" in each.text for each in found.warnings)
     assert record_of(found)["gradients"]["shape_rmse"] == {"t_w": None}
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from numba.core import event
@@ -20,7 +21,7 @@ from toolkit.command_line.rehearsal import rehearse, rehearse_everything, rehear
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene.space import PLANE
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.clock import repeated
+from toolkit.sensitivity.clock import price
 from toolkit.system.formulas import formulas_of
 
 ROOT = Path(__file__).parents[2]
@@ -196,17 +197,14 @@ def test_a_later_command_finds_its_formulas_whatever_the_first_one_was():
 
 def test_a_repetition_that_compiles_does_not_count(monkeypatch):
     """Five minutes of a run of two seconds."""
-    durations: list[float] = []
-
-    def work(_: object) -> str:
-        if not durations:
-            pretend_to_compile()
-        durations.append(2.0 if durations else 302.0)
-        return "done"
-
-    monkeypatch.setattr("toolkit.sensitivity.clock._clocked", lambda work, told: (work(told), durations[-1])[::-1])
-    assert repeated(work) == (2.0, "done")
-    assert durations == [302.0, 2.0]
+    with watched_compilation() as watch:
+        pretend_to_compile()
+    watch.seconds, watch.rest = 298.0, 4.0
+    times = iter([10.0, 12.0])
+    monkeypatch.setattr("toolkit.sensitivity.clock.clock", SimpleNamespace(perf_counter=lambda: next(times)))
+    assert price(watch, True, lambda: None) == 2.0
+    assert price(watch, False, lambda: None) == 4.0
+    assert list(times) == []
 
 
 def test_code_that_was_never_compiled_is_compiled_under_watch(tmp_path):

@@ -13,12 +13,12 @@ from tests.models.every_number import SCENES
 from tests.models.scenes import WING, hanging_skin
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.description.point import Point
 from toolkit.kinematics.planar import rotation
-from toolkit.loads.planar.bushing import Bushing
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.bushing import Bushing
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.responses.response import Response

@@ -367,7 +367,7 @@ def test_what_makes_the_numbers_doubtful_is_said(folder, tmp_path):
     assert turn == pytest.approx(5.5 / 4 / 2, rel=0.1)  # of 5.5 rad in all
     away = np.hypot(rolled.values["x"], rolled.values["z"])
     needed = 5.5 / np.sqrt(24 * LIMIT * away)  # n pieces of an arc of 1 m shorten by 5.5^2 / (24 n^2)
-    assert f"Cut it into some {int(np.ceil(needed))} pieces" in said
+    assert f"cut it into some {int(np.ceil(needed))} pieces" in said
     assert not short.verdict.trusted
     assert not rolled.verdict.trusted
 

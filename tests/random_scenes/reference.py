@@ -30,7 +30,7 @@ NO_FORCE = 1e-9
 SAMPLES = 48
 """Times at which an answer's size during the motion is looked for."""
 STILL = 1e-6
-"""Angle in rad, and displacement in parts of the scene's size, below which nothing moves."""
+"""Angle in rad, and displacement in parts of the model size, below which nothing moves."""
 ELASTICITY = 0.02
 """A gradient is compared with the largest it has during the motion, and at least with this part of answer over variable."""
 

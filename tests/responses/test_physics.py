@@ -11,19 +11,17 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.response_cases import CASES, TIP, write_models
 from tests.models.scenes import WING
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.rigid import SpatialRod
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod, SpatialRod
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
 from toolkit.responses.balance.mass import CentreOfMass, Mass
 from toolkit.responses.balance.power import Power
 from toolkit.responses.balance.work import Work

@@ -14,21 +14,17 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rigid, SpatialRigid
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.both.rigid_joint import RigidJoint, SpatialRigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.spatial.point_force import SpatialPointForce
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.joints.spherical import Spherical
+from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene

@@ -5,25 +5,19 @@ import pytest
 
 from tests.models.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.body import Body
-from toolkit.bodies.planar.body import PlanarBody
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.body import SpatialBody
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.body import Body, PlanarBody, SpatialBody
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.joint import Joint
-from toolkit.joints.planar.joint import PlanarJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.joint import SpatialJoint
-from toolkit.loads.load import AnyLoad, Load
-from toolkit.loads.planar.load import AnyPlanarLoad
-from toolkit.loads.planar.torque import Torque
-from toolkit.loads.spatial.load import AnySpatialLoad
+from toolkit.joints.joint import Joint, PlanarJoint, SpatialJoint
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
+from toolkit.loads.load import AnyLoad, AnyPlanarLoad, AnySpatialLoad, Load
+from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.scene_file.reader import read_scene

@@ -78,7 +78,7 @@ def test_the_shape_is_that_of_forces_at_the_written_points(folder, dimension):
     arm: Any = held.system.scene.bodies["arm"]
     found = {point: arm.point(held.system.scene, point, "arm")[0][:, 1:] @ held.q[-1] for point in forces}
     bent = compile_scene(alone(folder, dimension, deflection={point: tuple(map(float, u)) for point, u in found.items()}))
-    # statics stops at 1e-10 of the scene's size
+    # statics stops at 1e-10 of the model size
     np.testing.assert_allclose(bent.start()[0], held.q[-1], rtol=0, atol=1e-9 * np.abs(held.q[-1]).max())
 
 

@@ -11,13 +11,13 @@ from tests.models.solid_bodies import MODULUS, box, cantilever
 from tests.spatial.scenes import at
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.pressure import Pressure
 from toolkit.reduced_model.file import save
 from toolkit.responses.motion import Displacement
 from toolkit.responses.stress.stress import KSStress, MaxStress

@@ -10,20 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.bodies.rigid import Rod, SpatialRod
 from toolkit.description.point import Point
 from toolkit.description.run_options import Formulation, RunOptions
 from toolkit.foundation.kernel import first_class
 from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
-from toolkit.joints.kernels.turn_laws import teeth_law, turn_law
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.kernels.laws import teeth_law, turn_law
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.load import Load
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
+from toolkit.loads.springs import SpatialRotationalSpringDamper
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene

@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
-from toolkit.joints.places import BetweenPoints
+from toolkit.joints.joint import BetweenPoints
 from toolkit.loads.springs import PointSpring
 from toolkit.reduced_model.parameter_checks import check_parameters
 from toolkit.scene.scene import Scene

@@ -17,7 +17,7 @@ from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import Load
-from toolkit.loads.spatial.pressure import Pressure, PressureNumbers
+from toolkit.loads.pressure import Pressure, PressureNumbers
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 

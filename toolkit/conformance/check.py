@@ -11,9 +11,8 @@ from toolkit.conformance.formula import check_load_formula, moved_numbers, stepp
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
 from toolkit.conformance.response import check_partials
 from toolkit.foundation.kernel import plain
-from toolkit.joints.joint import Joint
+from toolkit.joints.joint import Joint, check_rows
 from toolkit.joints.kernels.profile import profile_law
-from toolkit.joints.row_checks import check_rows
 from toolkit.joints.rows import Row
 from toolkit.loads.load import Load
 from toolkit.responses.response import Response

@@ -12,10 +12,9 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.joints.both.tie import Tie
-from toolkit.joints.joint import Joint
-from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.joints.joint import AtPoint, AtPoints, BetweenPoints, Joint
+from toolkit.joints.rigid_joint import Tie
+from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
@@ -24,7 +23,7 @@ T = TypeVar("T")
 AT_ONE_PLACE = (AtPoint, SpatialTorque)
 """Components whose points on both bodies are at one place, or that nothing stretches between."""
 POINT = 1e-6
-"""Parts of the scene's size below which a body is a point, and two points are one."""
+"""Parts of the model size below which a body is a point, and two points are one."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import write_whole
-from toolkit.joints.both.tie import Tie
+from toolkit.joints.rigid_joint import Tie
 from toolkit.report import page
 from toolkit.report.drawing import Drawing
 from toolkit.report.figures.catalogue import FIGURES_IN

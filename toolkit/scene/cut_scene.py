@@ -16,7 +16,7 @@ from toolkit.bodies.model_body import FRAME, ModelBody
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
-from toolkit.joints.both.tie import Tie
+from toolkit.joints.rigid_joint import Tie
 from toolkit.reduced_model.cut.chain import breaks, chain_nodes, node_labels, place_at
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.cuts import cuts_of

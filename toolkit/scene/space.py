@@ -5,26 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from toolkit.bodies.body import Body
+from toolkit.bodies.body import Body, PlanarBody, SpatialBody
 from toolkit.bodies.cut.chosen_frames import ChosenFrames
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.planar.body import PlanarBody
+from toolkit.bodies.ground import Ground, SpatialGround
 from toolkit.bodies.planar.cut.chosen_frames import PlanarChosenFrames
 from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
-from toolkit.bodies.planar.ground import Ground
-from toolkit.bodies.spatial.body import SpatialBody
 from toolkit.bodies.spatial.cut.chosen_frames import SpatialChosenFrames
 from toolkit.bodies.spatial.cut.cut_body import SpatialCutBody
-from toolkit.bodies.spatial.ground import SpatialGround
 from toolkit.description.description import Registered
-from toolkit.joints.both.tie import PlanarTie, SpatialTie, Tie
+from toolkit.joints.joint import PlanarJoint, SpatialJoint
 from toolkit.joints.kernels.records import ROWS, SPATIAL_ROWS
-from toolkit.joints.planar.joint import PlanarJoint
-from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.rigid_joint import PlanarTie, SpatialTie, Tie
 from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
-from toolkit.loads.planar.load import AnyPlanarLoad
-from toolkit.loads.spatial.load import AnySpatialLoad
+from toolkit.loads.load import AnyPlanarLoad, AnySpatialLoad
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import Literal, get_args
 
 from toolkit.analyses.statics import solve_statics
@@ -17,6 +17,8 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
 
 Kind = Literal["transient", "static"]
+ANALYSES: dict[Kind, Callable[..., Solution]] = {"transient": simulate, "static": solve_statics}
+"""Kind of analysis -> function that solves a system."""
 
 
 def responses_of(scene: Scene, moving: bool = True) -> dict[str, Response]:
@@ -58,7 +60,7 @@ def solve(system: System, kind: Kind, progress: Progress | None = None, options:
         There is no analysis of that kind.
     """
     check_kind(kind)
-    return (solve_statics if kind == "static" else simulate)(system, options, progress=progress)
+    return ANALYSES[kind](system, options, progress=progress)
 
 
 def check_kind(kind: str) -> None:

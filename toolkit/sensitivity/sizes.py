@@ -26,7 +26,7 @@ class Differentiated(Protocol):
 
 
 def typical_size(scene: Scene, variable: DesignVariable) -> float:
-    """What a relative step refers to: the value, or for a zero the scene's size (points) or one."""
+    """What a relative step refers to: the value, or for a zero the model size (points) or one."""
     if variable.value != 0:
         return abs(variable.value)
     return scene.size if variable.path.startswith("points.") else 1.0
@@ -35,9 +35,9 @@ def typical_size(scene: Scene, variable: DesignVariable) -> float:
 def variable_sizes(scene: Scene, exact: Differentiated) -> dict[str, float]:
     """What a relative step of each variable refers to.
 
-    It is the value; for a zero of a point the scene's size; for another zero the change that moves no response further than the others
+    It is the value; for a zero of a point the model size; for another zero the change that moves no response further than the others
     can, or than its value (one in the scene's units could be anything, as 1 mm/s, or 1 s of damping), and no body further than the
-    scene's size or by more than 1 rad.
+    model size or by more than 1 rad.
     """
     variables = list(scene.design_variables(list(next(iter(exact.gradients.values()), {}))))
     known = {v.name: typical_size(scene, v) for v in variables if v.value != 0 or v.path.startswith("points.")}

@@ -9,7 +9,7 @@ from toolkit.foundation.kernel import plain, slots
 from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
 from toolkit.joints.kernels.laws import angle_law
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
-from toolkit.loads.planar.torque import torque
+from toolkit.loads.torque import torque
 from toolkit.scene.scene import Scene
 
 

@@ -17,7 +17,7 @@ from toolkit.compilation.plan import Kept, build_plan
 from toolkit.compilation.quantities import OPEN, Quantities, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
-from toolkit.joints.row_checks import keeps_rows
+from toolkit.joints.joint import keeps_rows
 from toolkit.scene.cut_scene import parts_of, with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming

@@ -47,6 +47,6 @@ def _export_paraview(results: Results, folder: Path, models: Path | None) -> Pat
 
     require("pyvista", "matplotlib")
     from toolkit.render.paraview.export import export_paraview
-    from toolkit.results.restore import restore_solution
+    from toolkit.sensitivity.run import restored
 
-    return export_paraview(restore_solution(results, models), folder)
+    return export_paraview(restored(results, models).solution, folder)

@@ -78,11 +78,11 @@ def _refuse_undrawn(scene: Scene) -> None:
 
 def _from_results(file: Path, models: Path | None) -> Material:
     from toolkit.report.material import Material
-    from toolkit.results.restore import restore_solution
     from toolkit.results.results_file import load_results
+    from toolkit.sensitivity.run import restored
 
     results = load_results(file)
-    solution = restore_solution(results, models)
+    solution = restored(results, models).solution
     _refuse_undrawn(solution.system.scene)
     return Material(solution, results)
 
@@ -90,7 +90,6 @@ def _from_results(file: Path, models: Path | None) -> Material:
 def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.report.material import Material
     from toolkit.results.collect import collect
-    from toolkit.sensitivity.clock import repeated
     from toolkit.sensitivity.frames_for_gradients import with_frames_for_gradients
     from toolkit.sensitivity.methods import gradients_by
 
@@ -99,7 +98,7 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:
         framed = with_frames_for_gradients(scene, "transient", names)
-        found = gradients_by("direct", framed, names, "transient", progress, clock=repeated)
+        found = gradients_by("direct", framed, names, "transient", progress, timed=True)
     return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
 

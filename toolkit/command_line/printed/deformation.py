@@ -13,7 +13,7 @@ from toolkit.foundation.units import unit
 
 if TYPE_CHECKING:
     from toolkit.system.solution import Solution
-    from toolkit.validity.bodies.deformation import Measured
+    from toolkit.validity.bodies.bent_surfaces import Measured
 
 Deformations = Mapping[str, "Measured | None"]
 

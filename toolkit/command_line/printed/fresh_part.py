@@ -14,7 +14,7 @@ from toolkit.foundation.verdict import Verdict
 if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
     from toolkit.sensitivity.certificate.fresh_models import FreshGradients
-    from toolkit.sensitivity.result import Result
+    from toolkit.sensitivity.run import Run
 
 
 def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> FreshGradients | None:
@@ -39,7 +39,7 @@ def record_afresh(found: FreshGradients | None) -> dict[str, Any] | None:
     return {"gradients": slopes, "left_out": found.left_out, "frozen": found.frozen}
 
 
-def print_afresh(found: FreshGradients | None, exact: Result) -> None:
+def print_afresh(found: FreshGradients | None, exact: Run) -> None:
     """Print a table of gradients by fresh models, and what is missing in it."""
     if found is None:
         typer.echo("No comparison with reduced models built afresh: the preprocessing is not installed.")
@@ -59,14 +59,14 @@ def print_afresh(found: FreshGradients | None, exact: Result) -> None:
         typer.echo(f"{', '.join(found.frozen)}: {next(iter(found.frozen.values()))}.")
 
 
-def with_doubts_afresh(verdict: Verdict, found: FreshGradients | None, exact: Result) -> Verdict:
+def with_doubts_afresh(verdict: Verdict, found: FreshGradients | None, exact: Run) -> Verdict:
     """Verdict with what fresh models say against frozen bases."""
     from toolkit.sensitivity.certificate.fresh_models import doubts_of_fresh
 
     return verdict if found is None else Verdict.of([*verdict.warnings, *doubts_of_fresh(found, exact)], verdict.measures)
 
 
-def check_afresh(found: FreshGradients | None, exact: Result) -> None:
+def check_afresh(found: FreshGradients | None, exact: Run) -> None:
     """Refuse gradients that fresh models contradict.
 
     Raises

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from toolkit.sensitivity.result import Result
+    from toolkit.sensitivity.run import Run
 
 
-def accuracy(result: Result) -> list[str]:
+def accuracy(result: Run) -> list[str]:
     """Sentences on the time-step error of values and gradients, as far as it is known."""
     lines, found = [], result.step_error
     if result.solution.local_error is not None:
@@ -28,7 +28,7 @@ def _percent(part: float) -> str:
     return f"{100 * part:.2g} %" if part > 0 else "0 %"
 
 
-def chosen_steps(result: Result) -> list[str]:
+def chosen_steps(result: Run) -> list[str]:
     """Sentences on the steps that a run has chosen, and on whose derivatives its gradients are."""
     if (result.solution.options or result.solution.system.scene.solver).local_error is None:
         return []
@@ -40,7 +40,7 @@ def chosen_steps(result: Result) -> list[str]:
     )
 
 
-def remarks(result: Result) -> list[str]:
+def remarks(result: Run) -> list[str]:
     """Sentences on responses, constraint violation and energy balance, iterations and wall times."""
     from toolkit.responses.stress.stress import KSStress
     from toolkit.validity.start.start_state import start_lines

@@ -13,10 +13,10 @@ from toolkit.command_line.printed.remarks import remarks
 from toolkit.foundation.terminal import print_json
 
 if TYPE_CHECKING:
-    from toolkit.sensitivity.result import Result
+    from toolkit.sensitivity.run import Run
 
 
-def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
+def print_result(result: Run, as_json: bool, quiet: bool = False) -> None:
     """Print values, units and gradients of all responses, how far flexible bodies deform, what the run cost, and whether to trust it."""
     from toolkit.validity.bodies.bent_surfaces import geometric_errors
 
@@ -33,7 +33,7 @@ def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
     print_verdict(result.verdict)
 
 
-def record_of(result: Result) -> dict[str, Any]:
+def record_of(result: Run) -> dict[str, Any]:
     """JSON object of a run; a number that does not exist is None."""
     from toolkit.scene_file.gradient_units import gradient_units
     from toolkit.validity.start.start_state import start_record
@@ -61,7 +61,7 @@ def record_of(result: Result) -> dict[str, Any]:
     }
 
 
-def path_record(result: Result) -> dict[str, Any]:
+def path_record(result: Run) -> dict[str, Any]:
     """Record of what a static solution has passed on its path, if that was followed past limit points."""
     path = result.solution.path
     if not path or not path.passed_limit:
@@ -73,7 +73,7 @@ def path_record(result: Result) -> dict[str, Any]:
     }
 
 
-def print_tables(result: Result) -> None:
+def print_tables(result: Run) -> None:
     """Print values and gradients as tables."""
     from toolkit.results.short_tables import table_of_gradients, table_of_values
 

@@ -14,7 +14,7 @@ from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.loads.kernels.load_kernel import Loads
 from toolkit.loads.load import Load
 from toolkit.markers.component import Component
-from toolkit.markers.planar.marker_kernel import Markers
+from toolkit.markers.planar import Markers
 from toolkit.scene.scene import Scene
 
 

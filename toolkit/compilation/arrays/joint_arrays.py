@@ -12,7 +12,7 @@ from toolkit.compilation.joint_forms import felt
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities
-from toolkit.joints.joint import Joint
+from toolkit.joints.joint import Joint, check_rows
 from toolkit.joints.kernels.laws import ANGLE, PLAIN, PROFILE, angle_law
 from toolkit.joints.kernels.profile import profile_law
 from toolkit.joints.kernels.records import (
@@ -29,7 +29,6 @@ from toolkit.joints.kernels.records import (
     SPATIAL_ROWS,
     Joints,
 )
-from toolkit.joints.row_checks import check_rows
 from toolkit.joints.rows import Row, forms_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE

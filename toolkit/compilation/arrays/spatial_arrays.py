@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.bodies.kernels.spatial_floating import SpatialFloating
 from toolkit.compilation.arrays.body_arrays import stiffened_entries
 from toolkit.compilation.arrays.component_arrays import marker_changes
 from toolkit.compilation.conversions import ints, starts
@@ -17,7 +17,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.kinematics.spatial import Frames
 from toolkit.loads.kernels.pressure_kernel import Pressures
 from toolkit.markers.component import Component
-from toolkit.markers.spatial.marker_kernel import POSE, SpatialMarkers
+from toolkit.markers.spatial import POSE, SpatialMarkers
 from toolkit.scene.scene import Scene
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
 from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY
@@ -22,6 +22,13 @@ class CompileWatch:
         self._on_first, self._on_function = on_first, on_function
         self._depth = 0
         self._begun = 0.0
+        self._opened = clock.perf_counter()
+        self.rest = 0.0
+        """Time in s that the block took beyond compilation, once it has ended."""
+
+    def close(self) -> None:
+        """Note that the block has ended."""
+        self.rest = clock.perf_counter() - self._opened - self.seconds
 
     def notify(self, event: Any) -> None:
         """Note that a function begins to be compiled, or that this is done or has failed."""
@@ -50,10 +57,15 @@ def watched_compilation(
     """A watch over everything that is compiled in its block; `on_first` is called before the first function is, `on_function` after each
     with their number."""
     watch = CompileWatch(on_first, on_function)
-    if PUBLIC_ONLY:
-        yield watch
-        return
+    try:
+        with nullcontext() if PUBLIC_ONLY else _announced(watch):
+            yield watch
+    finally:
+        watch.close()
+
+
+def _announced(watch: CompileWatch) -> AbstractContextManager[None]:
+    """Block in which numba announces what it compiles."""
     from toolkit.foundation.compiled.numba_parts import announced
 
-    with announced(watch):
-        yield watch
+    return announced(watch)

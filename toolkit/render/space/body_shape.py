@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.reduced_model.cut.spatial_part import rows_of_pieces
 from toolkit.reduced_model.model import StressPoints
 from toolkit.reduced_model.parts.pieces import Pieces

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from toolkit.foundation.units import unit
 from toolkit.joints.joint import Joint
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.torque import Torque
 from toolkit.render.curves import merged, told
 from toolkit.render.plane.names import write_names
 from toolkit.render.plane.parts import draw_line, draw_mechanism, draw_outlines, draw_sections, draw_symbols
@@ -54,7 +54,7 @@ def monitor_curves(material: Material) -> list[Drawing]:
         below.axhline(tolerance, color="black", linewidth=1, linestyle=":")
         below.annotate("limit of the run", (times[-1], tolerance), (0, -3), textcoords="offset points", ha="right", va="top")
         below.set_ylabel("relative drift")
-        below.set_title("largest opening of a joint, relative to the scene's size", loc="left")
+        below.set_title("largest opening of a joint, relative to the model size", loc="left")
         below.set_xlabel(f"time in {unit(material.scene.units, 'time')}")
     caption = (
         "The defect of the energy balance is what the time scheme created (or took, negative), and the error of the sum over time steps. "

@@ -43,7 +43,7 @@ TWICE = 2
 
 
 @dataclass(frozen=True)
-class _Run:
+class _FramedRun:
     """Node positions of one body with a number of frames, and the geometric error that they leave, as far as it is known."""
 
     number: int
@@ -188,9 +188,11 @@ def _metered(solution: Solution, name: str, unknown: float) -> float:
     return unknown if found is None else found.relative
 
 
-def _run_of(solution: Solution, name: str, number: int) -> _Run:
+def _run_of(solution: Solution, name: str, number: int) -> _FramedRun:
     places, displacement = _at_times_asked_for(solution, node_places(solution, name)), largest_displacement(solution, name)
-    return _Run(number, places, displacement, is_moving(solution.system.scene, name), _metered(solution, name, unknown=np.inf))
+    return _FramedRun(
+        number, places, displacement, is_moving(solution.system.scene, name), _metered(solution, name, unknown=np.inf)
+    )
 
 
 def _at_times_asked_for(solution: Solution, places: np.ndarray) -> np.ndarray:
@@ -200,13 +202,13 @@ def _at_times_asked_for(solution: Solution, places: np.ndarray) -> np.ndarray:
     return places[np.isin(solution.times, time_grid(solution.options or solution.system.scene.solver))]
 
 
-def _judged(run: _Run, before: _Run) -> _Run:
+def _judged(run: _FramedRun, before: _FramedRun) -> _FramedRun:
     """The run with the geometric error that it leaves, from its distance to the run before."""
     apart = relative_distance(run.places, before.places, run.displacement, run.moving)
     return replace(run, error=apart / ((run.number / before.number) ** 2 - 1))
 
 
-def _next(name: str, runs: list[_Run], can_be: _Range, wanted: float) -> int:
+def _next(name: str, runs: list[_FramedRun], can_be: _Range, wanted: float) -> int:
     """Number of frames to go on with; the last one again if it, or the one before, is good enough.
 
     Of a body that branches every member needs more, so that the number is twice as large at least.
@@ -222,19 +224,19 @@ def _next(name: str, runs: list[_Run], can_be: _Range, wanted: float) -> int:
     return can_be.near(max(predicted, TWICE * last.number if can_be.branches else last.number + 1))
 
 
-def _suffices(runs: list[_Run], wanted: float) -> bool:
+def _suffices(runs: list[_FramedRun], wanted: float) -> bool:
     """Whether the last run says that the number of the one before is good enough."""
     before, last = runs[-2:]
     apart = before.number == 1 or last.number % before.number > 0  # else, by symmetry, both can be off alike
     return last.number >= TWICE * before.number and apart and _of_before(before, last) <= wanted
 
 
-def _of_before(before: _Run, last: _Run) -> float:
+def _of_before(before: _FramedRun, last: _FramedRun) -> float:
     """Geometric error of a run, estimated from the next one."""
     return last.error * (last.number / before.number) ** 2
 
 
-def _refuse_too_coarse(name: str, last: _Run, can_be: _Range, wanted: float) -> None:
+def _refuse_too_coarse(name: str, last: _FramedRun, can_be: _Range, wanted: float) -> None:
     """Refuse an error that even one frame to every element does not reach."""
     most, elements = can_be.most, can_be.elements
     if last.number == most and last.error > wanted:
@@ -246,7 +248,7 @@ def _refuse_too_coarse(name: str, last: _Run, can_be: _Range, wanted: float) -> 
         )
 
 
-def _choice(runs: list[_Run], wanted: float, kind: Kind) -> tuple[int, FrameChoice]:
+def _choice(runs: list[_FramedRun], wanted: float, kind: Kind) -> tuple[int, FrameChoice]:
     """The last number of frames, or the one before where that is good enough, with the error that it leaves."""
     numbers = tuple(run.number for run in runs)
     if len(runs) > 1 and _suffices(runs, wanted):

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import scipy
 
-from toolkit.bodies.spatial.rigid import SpatialRigidBody
+from toolkit.bodies.rigid import SpatialRigidBody
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.listed_names import quoted

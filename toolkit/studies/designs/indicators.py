@@ -16,7 +16,7 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.responses.over_time.missed_peaks import peaks
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_error import LENIENT
-from toolkit.sensitivity.result import UNIMPORTANT, Result
+from toolkit.sensitivity.run import UNIMPORTANT, Run
 from toolkit.sensitivity.sizes import response_scales, typical_size, variable_sizes
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates
 from toolkit.system.solution import Solution
@@ -97,7 +97,7 @@ def joined(parts: Sequence[Indicators]) -> Indicators:
     return Indicators(numbers, least, tuple(word for part in parts for word in part.kind))
 
 
-def indicators(result: Result) -> Indicators:
+def indicators(result: Run) -> Indicators:
     """Indicators of a run: its answers, the sizes of its states, and what must be equal in designs near to it."""
     solution = result.solution
     found = joined([_of_answers(result), *_of_states(solution)])
@@ -119,7 +119,7 @@ def _peaks(solution: Solution) -> Iterator[float]:
             yield later if abs(abs(later) - 0.25) < BETWEEN else np.sign(later) * (abs(later) > 0.25)
 
 
-def sizes_of_variables(result: Result) -> dict[str, float]:
+def sizes_of_variables(result: Run) -> dict[str, float]:
     """Sizes of the variables as by `variable_sizes`, without looking at the answers where that is not needed."""
     scene, variables = result.solution.system.scene, list(result.solution.system.design)
     if variables and all(each.value != 0 or each.path.startswith("points.") for each in variables):
@@ -127,7 +127,7 @@ def sizes_of_variables(result: Result) -> dict[str, float]:
     return variable_sizes(scene, result)
 
 
-def _of_answers(result: Result) -> Indicators:
+def _of_answers(result: Run) -> Indicators:
     """Indicators of the responses: their values, and their gradients relative to the largest of each."""
     values = np.array(list(result.values.values()), dtype=float)
     if not result.gradients:

@@ -96,7 +96,7 @@ def _measured(scene: Scene, design: list[str], sizes: Mapping[str, float] | None
 
 
 def _undecided(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
-    """Up to where slopes are round-off: a part of the response, and of the scene's size or a rad, where it is a place or an angle."""
+    """Up to where slopes are round-off: a part of the response, and of the model size or a rad, where it is a place or an angle."""
     sizes, known = {"angle": 1.0, "length": scene.size}, scene.responses
     own = {name: sizes.get(each.unit_quantity, 0.0) for name, each in known.items() if isinstance(each, Response)}
     return {name: ROUND_OFF * max(abs(value), own.get(name, 0.0)) for name, value in values.items()}

@@ -32,7 +32,7 @@ def record_of(study: StabilityResult) -> dict[str, Any]:
 def criteria(limits: Limits) -> list[str]:
     """When a cell is called stable."""
     return [
-        f"Stable: the run ends, joints open by at most {limits.drift:g} of the scene's size, at most {100 * limits.energy:g} % of the "
+        f"Stable: the run ends, joints open by at most {limits.drift:g} of the model size, at most {100 * limits.energy:g} % of the "
         f"energy is created, and responses are within {100 * limits.accuracy:g} % of the reference (solver maps: the finest step of the "
         "scene; other maps: half the step).",
         f"Stable gradient: the run is not drifting, direct differentiation and adjoint agree to {limits.agreement:g}, and the gradient is "

@@ -22,7 +22,7 @@ from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.compilation.quantities import pressures_of
 from toolkit.foundation.spread import spread
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.energy import StrainEnergy
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.stress.local_stress import LocalStress
@@ -94,8 +94,13 @@ def _bending(behind: Chain) -> np.ndarray:
     return bending
 
 
+@check("weight-between-nodes", STATES)
 def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
-    """Doubts about bodies whose stress is asked for and lacks what weight and inertia do between their nodes."""
+    """A stress or a strain energy lacks what weight, pressure and inertia do between the nodes of beam elements.
+
+    Limit: 5 % of the largest.
+    Fix: more elements, or more modes.
+    """
     scene, moving = solution.system.placed, has_inertia(solution)
     pressed, heavy = is_pressed(scene), moving or bool(np.real(scene.gravity).any())
     for body in whole_bodies(scene) if pressed or heavy else ():
@@ -110,14 +115,14 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
             known = {"its weight": heavy, "pressures on it": pressed, "forces of inertia": moving}
             forces = " and ".join(words for words, there in known.items() if there)
             named = f"{forces} {'does' if forces == 'its weight' else 'do'}"
-            yield Caution(
-                "weight-between-nodes",
-                f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that: it is "
-                f"off by some {part:.0%} of the largest, while interface points are where they should be. Build the model with "
+            yield bent_between_nodes.caution(
+                f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that. It is off by some "
+                f"{part:.0%} of the largest, while interface points are where they should be. Fix: build the model with "
                 f"{times_as_many(factor)} as many {elements_of(scene, body)}, or with more modes.",
             )
 
 
+@check("weight-between-nodes", STATES)
 def energy_between_nodes(solution: Solution) -> Iterator[Caution]:
     """Doubts about strain energies at an instant that lack what weight and inertia do between nodes."""
     scene, last = solution.system.scene, len(solution.times) - 1
@@ -132,10 +137,9 @@ def energy_between_nodes(solution: Solution) -> Iterator[Caution]:
             )
             if missing > LIMIT * (largest + missing):
                 part = missing / (largest + missing)
-                yield Caution(
-                    "weight-between-nodes",
-                    f"{name} lacks what weight and forces of inertia bend and stretch elements by between their nodes: some {part:.0%} of "
-                    "the largest that it is, while interface points are where they should be. Build the model with "
+                yield energy_between_nodes.caution(
+                    f"{name} lacks what weight and forces of inertia bend and stretch elements by between their nodes. It is off by some "
+                    f"{part:.0%} of the largest that it is, while interface points are where they should be. Fix: build the model with "
                     f"{times_as_many((part / LIMIT) ** 0.25)} as many elements.",
                 )
 

@@ -10,7 +10,7 @@ It knows beam elements, in the plane and in space; `bent_surfaces` estimates it 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -34,34 +34,6 @@ Up to here the estimate is good to some ten percent, and the errors of stresses 
 
 INSTANTS = 50
 """Number of instants of a run that the meter examines, those of the largest elastic coordinates."""
-
-
-class Measured(Protocol):
-    """Deformation of a body, and its estimated geometric error."""
-
-    @property
-    def rotation(self) -> float:
-        """Largest rotation in the frame, in rad."""
-
-    @property
-    def displacement(self) -> float:
-        """Largest displacement in the frame."""
-
-    @property
-    def error(self) -> float:
-        """Estimated geometric error as a distance."""
-
-    @property
-    def size(self) -> float:
-        """Extent of the undeformed body."""
-
-    @property
-    def time(self) -> float:
-        """Time of the largest error."""
-
-    @property
-    def relative(self) -> float:
-        """Geometric error relative to the largest displacement."""
 
 
 @dataclass(frozen=True)

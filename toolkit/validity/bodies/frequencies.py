@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import Caution, check
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import elements_of, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
@@ -52,8 +52,13 @@ def raised_by_elements(frequency: float, limit: float) -> float:
     return error
 
 
+@check("coarse-vibrations")
 def too_fast_for_elements(scene: Scene, frequencies: Mapping[str, float], doubt: bool) -> Iterator[Caution]:
-    """Cautions about frequencies, by name, that the elements of a flexible body make too large."""
+    """The elements of a body are too long for vibrations as fast as those that are asked for.
+
+    Limit: 5 % of a frequency.
+    Fix: more elements.
+    """
     label = unit(scene.units, "rate")
     for body in whole_bodies(scene):
         if is_in_pieces(scene, body):
@@ -63,10 +68,9 @@ def too_fast_for_elements(scene: Scene, frequencies: Mapping[str, float], doubt:
         if beyond:
             parts = {name: raised_by_elements(value, limit) for name, value in beyond.items()}
             most = max(beyond.values())
-            yield Caution(
-                "coarse-vibrations",
+            yield too_fast_for_elements.caution(
                 f"frequencies are too high where {body} vibrates, {listed_parts(parts, 'about')}: from {limit:.4g} {label} on, where "
-                f"it is {LIMIT:.0%}, its {elements_of(scene, body)} are too long. Build the model with "
+                f"it is {LIMIT:.0%}, its {elements_of(scene, body)} are too long. Fix: build the model with "
                 f"{times_as_many(np.sqrt(most / limit))} as many.",
                 doubt,
             )

@@ -8,7 +8,7 @@ from typing import Any
 from toolkit.bodies.cut.chosen_frames import ChosenFrames
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.frame_choice import FrameChoice
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import SCENE, Caution, check
 from toolkit.scene.scene import Scene
 
 ANALYSES = {"static": "equilibrium", "transient": "motion"}
@@ -32,23 +32,25 @@ def frames_chosen(scene: Scene) -> dict[str, Any]:
     }
 
 
+@check("frames", (SCENE,))
 def choices_of_frames(scene: Scene) -> Iterator[Caution]:
-    """Cautions with the chosen numbers of frames, and the rule."""
+    """What number of floating frames `frames = "auto"` has chosen, and by what.
+
+    Limit: always.
+    Fix: writing the number spares the runs that choose it.
+    """
     for name, (number, choice) in choices_in(scene).items():
         if choice.kept_run:
-            yield Caution(
-                "frames",
+            yield choices_of_frames.caution(
                 f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto": those of the run that '
                 f"{choice.kept_run} keeps, which the scene starts in. How far they suffice was told there.{_unreduced(scene, name)}",
                 doubt=False,
             )
             continue
         if choice.failed:
-            yield _not_known(scene, name, number, choice)
             continue
         runs = " and ".join(filter(None, [", ".join(map(str, choice.numbers[:-1])), str(choice.numbers[-1])]))
-        yield Caution(
-            "frames",
+        yield choices_of_frames.caution(
             f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto": the {ANALYSES[choice.analysis]} of '
             f"the scene as it is written, with {runs} frames, leaves about {choice.error:.1%} of its largest displacement "
             f"({choice.wanted:.3g} is wanted; the error falls with the square of the number).{_of_gradients(number, choice)} "
@@ -57,16 +59,24 @@ def choices_of_frames(scene: Scene) -> Iterator[Caution]:
         )
 
 
-def _not_known(scene: Scene, name: str, number: int, choice: FrameChoice) -> Caution:
-    """A caution that a run failed which was to tell whether a number of frames suffices."""
-    by = "by comparison with fewer" if len(choice.numbers) > 1 else "by the meter of large deformation alone"
-    return Caution(
-        "frames-not-known",
-        f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto", and whether they suffice is not known: '
-        f"a run with {choice.failed} failed. They leave about {choice.error:.1%} of its largest displacement, {by} ({choice.wanted:.3g} is "
-        f"wanted). Write frames = {choice.failed} to see why that fails, or a smaller solver.step.{_unreduced(scene, name)}",
-        doubt=not choice.error <= choice.wanted,
-    )
+@check("frames-not-known", (SCENE,))
+def unknown_choices(scene: Scene) -> Iterator[Caution]:
+    """A trial of `frames = "auto"` failed, so that what more frames would change is not known, or only estimated.
+
+    Limit: a doubt if the estimated error exceeds `geometric_error`.
+    Fix: that number of frames, written, to see why it fails; or a smaller step.
+    """
+    for name, (number, choice) in choices_in(scene).items():
+        if not choice.failed or choice.kept_run:
+            continue
+        by = "by comparison with fewer" if len(choice.numbers) > 1 else "by the meter of large deformation alone"
+        yield unknown_choices.caution(
+            f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto", and whether they suffice is not '
+            f"known: a run with {choice.failed} failed. They leave about {choice.error:.1%} of its largest displacement, {by} "
+            f"({choice.wanted:.3g} is wanted). Write frames = {choice.failed} to see why that fails, or a smaller solver.step."
+            f"{_unreduced(scene, name)}",
+            doubt=not choice.error <= choice.wanted,
+        )
 
 
 def _unreduced(scene: Scene, name: str) -> str:

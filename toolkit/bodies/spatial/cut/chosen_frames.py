@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from toolkit.bodies.cut.chosen_frames import ChosenFrames
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.spatial.flexible import SpatialFlexible
 
 
 class SpatialChosenFrames(ChosenFrames, SpatialFlexible):

@@ -35,7 +35,7 @@ AXES = {
 rolling discs and position drivers, and in space of prismatic and cylindrical joints, points on planes and position drivers. They are a
 joint's first."""
 NOTHING = 1e-9
-"""Part of the scene's size by which a block that stands at the joint's point may be off it."""
+"""Part of the model size by which a block that stands at the joint's point may be off it."""
 BESIDE = 0.01
 """Of the body's length: a line that is further from the undeformed body than this is a rail beside it, and no line on it."""
 

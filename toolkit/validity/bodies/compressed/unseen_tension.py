@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, flexible_body, used_interfaces
 from toolkit.system.solution import Solution
@@ -28,6 +28,7 @@ SEEN = 0.2
 """Part of the axial forces that a basis may miss without a word."""
 
 
+@check("tension", STATES)
 def unseen_tension(solution: Solution) -> Iterator[Caution]:
     """Flexible bodies whose points forces pull at that their bases do not see, or whose weight and inertia do."""
     scene = solution.system.placed

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.reduced_model.parts.sections import BeamSections
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
@@ -30,8 +30,13 @@ ROUND_OFF = 1e-9
 """Part of von Mises' stress below which the stress along fibres is round-off."""
 
 
+@check("fibre-stress", STATES)
 def fibres_alone(solution: Solution) -> Iterator[Caution]:
-    """Doubts about bodies of beams in space whose stress is asked for and lacks a part that counts."""
+    """The stress of a beam in space is that along its fibres: the shear of its twist is not in it, nor bending between two fibres.
+
+    Limit: 5 % of von Mises' stress.
+    Fix: fibres in the frame file, or a body of solid elements.
+    """
     scene = solution.system.placed
     for body in whole_bodies(scene):
         if body in bodies_of_stress(scene) and not is_in_pieces(scene, body) and is_of_fibres(scene, body):
@@ -50,25 +55,22 @@ def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
     found = [_stresses(solution, body, name) for name in parts]
     known = [each for each in found if each is not None]
     if any(np.isinf(each).any() for each in known):
-        yield Caution(
-            "fibre-stress",
+        yield fibres_alone.caution(
             f"the stress of {body} is that along the middle of its sections, which bending does not reach: some of them name no other "
-            "fibres. Write where they are: fibres = [[y_2, y_3], ...] in their tables of the frame file.",
+            "fibres. Fix: write where they are, fibres = [[y_2, y_3], ...], in their tables of the frame file.",
         )
         return
     told, whole = (max((each[k] for each in known), default=0.0) for k in range(2))
     part = 1 - told / whole if whole else 0.0
     if part > LIMIT:
         label, told = unit(scene.units, "stress"), told if told > ROUND_OFF * whole else 0.0
-        yield Caution(
-            "fibre-stress",
+        yield fibres_alone.caution(
             f"the stress of {body} is that along its fibres, {told:.4g} {label} at most. With the shear of its twist, and with what bends "
-            f"it between the fibres, von Mises' is {whole:.4g} {label}: the fibres lack {part:.0%} of that. Keep that much below what its "
-            "material bears, or make a body of solid elements of it.",
+            f"it between the fibres, von Mises' is {whole:.4g} {label}: the fibres lack {part:.0%} of that. Fix: keep that much below "
+            "what its material bears, or make a body of solid elements of it.",
         )
     elif len(known) < len(found):
-        yield Caution(
-            "fibre-stress",
+        yield fibres_alone.caution(
             f"the stress of {body} is that along its fibres: the shear of its twist is not in it, and not known of its basis or sections.",
             doubt=False,
         )

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, is_in_pieces
 from toolkit.system.solution import Solution
@@ -25,17 +25,22 @@ STRAIN = 1e-13
 """Below it deformations are round-off, which has no plane."""
 
 
+@check("shear", STATES)
 def sheared(solution: Solution) -> Iterator[Caution]:
-    """Bodies whose deflection lacks a part by shear that counts."""
+    """Shear, which Euler-Bernoulli beams leave out, counts: for deflections by the same loads, in the plane that bends, or for a frequency
+    and its derivative by a thickness.
+
+    Limit: 5 % of the deflection or of the frequency.
+    Fix: a frame with `shear = true`, or a body of solid elements.
+    """
     scene = solution.system.placed
     if not any(_is_thick(scene, name) for name in whole_bodies(scene)):
         return
     for body, part in sheared_parts(solution).items():
         if part > LIMIT:
-            yield Caution(
-                "shear",
+            yield sheared.caution(
                 f"{body} is short for a beam as it is bent here: shear, which Euler-Bernoulli beams leave out, would add some {part:.0%} "
-                "to deflections by the same loads. Build its frame with shear = true, or make a body of solid elements of it.",
+                f"to deflections by the same loads. {sheared.fix}",
             )
 
 

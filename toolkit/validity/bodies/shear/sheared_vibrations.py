@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import Caution, check
 from toolkit.responses.vibrations.pencil import real_pencil
 from toolkit.responses.vibrations.roots import free_pencil
 from toolkit.responses.vibrations.vibration import any_pencil_of
@@ -44,6 +44,7 @@ class Raised(NamedTuple):
         return self.value > LIMIT or (differentiated and self.derivative > LIMIT)
 
 
+@check("shear")
 def sheared_vibrations(solution: Solution, asked: Mapping[str, float], differentiated: bool) -> Iterator[Caution]:
     """Doubts about frequencies, by name, in cycles per time, that shear makes lower.
 
@@ -62,10 +63,9 @@ def sheared_vibrations(solution: Solution, asked: Mapping[str, float], different
     label = unit(solution.system.scene.units, "rate")
     told = [f"{name} of {asked[name]:.5g} {label} by some {_words(each, differentiated)}" for name, each in first]
     more = f" and {len(high) - len(first)} more" if len(high) > len(first) else ""
-    yield Caution(
-        "shear",
+    yield sheared_vibrations.caution(
         f"Euler-Bernoulli beams leave shear out, so that frequencies of short waves are too high: {', '.join(told)}{more}. "
-        "Build its frame with shear = true, or make a body of solid elements of it.",
+        "Fix: a frame with shear = true, or a body of solid elements.",
     )
 
 

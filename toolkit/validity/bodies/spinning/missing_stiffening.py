@@ -29,7 +29,7 @@ import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import SPIN, Caution, check
 from toolkit.joints.joint import Joint
 from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.cut.part_model import FIRST, LAST
@@ -46,8 +46,13 @@ OF_SPEED, OF_TENSION = 0.58, 0.21
 OF_CHORDS, ACROSS, WITHIN = 1 / 8, 0.57, 0.083
 
 
+@check("missing-stiffening", (SPIN,))
 def missing_stiffening(solution: Solution) -> Iterator[Caution]:
-    """A caution of the body whose frequencies lack most, of a steady spin."""
+    """Centrifugal stiffening inside of a body, or of its parts, is not in these numbers.
+
+    Limit: 0.5 to 1 % of the lowest frequency; a doubt from 2.5 to 5 % on.
+    Fix: `spin_stiffening = true`, or the number of `frames` that is told.
+    """
     omega = np.real(angular_velocity(solution.system, solution.q[-1], solution.v[-1]))
     speed = float(np.sqrt(omega @ omega))
     parts = {name: _part(solution, name, speed) for name in _flexible(solution)}
@@ -59,13 +64,12 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
     text = (
         f"centrifugal stiffening inside of {worst!r} is not in these numbers, which lowers the lowest frequency across the plane of the "
-        f"spin {lowers}, and those in this plane by more. Write spin_stiffening = true in its table, with a reduced model that was built "
-        "for it. Or make more bodies in a row of it, which stiffen at the joints between them; with twice as many a quarter of this is "
-        "left."
+        f"spin {lowers}, and those in this plane by more. Fix: spin_stiffening = true in its table, with a reduced model that was built "
+        "for it; or more bodies in a row, which stiffen at the joints between them: with twice as many a quarter of this is left."
     )
     if flexible_body(solution.system.placed, worst).spin_stiffening:
         text = told(worst, part)
-    yield Caution("missing-stiffening", text, doubt=part > DOUBTFUL)
+    yield missing_stiffening.caution(text, doubt=part > DOUBTFUL)
 
 
 def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
@@ -77,11 +81,10 @@ def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
         if worst > TOLD:
             lowest = f"the lowest frequency across the plane of the spin by about {across:.1%}, and that in this plane"
             enough = int(np.ceil(frames * np.sqrt(worst / TOLD)))
-            yield Caution(
-                "missing-stiffening",
+            yield missing_stiffening.caution(
                 f"centrifugal stiffening inside of the parts of {name!r} is not in these numbers, which lowers "
                 f"{lowest if spatial else 'the lowest frequency'} by about {within:.1%}. Linear FFRF stiffens a body at the cuts "
-                f"between its parts: frames = {enough} leaves about {2 * TOLD:.0%}, and cuts that are closer where it bends most "
+                f"between its parts. Fix: frames = {enough} leaves about {2 * TOLD:.0%}, and cuts that are closer where it bends most "
                 "leave less.",
                 doubt=worst > DOUBTFUL,
             )

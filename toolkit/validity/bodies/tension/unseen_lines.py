@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.system.flexible_bodies import design_point, flexible_body, used_interfaces
 from toolkit.system.solution import Solution
@@ -46,6 +46,7 @@ class UnseenLine(NamedTuple):
     shown: Shown
 
 
+@check("tension", STATES)
 def unseen_lines(solution: Solution) -> Iterator[Caution]:
     """Doubts about bodies that their weight or inertia pulls at, or compresses, unseen."""
     scene: Any = solution.system.placed
