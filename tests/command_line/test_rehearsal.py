@@ -18,7 +18,7 @@ from toolkit.command_line import announcements
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
 from toolkit.command_line.rehearsal import rehearse, rehearse_everything, rehearse_others
-from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
+from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene.resolution import loaded
 from toolkit.scene.space import PLANE
 from toolkit.scene_file.reader import read_scene
@@ -116,7 +116,7 @@ def test_nothing_is_left_to_compile_and_nothing_is_compiled_in_vain(name, probe)
 
 
 def pretend_to_compile() -> None:
-    with event.trigger_event(KIND, data={}), event.trigger_event(KIND, data={}):
+    with event.trigger_event("numba:compile", data={}), event.trigger_event("numba:compile", data={}):
         pass
 
 

@@ -18,8 +18,8 @@ from toolkit.bodies.rigid import Rod
 from toolkit.curves.table import Table
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.compiled.rows import LANES
 from toolkit.foundation.kernel import plain
-from toolkit.foundation.vectors.rows import LANES
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.torque import Torque

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import Changes
+from toolkit.foundation.compiled.rows import add_rows, filled_up
 from toolkit.foundation.kernel import copy, inlined, inner
-from toolkit.foundation.vectors.rows import add_rows, filled_up
 from toolkit.joints.kernels.planar_pin import pull_pin
 
 TOGETHER = 16

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, ClassVar
-
-from numba.core.registry import CPUDispatcher
 
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.polynomial import Constant
@@ -29,7 +28,7 @@ class Friction(BetweenBodies):
         s(t), such as the course of a pressing force.
     """
 
-    measure: ClassVar[CPUDispatcher]
+    measure: ClassVar[Callable]
     """Function g that measures what slides or turns, see `measured`."""
     rate: ClassVar[str]
     """Quantity of the rate g', one of `toolkit.foundation.units`."""
@@ -48,7 +47,7 @@ class Friction(BetweenBodies):
         return [self.level, self.width]
 
     @classmethod
-    def measured(cls) -> CPUDispatcher:
+    def measured(cls) -> Callable:
         """Function that measures what slides or turns.
 
         Reached through an instance it would be bound to it.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Protocol
 
 import numpy as np
-from numba.core.registry import CPUDispatcher
 from pydantic import field_validator
 
 from toolkit.curves.curve import Curve
@@ -37,12 +37,12 @@ class Component(InSpace):
     enter the formula as arguments behind the two poses, so that their design derivatives come with the formula's. Joints state rows.
     """
 
-    formula: ClassVar[CPUDispatcher]
+    formula: ClassVar[Callable]
     stated_by: ClassVar[str] = "formula"
     """Name of the attribute by which a kind of component states its law."""
 
     @classmethod
-    def law(cls) -> CPUDispatcher:
+    def law(cls) -> Callable:
         """Compiled formula of the component's law.
 
         Reached through an instance it would be bound to it, another one for each component.

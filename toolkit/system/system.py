@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 import scipy
-from numba.core.registry import CPUDispatcher
 
 from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.derivatives import derivatives
@@ -103,13 +102,13 @@ class System:
         """Whether the formulas run compiled."""
         return self.dtype is float
 
-    def run(self, function: CPUDispatcher, *arguments: Any) -> Any:
+    def run(self, function: Callable, *arguments: Any) -> Any:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         if not self.compiled:
             return plain(function)(*arguments)
         return call(function, *map(self._handed.of, arguments))
 
-    def prepared(self, function: CPUDispatcher, *arguments: Any) -> Callable[[], Any]:
+    def prepared(self, function: Callable, *arguments: Any) -> Callable[[], Any]:
         """Kernel with its arguments, looked up once, for whoever writes other numbers into their arrays and calls it again."""
         if not self.compiled:
             return partial(plain(function), *arguments)

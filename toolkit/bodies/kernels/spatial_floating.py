@@ -36,8 +36,8 @@ from toolkit.bodies.kernels.spatial_products import (
     transposed_product,
     turned_dot,
 )
+from toolkit.foundation.compiled.rows import add_to_each, filled_up
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.foundation.vectors.rows import add_to_each, filled_up
 from toolkit.kinematics.spatial import second_products
 
 

@@ -13,8 +13,8 @@ A body that its spin stiffens: with R_ab = S_ab - delta_ab tr S / 2 of the matri
 It is that of the points that come nearer to the axis as the body bends, so that energy and momenta balance.
 """
 
+from toolkit.foundation.compiled.rows import LANES, add_to_each
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.foundation.vectors.rows import LANES, add_to_each
 
 
 @inlined

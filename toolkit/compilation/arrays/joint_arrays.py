@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
-from numba.core.registry import CPUDispatcher
 
 from toolkit.compilation.arrays.component_arrays import curve_numbers, designed, gripped, parameter_changes
 from toolkit.compilation.conversions import ints, starts
@@ -36,7 +37,7 @@ PIN_PLACES, PIN_VALUES = (0, 0, 3, 0, 1, 4), (0, 1, -1, 0, 1, -1)
 """Numbers of the poses in both forms of a pin, behind the place of the constant, and what they are multiplied by."""
 
 
-def laws_of(joints: list[Joint]) -> list[CPUDispatcher]:
+def laws_of(joints: list[Joint]) -> list[Callable]:
     """Open formulas of the joints, each once, in order of appearance; angles and profiles have a place of their own."""
     return [law for law in dict.fromkeys(law for joint in joints for law in joint.laws) if law not in (angle_law, profile_law)]
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
-from toolkit.foundation.vectors.rows import LANES, filled_up
+from toolkit.foundation.compiled.rows import LANES, filled_up
 from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.solvers.transient.fitted_trend import HIGHEST

@@ -1,7 +1,7 @@
 """Sums of multiples of rows: what gradients, and bodies of many modes in space, spend most of their time with.
 
 LLVM takes several numbers at once in long loops alone, and rows of a block have as many numbers as there are design variables. So the code
-for these sums is written for the compiler, in `rows_code`; as plain Python, and for complex numbers, they are what stands here. Rows are
+for these sums is written for the compiler, in `written_code`; as plain Python, and for complex numbers, they are what stands here. Rows are
 filled up to whole vectors: a processor waits where it reads several numbers together that were written one by one just before.
 """
 
