@@ -6,9 +6,9 @@ Run it after a change of those classes: python schemas/write_schemas.py
 import json
 from pathlib import Path
 
-from preprocessing.recipes.frame.frame_file import FrameFile
-from preprocessing.recipes.skin.skin_file import SkinFile
-from preprocessing.recipes.solids.body_file import BodyFile
+from preprocessing.builders.body_file import BodyFile
+from preprocessing.builders.frame_file import FrameFile
+from preprocessing.builders.skin_file import SkinFile
 from toolkit.foundation.files.replaced_file import replaced
 from toolkit.scene_file.schema import DRAFT, scene_schema, tidy
 from toolkit.studies.study.study_file import Study
