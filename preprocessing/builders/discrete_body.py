@@ -33,7 +33,8 @@ from preprocessing.mesh.matrix_file import read_matrix, square_of
 from preprocessing.mesh.overlaps import refuse_overlaps
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.reduction.assembly import Parts, assemble
-from preprocessing.reduction.discretisation import STEP, BodyChange, rate_of
+from preprocessing.reduction.body_change import BodyChange, rate_of
+from preprocessing.reduction.discretisation import STEP
 from preprocessing.reduction.ties import NodeTie
 from toolkit.foundation.errors import InputError
 

@@ -17,8 +17,9 @@ from preprocessing.mesh.faces import BoundaryLines
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions, translations
 from preprocessing.reduction.assembly import Matrices
 from preprocessing.reduction.basis import BasisChoice
+from preprocessing.reduction.body_change import BodyChange, rate_of
 from preprocessing.reduction.chosen_basis import clamped_in_tangent_frame
-from preprocessing.reduction.discretisation import STEP, BodyChange, rate_of
+from preprocessing.reduction.discretisation import STEP
 from preprocessing.reduction.invariants import Term, polynomial_of
 from preprocessing.reduction.pictured_parts import pressure_on, surface_of
 from preprocessing.reduction.reduced import Rate, contracted

@@ -97,7 +97,7 @@ ONE_EACH = (
     "toolkit.curves.kinds.",
     "toolkit.responses.",
     "toolkit.command_line.commands.",
-    "preprocessing.elements.solids.",
+    "preprocessing.elements.wedge",
 )
 """Rooms of kinds that users name: each kind has a file of its own, however small."""
 APART = {
