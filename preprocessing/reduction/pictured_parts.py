@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from preprocessing.elements.beams import SpatialBeam
 from preprocessing.elements.section import Monomial, SectionShape, value_of
-from preprocessing.mesh.faces import BoundaryFaces
 from preprocessing.reduction.invariants import polynomial_of
 from preprocessing.reduction.reduced import ReducedParts
 from toolkit.reduced_model.dependence import Polynomial
 from toolkit.reduced_model.spatial_model import SURFACE_POSITION, Surface, SurfaceLoad
+
+if TYPE_CHECKING:
+    from preprocessing.mesh.faces import BoundaryFaces
 
 
 def fibre_lines(beams: SpatialBeam, z: np.ndarray, values: Mapping[str, Any]) -> Surface:
