@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from preprocessing.builders.build_model import build, save
+    from preprocessing.builders.frame_recipe import polygon_beam
     from preprocessing.elements.section import Section
     from preprocessing.projects.new_linkage import new_linkage
-    from preprocessing.projects.solid.new_solid import new_solid
-    from preprocessing.projects.wing.new_wing import new_wing
-    from preprocessing.recipes.build_model import build, save
-    from preprocessing.recipes.frame.polygon_beam import polygon_beam
+    from preprocessing.projects.new_solid import new_solid
+    from preprocessing.projects.new_wing import new_wing
 
 _SPEC, _OWN = find_spec("toolkit"), Path(__file__).resolve().parents[1] / "toolkit"
 if _SPEC is None or _SPEC.origin is None or Path(_SPEC.origin).resolve().parent != _OWN:
@@ -31,12 +31,12 @@ if _SPEC is None or _SPEC.origin is None or Path(_SPEC.origin).resolve().parent 
 
 _PLACES = {
     "Section": "preprocessing.elements.section",
-    "build": "preprocessing.recipes.build_model",
+    "build": "preprocessing.builders.build_model",
     "new_linkage": "preprocessing.projects.new_linkage",
-    "new_solid": "preprocessing.projects.solid.new_solid",
-    "new_wing": "preprocessing.projects.wing.new_wing",
-    "polygon_beam": "preprocessing.recipes.frame.polygon_beam",
-    "save": "preprocessing.recipes.build_model",
+    "new_solid": "preprocessing.projects.new_solid",
+    "new_wing": "preprocessing.projects.new_wing",
+    "polygon_beam": "preprocessing.builders.frame_recipe",
+    "save": "preprocessing.builders.build_model",
 }
 """Name -> its module."""
 

@@ -9,9 +9,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from preprocessing.recipes.frame.frame_file import FrameFile
-from preprocessing.recipes.skin.skin_file import SkinFile
-from preprocessing.recipes.solids.body_file import BodyFile
+from preprocessing.builders.body_file import BodyFile
+from preprocessing.builders.frame_file import FrameFile
+from preprocessing.builders.skin_file import SkinFile
 from toolkit.door.plane import parts_of_scenes
 from toolkit.foundation.files.replaced_file import replaced
 from toolkit.scene_file.schema import DRAFT, scene_schema, tidy

@@ -18,7 +18,7 @@ from types import SimpleNamespace
 import pytest
 
 from preprocessing.foreign_files import apart
-from preprocessing.foreign_files.apart import Ended
+from preprocessing.foreign_files.apart import ReaderEnded
 from preprocessing.foreign_files.child import reading
 from preprocessing.foreign_files.wire import send
 from toolkit.command_line.rehearsal import rehearse
@@ -128,7 +128,7 @@ def _run(command: list[str], *, input: str | None, **_options: object) -> subpro
     return subprocess.CompletedProcess(command, code or 0, output.getvalue(), errors.getvalue())
 
 
-def _read(reader: str, path: Path, _bounds: object, *more: str) -> Ended:
+def _read(reader: str, path: Path, _bounds: object, *more: str) -> ReaderEnded:
     output = BytesIO()
     send(output, reading(reader, str(path), *more))
-    return Ended(0, output)
+    return ReaderEnded(0, output)

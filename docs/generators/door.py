@@ -38,7 +38,7 @@ def _link(name: str) -> str:
     """Its place in the reference: a page where it is a room."""
     module, _, attribute = NAMES[name].partition(":")
     if files(module.split(".")[0])[module].name == "__init__.py":
-        room = module if "." in module else f"{module}.recipes"  # a half has no page of its own
+        room = module if "." in module else f"{module}.builders"  # a half has no page of its own
         return f"(reference/{room.replace('.', '-')}.md)"
     return f"[{module}.{attribute}]" if attribute else f"[{module}]"
 

@@ -14,21 +14,8 @@ from pydantic import BaseModel
 from docs.generators.comments import words
 from docs.generators.file_layout import layout
 from docs.generators.key_tables import key_table
-from preprocessing.recipes.frame.frame_file import FrameFile
-from preprocessing.recipes.frame.frame_tables import BeamTable, FrameMaterial, FramePoint, FrameSection, PolarNode
-from preprocessing.recipes.skin.skin_file import SkinFile
-from preprocessing.recipes.skin.skin_tables import (
-    Airfoil,
-    ContourPoint,
-    ElementGroup,
-    Material,
-    Place,
-    SectionTable,
-    ShapeMode,
-    SkinCut,
-)
-from preprocessing.recipes.solids.body_file import BodyFile
-from preprocessing.recipes.solids.body_tables import (
+from preprocessing.builders.body_file import (
+    BodyFile,
     MatricesTable,
     MeshTable,
     Region,
@@ -38,7 +25,20 @@ from preprocessing.recipes.solids.body_tables import (
     StressTable,
     TiedRegion,
 )
-from preprocessing.recipes.tables import BasisTable, Damping
+from preprocessing.builders.frame_file import FrameFile
+from preprocessing.builders.frame_tables import BeamTable, FrameMaterial, FramePoint, FrameSection, PolarNode
+from preprocessing.builders.skin_file import (
+    Airfoil,
+    ContourPoint,
+    ElementGroup,
+    Material,
+    Place,
+    SectionTable,
+    ShapeMode,
+    SkinCut,
+    SkinFile,
+)
+from preprocessing.builders.tables import BasisTable, Damping
 from toolkit.curves.catalogue import Curve
 from toolkit.description.design import CommonVariable
 from toolkit.description.point import BodyPoint

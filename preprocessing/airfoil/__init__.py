@@ -1,1 +1,1 @@
-"""Airfoil files of any common format, brought into one normal form or refused."""
+"""Airfoil files of any common format, their contours as smooth curves by arc length, and the skin's part of them."""

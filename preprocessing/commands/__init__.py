@@ -1,1 +1,1 @@
-"""The command `ffrf-preprocess`, and programs that the runtime starts in a process of their own."""
+"""The command `ffrf-preprocess`, its picture, and programs that the runtime starts in a process of their own."""

@@ -9,9 +9,9 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from preprocessing.input.output_file import refuse_output
-from preprocessing.picture.body_picture import refuse_picture, save_picture
-from preprocessing.recipes.build_model import read_recipe
+from preprocessing.builders.build_model import read_recipe
+from preprocessing.commands.body_picture import refuse_picture, save_picture
+from preprocessing.mesh.input_files import refuse_output
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.foundation.files.outside_files import told_outside
 from toolkit.foundation.rare_collections import last_work
@@ -166,7 +166,7 @@ def _built(path: Path, output: Path, values: dict[str, float], options: BuildOpt
 def _extruded(skin: Path, target: Path, layers: int, remarks: Remarks) -> BuildAnswer:
     """Write a skin as a mesh of solid elements with its recipe."""
     try:
-        from preprocessing.recipes.solids.extruded_skin import extrude  # scikit-fem and meshio take a second
+        from preprocessing.builders.extruded_skin import extrude  # scikit-fem and meshio take a second
     except ImportError as error:
         raise InputError(
             f"a solid needs meshio and scikit-fem, which cannot be loaded ({error}). Install them with: pip install "

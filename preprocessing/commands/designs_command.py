@@ -14,7 +14,7 @@ import json
 import sys
 from pathlib import Path
 
-from preprocessing.recipes.build_model import read_recipe
+from preprocessing.builders.build_model import read_recipe
 from toolkit.foundation.errors import ToolkitError, refusal
 from toolkit.reduced_model.file import save
 

@@ -1,20 +1,161 @@
-"""What a finite element states, whatever it is: the coordinates of its nodes, and its terms of a body's matrices."""
+"""What a finite element states, whatever it is: the coordinates of its nodes, and its terms of a body's matrices.
+
+What the plane and space differ in where finite elements become invariants: component mass matrices, and what is made of them.
+
+With Z = [xi, Psi], theory section 1, the mass of a body enters its invariants by
+
+    plane   G = Z^T (M_00 + M_11) Z, symmetric,   H = Z^T (M_01 - M_10) Z, antisymmetric
+    space   Q_ab = Z^T M_ab Z for a <= b, symmetric for a = b
+
+The centrifugal forces of a body that spins with omega about its frame's origin are, with the symmetric parts of the M_ab,
+
+    plane   omega^2 (M_00 + M_11) xi
+    space   sum_ij omega_i omega_j F_ij,   F_ii = (sum_a M_aa - M_ii) xi,   F_ij = -M_ij xi
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse import issparse
 
-from preprocessing.elements.blocks import Blocks
-from preprocessing.elements.section import Patch
-from preprocessing.elements.section_shape import Terms
-from preprocessing.elements.space import Space
+from preprocessing.elements.section import Patch, Terms
 from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.model import Invariants
+from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants
+
+Pair = tuple[int, int]
+"""Axes a and b of a component mass matrix M_ab; M_ba is its transpose."""
+
+
+class ElementForm(NamedTuple):
+    """Product Z^T (sum of M_ab) Z among the invariants."""
+
+    item: str  # name of the invariant
+    place: int | None  # along its first axis; None: all of it
+    pairs: tuple[Pair, ...]  # whose M_ab are summed
+    part: Literal["symmetric", "antisymmetric", "whole"]  # antisymmetric: of the sum without its transpose
+
+
+Spin = tuple[tuple[Pair, float], ...]
+"""Product of angular velocities: the M_ab whose symmetric parts make its centrifugal forces, and their weights."""
+
+
+@dataclass(frozen=True)
+class ElementSpace:
+    """Plane or space, with the forms of its invariants."""
+
+    dimension: int
+    pairs: tuple[Pair, ...]  # the component mass matrices, those with a = b first
+    forms: tuple[ElementForm, ...]
+    spins: tuple[Spin, ...]
+    invariants: type
+
+    def by_point(self, rows: Any, components: int) -> Any:
+        """Rows of the stress (n_stress * components, n_f) as the invariants have them; in the plane a point has one, sparse rows stay."""
+        return rows if self.dimension == 2 or issparse(rows) else rows.reshape(-1, components, rows.shape[1])
+
+
+PLANE = ElementSpace(
+    2,
+    ((0, 0), (1, 1), (0, 1)),
+    (ElementForm("inertia", None, ((0, 0), (1, 1)), "symmetric"), ElementForm("gyroscopic", None, ((0, 1),), "antisymmetric")),
+    ((((0, 0), 1.0), ((1, 1), 1.0)),),
+    Invariants,
+)
+SPACE = ElementSpace(
+    3,
+    PAIRS,
+    tuple(
+        ElementForm("second_moment", k, (pair,), "symmetric" if pair[0] == pair[1] else "whole") for k, pair in enumerate(PAIRS)
+    ),
+    tuple(tuple(((a, a), 1.0) for a in range(3) if a != pair[0]) if pair[0] == pair[1] else ((pair, -1.0),) for pair in PAIRS),
+    SpatialInvariants,
+)
+SPACES = {each.dimension: each for each in (PLANE, SPACE)}
+
+
+CANCELLED = 1e-13
+"""Part of the sum of the absolute values, below which a sum of some hundred numbers is round-off."""
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Rows and columns of the body's matrix, element by element."""
+
+    elements: np.ndarray  # (n_e,) their numbers
+    rows: np.ndarray  # (n_e, k)
+    columns: np.ndarray  # (n_e, p)
+    shape: tuple[int, int]  # of the body's matrix
+
+    @cached_property
+    def entries(self) -> tuple[np.ndarray, np.ndarray]:
+        """Row and column of every number of the blocks, after each other."""
+        row, column = np.broadcast_arrays(self.rows[:, :, None], self.columns[:, None, :])
+        return row.ravel(), column.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Blocks of some elements; sums and multiples of them make no sparse matrix, which costs more than their numbers."""
+
+    places: Places
+    values: np.ndarray  # (n_e, k, p)
+
+    __array_ufunc__ = None  # a number of numpy leaves products to this class
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Shape of the body's matrix."""
+        return self.places.shape
+
+    @cached_property
+    def sparse(self) -> Any:
+        """Body's matrix as a sparse one, by rows."""
+        return sparse.coo_array((self.values.ravel(), self.places.entries), shape=self.shape).tocsr()
+
+    def __add__(self, other: Blocks) -> Blocks:
+        if self.places is not other.places:
+            raise ValueError("blocks of different elements have no sum; make matrices of them first.")
+        return Blocks(self.places, self.values + other.values)
+
+    def __rmul__(self, factor: Any) -> Blocks:
+        return Blocks(self.places, factor * self.values)
+
+    def __matmul__(self, shapes: Any) -> Any:
+        return self.sparse @ shapes
+
+    def squared(self) -> Blocks:
+        """Products F^T F of rows F, no two elements of which share a row."""
+        at, n = self.places, self.shape[1]
+        return Blocks(Places(at.elements, at.columns, at.columns, (n, n)), np.swapaxes(self.values, 1, 2) @ self.values)
+
+
+def without_cancelled(sums: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Real sums with zeros where all but round-off of their summands cancels; `sizes` are the sums of their absolute values."""
+    return np.where(np.abs(sums) > CANCELLED * sizes, sums, 0.0)
+
+
+def sparse_of(matrix: Any) -> Any:
+    """Sparse matrix of the body, by rows."""
+    return matrix.sparse if isinstance(matrix, Blocks) else matrix.tocsr()
+
+
+def weighted_sum(terms: list[tuple[Any, Any]], shape: tuple[int, int]) -> Any:
+    """Sum of weights times matrices as one sparse matrix by rows; all blocks come into it by one conversion."""
+    blocks = [(weight, each) for weight, each in terms if isinstance(each, Blocks)]
+    whole = [weight * each for weight, each in terms if not isinstance(each, Blocks)]
+    if blocks:
+        row, column = (np.concatenate([each.places.entries[k] for _, each in blocks]) for k in (0, 1))
+        value = np.concatenate([weight * each.values.ravel() for weight, each in blocks])
+        whole.append(sparse.coo_array((value, (row, column)), shape=shape))
+    return sum(whole[1:], whole[0]).tocsr() if whole else sparse.csr_array(shape)
 
 
 class Contribution(NamedTuple):
@@ -44,7 +185,7 @@ class Coordinates:
     every displacement, so that the places of points off the nodes are products with one vector too.
     """
 
-    space: Space
+    space: ElementSpace
     n_nodes: int
     per_node: int
     hidden: int = 0

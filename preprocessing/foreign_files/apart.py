@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any, BinaryIO, NamedTuple
 
-from preprocessing.foreign_files.bounds import LARGEST_FILE, Bounds
+from preprocessing.foreign_files.child import LARGEST_FILE, Bounds
 from preprocessing.foreign_files.wire import receive
 from toolkit.foundation.errors import InputError, without_content
 from toolkit.foundation.files.meant_path import meant_path
@@ -20,7 +20,7 @@ from toolkit.foundation.processes.own_process import command, environment, refus
 CHILD = "from preprocessing.foreign_files.child import main; main(*sys.argv[1:])"
 
 
-class Ended(NamedTuple):
+class ReaderEnded(NamedTuple):
     """End of a reader's process."""
 
     code: int | None  # negative: the signal that ended it; None: it was waited for in vain
@@ -77,7 +77,7 @@ def bounded_size(path: Path) -> int:
     return size
 
 
-def run(reader: str, path: Path, bounds: Bounds, *more: str) -> Ended:
+def run(reader: str, path: Path, bounds: Bounds, *more: str) -> ReaderEnded:
     """Run a reader in its process, and store what it sends."""
     refuse_namesakes()
     arguments = (reader, str(path), str(bounds.memory), str(bounds.seconds), *more)
@@ -93,11 +93,11 @@ def run(reader: str, path: Path, bounds: Bounds, *more: str) -> Ended:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return Ended(None, output)
-    return Ended(done.returncode, output)
+        return ReaderEnded(None, output)
+    return ReaderEnded(done.returncode, output)
 
 
-def _why(ended: Ended, found: dict[str, Any], bounds: Bounds) -> str:
+def _why(ended: ReaderEnded, found: dict[str, Any], bounds: Bounds) -> str:
     """Reason why the process ended, in words."""
     if "reason" in found:
         return without_content(found["reason"]) or "it says nothing about why"

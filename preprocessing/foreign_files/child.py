@@ -5,17 +5,51 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
 from importlib import import_module
 from io import StringIO
 from typing import Any, BinaryIO
 
-from preprocessing.foreign_files.bounds import Bounds
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.processes.limits import limit_process, memory_of_machine
+
+LARGEST_FILE = 2 * 10**9
+"""Bytes; a mesh of ten million nodes has half of it."""
+BASE_MEMORY, MEMORY_PER_BYTE = 2**30, 50
+"""Bytes of address space: the libraries alone take a third of the first, and a byte of text becomes 5 to 20 of Python's lists."""
+BASE_SECONDS, SECONDS_PER_BYTE = 30, 1e-5
+"""Processor time; the slowest readers, of text in Python, take 0.5 s for a million bytes."""
+PATIENCE = 3
+"""Times the processor time after which a reader that waits for something is ended."""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Limits of memory and time for one reader."""
+
+    memory: int  # bytes of address space
+    seconds: int  # of processor time
+
+    @property
+    def patience(self) -> int:
+        """Longest time in seconds on the clock."""
+        return PATIENCE * self.seconds
+
+    @classmethod
+    def of(cls, size: int) -> Bounds:
+        """Limits for a file of this many bytes; never more memory than the machine has."""
+        memory = BASE_MEMORY + MEMORY_PER_BYTE * size
+        return cls(min(memory, memory_of_machine() or memory), int(BASE_SECONDS + SECONDS_PER_BYTE * size))
+
+    def impose(self) -> None:
+        """Put this process under them, where the system has such limits."""
+        limit_process(self.memory, self.seconds)
+
 
 READERS = {
     "mesh": ("preprocessing.foreign_files.mesh_reader", "mesh_contents"),
-    "matrix": ("preprocessing.foreign_files.matrices.matrix_entries", "matrix_entries"),
-    "table": ("preprocessing.foreign_files.matrices.number_table", "number_table"),
+    "matrix": ("preprocessing.foreign_files.matrix_entries", "matrix_entries"),
+    "table": ("preprocessing.foreign_files.number_files", "number_table"),
 }
 """Name of a reader -> its module, of which only this process loads the libraries, and its function."""
 

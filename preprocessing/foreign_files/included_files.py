@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from preprocessing.foreign_files.abaqus.blocks import deck_files
-from preprocessing.foreign_files.bounds import LARGEST_FILE
+from preprocessing.foreign_files.child import LARGEST_FILE
 from preprocessing.foreign_files.nastran.lines import named_files
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.meant_path import meant_path

@@ -1,1 +1,1 @@
-"""Meshes as plain arrays: made by gmsh along a curve, or read from files of other programs."""
+"""Meshes as plain arrays, read from files of other programs, and input files."""

@@ -1,18 +1,92 @@
-"""The surface of a spatial mesh: its faces, the triangles that they are drawn with, and integrals over them."""
+"""The surface of a mesh: edges of plane meshes, faces of spatial ones, and elements cut into triangles or tetrahedra."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import skfem
 from scipy import sparse
 from skfem.quadrature import get_quadrature
 
-from preprocessing.mesh.outline import CORNERS
 from toolkit.foundation.errors import InputError
+
+CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryLines:
+    """Edges of the boundary, line by line; the body is to the left of every edge where its elements count anticlockwise."""
+
+    nodes: np.ndarray  # (n_nodes, 2) of the whole mesh
+    edges: np.ndarray  # (n_edges, 3) first, last and middle node; -1 for none in the middle
+
+    @property
+    def tangents(self) -> np.ndarray:
+        """Unit vectors along the chords, (n_edges, 2)."""
+        chords = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
+        return chords / np.linalg.norm(chords, axis=1, keepdims=True)
+
+    @property
+    def points(self) -> np.ndarray:
+        """Numbers of the nodes of the boundary, in order."""
+        return np.unique(self.edges[self.edges >= 0])
+
+    def between(self, nodes: np.ndarray) -> BoundaryLines:
+        """Edges all of whose nodes are among the given ones."""
+        inside = np.append(np.isin(np.arange(len(self.nodes)), nodes), True)  # the last one stands for no node in the middle
+        return BoundaryLines(self.nodes, self.edges[inside[self.edges].all(axis=1)])
+
+    def products(self) -> Any:
+        """Integrals int N_k N_l ds for nodes k and l, by Simpson's rule or half of a straight edge; sparse (n_nodes, n_nodes)."""
+        length = np.sqrt(((self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]) ** 2).sum(axis=1))
+        straight = self.edges[:, 2] < 0
+        ends, middle = np.where(straight, 1 / 2, 1 / 6) * length, np.where(straight, 0, 4 / 6) * length
+        found = np.zeros(len(self.nodes) + 1, self.nodes.dtype)  # the last one stands for no node
+        np.add.at(found, self.edges, np.column_stack([ends, ends, middle]))
+        return sparse.diags_array(found[:-1], format="csr")
+
+
+def outline_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryLines:
+    """Edges that belong to one element only.
+
+    Parameters
+    ----------
+    blocks : kind of element -> (n_e, nodes of one element), corners first, then the middles of the edges
+    """
+    every = np.concatenate([edges_of(kind, block) for kind, block in blocks.items()])
+    key = np.sort(every[:, :2], axis=1)
+    _, first, count = np.unique(key, axis=0, return_index=True, return_counts=True)
+    return BoundaryLines(nodes, _in_lines(every[np.sort(first[count == 1])]))
+
+
+def edges_of(kind: str, block: np.ndarray) -> np.ndarray:
+    """Edges of all elements, (n_e n_corners, 3)."""
+    corners = CORNERS[kind]
+    first = block[:, :corners]
+    last = np.roll(first, -1, axis=1)
+    middle = block[:, corners : 2 * corners] if block.shape[1] >= 2 * corners else np.full_like(first, -1)
+    return np.stack([first, last, middle], axis=2).reshape(-1, 3)
+
+
+def _in_lines(edges: np.ndarray) -> np.ndarray:
+    """The edges in the order in which they follow one another, the smallest number of a node first in every line."""
+    at: dict[int, list[int]] = {}
+    for k, (first, last, _) in enumerate(edges.tolist()):
+        at.setdefault(first, []).append(k)
+        at.setdefault(last, []).append(k)
+    left, found = np.ones(len(edges), bool), []
+    for start in np.argsort(edges[:, :2].min(axis=1), kind="stable").tolist():
+        k = start
+        while left[k]:
+            left[k] = False
+            found.append(k)
+            ends = edges[k, [1, 0]].tolist()  # onward from the last node, if anything is left there
+            k = next((other for end in ends for other in at[end] if left[other]), k)
+    return edges[found]
+
 
 TETRA_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 HEXAHEDRON_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
@@ -171,3 +245,110 @@ def element_faces(kind: str) -> list[tuple[str, list[int]]]:
         members = [*face, *around, *centre]
         found.append(({3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8", 9: "quad9"}[len(members)], members))
     return found
+
+
+CENTRE = {
+    "triangle": (1 / 3, 0), "triangle6": (-1 / 9, 4 / 9), "quad": (1 / 4, 0), "quad8": (-1 / 4, 1 / 2), "tetra": (1 / 4, 0),
+    "tetra10": (-1 / 8, 1 / 4), "hexahedron": (1 / 8, 0), "hexahedron20": (-1 / 4, 1 / 4), "wedge": (1 / 6, 0),
+    "wedge15": (-2 / 9, [2 / 9] * 6 + [1 / 3] * 3),
+}  # fmt: skip
+"""Shape functions of corners and of middles of edges in the centre of an element; quad9 and hexahedron27 have a node there, their last."""
+ALL_CORNERS = {
+    **CORNERS,
+    "tetra": 4,
+    "tetra10": 4,
+    "hexahedron": 8,
+    "hexahedron20": 8,
+    "hexahedron27": 8,
+    "wedge": 6,
+    "wedge15": 6,
+}
+
+
+class ElementSides(NamedTuple):
+    """Sides of elements, edges in the plane and faces in space, in the order of the elements."""
+
+    element: np.ndarray  # (n,) number of the element
+    key: np.ndarray  # (n, 4) corners in rising order, filled up with -1
+    turn: np.ndarray  # (n,) +1 or -1: which way round the corners follow one another, seen from outside the element
+    n_elements: int
+
+
+class Simplices(NamedTuple):
+    """Triangles or tetrahedra whose first corner is the centre of their element, and the others on one of its sides."""
+
+    element: np.ndarray  # (n,)
+    side: np.ndarray  # (n,) number of the side
+    corners: np.ndarray  # (n, d + 1, d)
+
+
+def cut(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> tuple[ElementSides, Simplices]:
+    """Sides and simplices of all elements, block by block; nodes (n_nodes, d)."""
+    sides, simplices, elements, n_sides = [], [], 0, 0
+    for kind, block in blocks.items():
+        centre, mirrored = _centres(kind, nodes[block]), _mirrored(nodes[block])
+        for corners, outer in _sides(nodes, kind, block):
+            numbers = elements + np.arange(len(block))
+            sides.append(ElementSides(numbers, _key(corners), _turn(corners) * np.where(mirrored, -1, 1), 0))
+            apexes = np.broadcast_to(centre[:, None, None], (*outer.shape[:2], 1, nodes.shape[1]))
+            each = np.concatenate([apexes, outer], axis=2)
+            own = [np.repeat(first + np.arange(len(block)), outer.shape[1]) for first in (elements, n_sides)]
+            simplices.append(Simplices(own[0], own[1], each.reshape(-1, *each.shape[2:])))
+            n_sides += len(block)
+        elements += len(block)
+    element, key, turn = (np.concatenate(parts) for parts in list(zip(*sides, strict=True))[:3])
+    return ElementSides(element, key, turn, elements), Simplices(
+        *(np.concatenate(parts) for parts in zip(*simplices, strict=True))
+    )
+
+
+def _sides(nodes: np.ndarray, kind: str, block: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Corners (n_e, 2 to 4) of every side, and the simplices' corners on it (n_e, n_simplices, d, d)."""
+    if nodes.shape[1] == 2:
+        for each in np.moveaxis(edges_of(kind, block).reshape(len(block), -1, 3), 1, 0):
+            line = each[:, [0, 1]] if each[0, 2] < 0 else each[:, [0, 2, 1]]
+            yield each[:, :2], np.stack([nodes[line[:, :-1]], nodes[line[:, 1:]]], axis=2)
+        return
+    for face, places in element_faces(kind):
+        members, n = block[:, places], CORNERS[face]
+        around = np.stack([members[:, :n], members[:, n : 2 * n]], axis=2).reshape(len(block), -1) if len(places) > n else members
+        polygon = nodes[around]
+        middle = np.broadcast_to(_centres(face, nodes[members])[:, None], polygon.shape)
+        yield members[:, :n], np.stack([middle, polygon, np.roll(polygon, -1, axis=1)], axis=2)
+
+
+def _centres(kind: str, places: np.ndarray) -> np.ndarray:
+    """Images (n_e, d) of the centres of elements or faces, from the places of their nodes (n_e, n_local, d)."""
+    if kind in ("quad9", "hexahedron27"):
+        return places[:, -1]
+    corner, middle = CENTRE[kind]
+    n = ALL_CORNERS[kind]
+    weights = np.full(places.shape[1], corner)
+    weights[n:] = middle
+    return np.einsum("k,ekd->ed", weights, places)
+
+
+def _mirrored(places: np.ndarray) -> np.ndarray:
+    """Which elements (n_e, n_local, d) have their corners in the order of a mirror image."""
+    if places.shape[2] == 3:
+        return mirrored_elements(places)
+    along = places[:, 1:3] - places[:, [0]]
+    return np.linalg.det(along) < 0
+
+
+def _key(corners: np.ndarray) -> np.ndarray:
+    found = np.full((len(corners), 4), -1)
+    found[:, : corners.shape[1]] = np.sort(corners, axis=1)
+    return found
+
+
+def _turn(corners: np.ndarray) -> np.ndarray:
+    """Sense of rotation, +1 where the corner after the smallest is smaller than the one before it.
+
+    Of an edge, where it begins with the smaller one.
+    """
+    if corners.shape[1] == 2:
+        return np.where(corners[:, 0] < corners[:, 1], 1, -1)
+    first, rows = corners.argmin(axis=1), np.arange(len(corners))
+    n = corners.shape[1]
+    return np.where(corners[rows, (first + 1) % n] < corners[rows, (first - 1) % n], 1, -1)

@@ -9,13 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from preprocessing.foreign_files.apart import read_apart
-from preprocessing.foreign_files.contents import Elements, MeshContents, PointMass
-from preprocessing.foreign_files.element_kinds import KNOWN, LOWER, PLANE, SOLID, SPATIAL
+from preprocessing.foreign_files.contents import KNOWN, LOWER, PLANE, SOLID, SPATIAL, Elements, MeshContents, PointMass
 from preprocessing.foreign_files.included_files import drawn_on
-from preprocessing.mesh.numbering.collapsed import uncollapsed
-from preprocessing.mesh.numbering.copies import Renumbering, distinct, first_of_copies, joined
-from preprocessing.mesh.numbering.middle_nodes import refuse_exchanged, refuse_unlike
-from preprocessing.mesh.outline import CORNERS
+from preprocessing.mesh.element_numbering import (
+    Renumbering,
+    distinct,
+    first_of_copies,
+    joined,
+    refuse_exchanged,
+    refuse_unlike,
+    uncollapsed,
+)
+from preprocessing.mesh.faces import CORNERS
 from preprocessing.mesh.solid_mesh import SolidMesh, refuse_parts
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LARGEST

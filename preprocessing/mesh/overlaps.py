@@ -1,4 +1,4 @@
-"""Elements that lie in one another, whose mass and stiffness would count twice.
+"""Elements that do not fit: those that lie in one another, and slits between their sides.
 
 A mesh that covers every place once has every side at most twice, seen from opposite sides. Where it covers a place more often although
 that is so (two meshes of one region, with nodes of their own), that region ends at sides that belong to one element only, and just
@@ -10,9 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from preprocessing.mesh.simplices import Sides, Simplices, cut
+from preprocessing.mesh.faces import ElementSides, Simplices, cut
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.foundation.errors import InputError
 
@@ -46,7 +48,7 @@ def refuse_overlaps(mesh: SolidMesh) -> None:
         )
 
 
-def _on_one_side(sides: Sides) -> np.ndarray:
+def _on_one_side(sides: ElementSides) -> np.ndarray:
     """Pairs of elements (n, 2) that have a side in common and lie on the same side of it."""
     _, number, count = np.unique(np.column_stack([sides.key, sides.turn]), axis=0, return_inverse=True, return_counts=True)
     number = number.ravel()
@@ -69,7 +71,7 @@ def _proper(simplices: Simplices) -> Simplices:
     return Simplices(*(part[kept] for part in simplices))
 
 
-def _inside_others(sides: Sides, simplices: Simplices) -> Iterator[np.ndarray]:
+def _inside_others(sides: ElementSides, simplices: Simplices) -> Iterator[np.ndarray]:
     """Pairs of an element on the boundary and another one that holds a point of it."""
     _, number, count = np.unique(sides.key, axis=0, return_inverse=True, return_counts=True)
     single = count[number.ravel()] == 1
@@ -123,3 +125,63 @@ def _named(mesh: SolidMesh, element: int) -> str:
             return f"{kind} round ({place})"
         element -= len(block)
     raise IndexError(element)
+
+
+SAME_PLACE = 1e-9
+"""Distance of nodes, in parts of the body's extent, below which they lie at one place: coordinates of files hold more digits."""
+
+
+def slit_told(mesh: SolidMesh) -> str:
+    """Remark on slits of a mesh; empty where it has none."""
+    place = _places(mesh.nodes)
+    if place is None:
+        return ""
+    sides, _ = cut(mesh.nodes, mesh.blocks)
+    single = _rows_of(sides.key, 1)
+    split = single & _rows_of(np.sort(np.where(sides.key < 0, -1, place[sides.key]), axis=1), 2)
+    if not split.any():
+        return ""
+    first = sides.key[np.argmax(split)]
+    where = ", ".join(f"{x:g}" for x in mesh.nodes[first[first >= 0]].mean(axis=0))
+    return (
+        f"the mesh has a slit: {split.sum()} sides of elements lie on one another, but share no nodes, so that the body comes apart there "
+        f"and its parts enter one another unhindered; one is at ({where}). If it is whole there, merge coincident nodes in the program "
+        "that made the mesh (gmsh: Coherence)."
+    )
+
+
+def misfit_told(mesh: SolidMesh) -> str:
+    """Remark on triangles that meet quadrilaterals, or tetrahedra beside hexahedra; empty where there are none."""
+    if not any(kind.startswith("tetra") for kind in mesh.blocks) or all(kind.startswith("tetra") for kind in mesh.blocks):
+        return ""
+    sides, _ = cut(mesh.nodes, mesh.blocks)
+    single = sides.key[_rows_of(sides.key, 1)]
+    triangles, quads = single[single[:, 3] < 0, :3], single[single[:, 3] >= 0]
+    halves = np.concatenate([quads[:, [k for k in range(4) if k != left]] for left in range(4)])
+    number = np.unique(np.concatenate([triangles, halves]), axis=0, return_inverse=True)[1].ravel()
+    meeting = np.isin(number[: len(triangles)], number[len(triangles) :])
+    if not meeting.any():
+        return ""
+    where = ", ".join(f"{x:g}" for x in mesh.nodes[triangles[np.argmax(meeting)]].mean(axis=0))
+    return (
+        f"{meeting.sum()} triangles of tetrahedra or wedges meet quadrilaterals of other elements, the first at ({where}): they share "
+        "nodes but not the displacements between them, so that gaps open there under load. Mesh the body with "
+        "elements of one kind."
+    )
+
+
+def _places(nodes: np.ndarray) -> np.ndarray | None:
+    """The number of the place of every node, (n,), or nothing where no two nodes share one."""
+    pairs = cKDTree(nodes).query_pairs(SAME_PLACE * np.ptp(nodes, axis=0).max(), output_type="ndarray")
+    if not len(pairs):
+        return None
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(nodes), len(nodes)))
+    found: np.ndarray = connected_components(graph, directed=False)[1]
+    return found
+
+
+def _rows_of(key: np.ndarray, count: int) -> np.ndarray:
+    """Which rows occur so many times, (n,)."""
+    _, number, counts = np.unique(key, axis=0, return_inverse=True, return_counts=True)
+    found: np.ndarray = counts[number.ravel()] == count
+    return found

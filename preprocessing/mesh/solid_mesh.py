@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from preprocessing.foreign_files.contents import LeftOut, PointMass
+from preprocessing.foreign_files.contents import LeftOutContent, PointMass
 from toolkit.foundation.errors import InputError
 
 AT_ONCE = 1_000_000
@@ -34,7 +34,7 @@ class SolidMesh:
     )  # name of a group -> its elements by kind, as `blocks`, if it has any
     labels: np.ndarray | None = None  # (n_nodes,) number that the file gives each node, if it numbers them
     masses: Sequence[PointMass] = ()  # in the numbers of the nodes here; lengths in those of `nodes`
-    left_out: Sequence[LeftOut] = ()  # what stands in the file and is not part of the body
+    left_out: Sequence[LeftOutContent] = ()  # what stands in the file and is not part of the body
     remarks: Sequence[str] = ()  # what the user should know of the reading
 
     @property

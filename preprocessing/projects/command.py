@@ -25,7 +25,7 @@ def wing(
     as_json: AsJson = False,
 ) -> None:
     """Write the files of a new wing and say what to do with them."""
-    from preprocessing.projects.wing.new_wing import new_wing
+    from preprocessing.projects.new_wing import new_wing
 
     told = "The target is a droop of the nose; replace target.dat by a section of your own, in the same frame, when you have one."
     following = (f"ffrf-preprocess {folder}/skin.toml", f"ffrf statics {folder}/scene.toml", f"ffrf optimize {folder}/study.toml")
@@ -56,7 +56,7 @@ def solid(
     as_json: AsJson = False,
 ) -> None:
     """Write the files of a new solid and say what to do with them."""
-    from preprocessing.projects.solid.new_solid import new_solid, size_question
+    from preprocessing.projects.new_solid import new_solid, size_question
 
     following = (f"ffrf-preprocess {folder}/body.toml", f"ffrf statics {folder}/scene.toml", f"ffrf simulate {folder}/scene.toml")
     _tell(

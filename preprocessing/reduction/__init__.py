@@ -1,1 +1,1 @@
-"""The parts of a reduced model, from finite elements and a basis."""
+"""From finite elements to the parts of a reduced model: bodies at one design, bases, invariants and their derivatives."""

@@ -8,17 +8,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from preprocessing.assembly.assembly import Part, Parts
-from preprocessing.assembly.invariants import Term, polynomial_of
-from preprocessing.basis.reduction import undeformed
-from preprocessing.discretisation.discretisation import DesignSpace, Discretisation, derivative_of
-from preprocessing.elements.block_element import LineElement
-from preprocessing.elements.blocks import without_cancelled
-from preprocessing.elements.section import Monomial, monomial
-from preprocessing.elements.space import Form, Pair
+from preprocessing.elements.beams import LineElement
+from preprocessing.elements.element import ElementForm, Pair, without_cancelled
+from preprocessing.elements.section import Monomial, SectionTerm, monomial
+from preprocessing.reduction.assembly import MatrixPart, Parts
+from preprocessing.reduction.chosen_basis import undeformed
+from preprocessing.reduction.discretisation import DesignChange, DesignSpace, Discretisation, derivative_of
+from preprocessing.reduction.invariants import Term, polynomial_of
 from preprocessing.reduction.stored_entries import ROUND_OFF, joined_rates
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
+from toolkit.reduced_model.parts.sections import BeamSections
 
 KINDS: dict[int, Any] = {2: Elements, 3: SpatialElements}
 """Class of elements by the dimension of space."""
@@ -28,7 +28,7 @@ PLACES = ("nodes", "connectivity", "held")
 Arrays = dict[str, np.ndarray]
 
 
-class Rows(NamedTuple):
+class SumRows(NamedTuple):
     """Rows of an array with their numbers along its first axis."""
 
     numbers: np.ndarray  # (n,), of elements or of stress rows, in their order
@@ -65,7 +65,7 @@ def _lengths(nominal: Discretisation) -> dict[str, int]:
     return {"stress_operator": nominal.parts.n_stress, "": len(nominal.element.connectivity)}
 
 
-def _terms(summands: Mapping[Monomial, Mapping[str, Rows]]) -> dict[str, list[Term]]:
+def _terms(summands: Mapping[Monomial, Mapping[str, SumRows]]) -> dict[str, list[Term]]:
     """Nonzero coefficients of each item, monomial by monomial."""
     terms: dict[str, list[Term]] = {}
     for factors, found in summands.items():
@@ -94,7 +94,7 @@ def _counting(rate: np.ndarray, scale: Any) -> np.ndarray:
     return np.where(parts > ROUND_OFF * parts.max(initial=0), rate, 0.0)
 
 
-def _sum(summands: Mapping[Monomial, Mapping[str, Rows]], values: Mapping[str, Any], lengths: Mapping[str, int]) -> Arrays:
+def _sum(summands: Mapping[Monomial, Mapping[str, SumRows]], values: Mapping[str, Any], lengths: Mapping[str, int]) -> Arrays:
     """Arrays of the elements at values of the parameters."""
     found: Arrays = {}
     kind = np.result_type(float, *(rows.values for arrays in summands.values() for rows in arrays.values()))
@@ -107,7 +107,7 @@ def _sum(summands: Mapping[Monomial, Mapping[str, Rows]], values: Mapping[str, A
     return found
 
 
-def _by_monomial(element: LineElement, parts: Parts) -> dict[Monomial, dict[str, Rows]]:
+def _by_monomial(element: LineElement, parts: Parts) -> dict[Monomial, dict[str, SumRows]]:
     """Coefficients of each monomial of the parameters in every array."""
     count, local = element.connectivity.shape[0], 2 * element.per_node
     xi = undeformed(element.ends.reshape(-1, element.nodes.shape[1])).reshape(count, local, 1)
@@ -115,7 +115,7 @@ def _by_monomial(element: LineElement, parts: Parts) -> dict[Monomial, dict[str,
     hidden = np.zeros((count, element.hidden, 1 + local))
     hidden[:, :, 0] = 1
     z = np.concatenate([z, hidden], axis=1)
-    found: dict[Monomial, dict[str, list[Rows]]] = {}
+    found: dict[Monomial, dict[str, list[SumRows]]] = {}
     for part in parts.parts:
         own = found.setdefault(part.factors, {})
         for name, rows in _summands(part, element, z):
@@ -123,31 +123,31 @@ def _by_monomial(element: LineElement, parts: Parts) -> dict[Monomial, dict[str,
     return {factors: {name: _joined(rows) for name, rows in arrays.items()} for factors, arrays in found.items()}
 
 
-def _joined(every: list[Rows]) -> Rows:
+def _joined(every: list[SumRows]) -> SumRows:
     """Sum of rows at the same numbers."""
     added = np.concatenate([each.values for each in every])
     numbers, where = np.unique(np.concatenate([each.numbers for each in every]), return_inverse=True)
     found = np.zeros((len(numbers), *added.shape[1:]), added.dtype)
     np.add.at(found, where, added)
-    return Rows(numbers, found)
+    return SumRows(numbers, found)
 
 
-def _summands(part: Part, element: LineElement, z: np.ndarray) -> Iterator[tuple[str, Rows]]:
+def _summands(part: MatrixPart, element: LineElement, z: np.ndarray) -> Iterator[tuple[str, SumRows]]:
     """Contributions of one part of one matrix to the elements' arrays."""
     local, blocks = 2 * element.per_node, part.matrix
     elements = blocks.places.elements
     if part.name == "stress":
         rows = np.zeros((blocks.places.rows.size, local), blocks.values.dtype)
         rows[:, : blocks.values.shape[2]] = blocks.values.reshape(len(rows), -1)
-        yield "stress_operator", Rows(blocks.places.rows.ravel(), rows)
+        yield "stress_operator", SumRows(blocks.places.rows.ravel(), rows)
     elif isinstance(part.name, str):
         whole = np.zeros((len(elements), local, local), blocks.values.dtype)
         width = min(local, blocks.values.shape[1])
         whole[:, :width, :width] = blocks.values[:, :width, :width]
-        yield part.name, Rows(elements, _symmetric(whole))
+        yield part.name, SumRows(elements, _symmetric(whole))
     else:
         for name, values in _of_mass(part.name, blocks.values, element, z[elements, : blocks.values.shape[1]]):
-            yield name, Rows(elements, values)
+            yield name, SumRows(elements, values)
 
 
 def _of_mass(pair: Pair, blocks: np.ndarray, element: LineElement, z: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
@@ -169,7 +169,7 @@ def _of_mass(pair: Pair, blocks: np.ndarray, element: LineElement, z: np.ndarray
             yield "mass", inertia @ axis
 
 
-def _form(form: Form, blocks: np.ndarray, z: np.ndarray) -> np.ndarray:
+def _form(form: ElementForm, blocks: np.ndarray, z: np.ndarray) -> np.ndarray:
     if form.part == "antisymmetric":
         moment = _moment(z, blocks - np.swapaxes(blocks, 1, 2))
         return (moment - np.swapaxes(moment, 1, 2)) / 2
@@ -177,7 +177,7 @@ def _form(form: Form, blocks: np.ndarray, z: np.ndarray) -> np.ndarray:
     return _symmetric(moment) if form.part == "symmetric" else moment
 
 
-def _placed(form: Form, moment: np.ndarray, places: int) -> np.ndarray:
+def _placed(form: ElementForm, moment: np.ndarray, places: int) -> np.ndarray:
     """Moment as one of several of its element, if it has a place among them."""
     if form.place is None:
         return moment
@@ -194,12 +194,12 @@ def _symmetric(blocks: np.ndarray) -> np.ndarray:
     return (blocks + np.swapaxes(blocks, 1, 2)) / 2
 
 
-def _significant(arrays: Mapping[str, Rows], mass: np.ndarray) -> dict[str, Rows]:
+def _significant(arrays: Mapping[str, SumRows], mass: np.ndarray) -> dict[str, SumRows]:
     """Arrays with zeros in place of round-off; `mass` of whole elements, as what only turns has none of its own."""
     own = {name: rows.values for name, rows in arrays.items()}
     scales = _scales(own, mass[arrays["mass"].numbers] if "mass" in arrays else mass)
     return {
-        name: Rows(numbers, np.where(np.abs(values) > ROUND_OFF * scales[name], values, 0.0))
+        name: SumRows(numbers, np.where(np.abs(values) > ROUND_OFF * scales[name], values, 0.0))
         for name, (numbers, values) in arrays.items()
     }
 
@@ -227,3 +227,55 @@ def _scales(arrays: Arrays, mass: np.ndarray) -> Arrays:
 def _of_squares(blocks: np.ndarray) -> np.ndarray:
     root = np.sqrt(np.abs(np.einsum("eii->ei", blocks)))
     return root[:, :, None] * root[:, None, :]
+
+
+BY_ELEMENT = ("stress_per_strain", "axial_stiffness", "torsional_stiffness", "shear_stiffness", "mass_per_length")
+"""Arrays with one number for each element."""
+
+
+class KeptSections(NamedTuple):
+    """Sections and their dependence on the parameters; the fields of `ReducedModel` have the same names."""
+
+    sections: BeamSections | None = None
+    section_derivatives: dict[str, Derivatives] | None = None
+    section_affine: dict[str, Polynomial] | None = None
+
+
+def beam_sections(space: DesignSpace, nominal: Discretisation, changes: Mapping[str, DesignChange]) -> KeptSections:
+    """Sections at the nominal design and their dependence on the parameters; empty of elements that are no beams.
+
+    Parameters
+    ----------
+    changes : parameter -> what it changes, at least of those by which the matrices are no polynomials
+    """
+    element, values = nominal.element, space.values
+    if not (terms := [*element.section_terms()]):
+        return KeptSections()
+    arrays, names = {name: np.real(array) for name, array in _sums(element, terms, values).items()}, list(values)
+    steps = {name: change.stepped.element for name, change in changes.items() if name not in space.in_monomials}
+    rates = {
+        name: {f"sections.{item}": derivative_of(array) for item, array in _sums(each, [*each.section_terms()], values).items()}
+        for name, each in steps.items()
+    }
+    return KeptSections(
+        BeamSections(axis=np.real(element.section_axes), **arrays), joined_rates(rates, names), _polynomials(terms, arrays, names)
+    )
+
+
+def _sums(element: LineElement, terms: list[SectionTerm], values: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Arrays of the sections at some values of the parameters; complex where the terms make complex steps."""
+    n, planes = len(element.connectivity), element.space.dimension - 1
+    found = {name: np.zeros((n, 1), complex) for name in BY_ELEMENT}
+    found["bending_stiffness"] = np.zeros((n, planes), complex)
+    found["fibre_distance"] = np.zeros((len(element.stress_points.element), planes), complex)
+    for name, rows, column, factors, number in terms:
+        found[name][rows, column] += number * monomial(values, factors)
+    return {name: array[:, 0] if name in BY_ELEMENT else array for name, array in found.items()}
+
+
+def _polynomials(terms: list[SectionTerm], arrays: Mapping[str, np.ndarray], names: list[str]) -> dict[str, Polynomial]:
+    by_item: dict[str, list[Term]] = {}
+    for name, rows, column, factors, number in terms:
+        width = 1 if arrays[name].ndim == 1 else arrays[name].shape[1]
+        by_item.setdefault(f"sections.{name}", []).append((factors, width * rows + column, np.full(len(rows), np.real(number))))
+    return {item: polynomial_of(each, names) for item, each in by_item.items()}

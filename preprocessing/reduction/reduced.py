@@ -2,37 +2,155 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, issparse
 
-from preprocessing.assembly.assembly import Matrices
-from preprocessing.basis.basis import Basis
-from preprocessing.basis.basis_choice import BasisChoice
-from preprocessing.basis.boundary import coordinates_of
-from preprocessing.basis.reduction import motions_of_the_frame, per_node, reduced_basis
-from preprocessing.discretisation.discretisation import STEP, Change, DesignSpace, Discretisation, derivative_of
-from preprocessing.discretisation.following_places import with_places
-from preprocessing.reduction.beam_sections import KeptSections, beam_sections
-from preprocessing.reduction.composition import line_composition
-from preprocessing.reduction.contracted import Rate, contracted
-from preprocessing.reduction.element_sums import element_sums
-from preprocessing.reduction.held_points import with_held_points
+from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.reduction.assembly import Matrices, Parts
+from preprocessing.reduction.basis import BasisChoice, ReductionBasis
+from preprocessing.reduction.boundary import coordinates_of
+from preprocessing.reduction.chosen_basis import motions_of_the_frame, per_node, reduced_basis
+from preprocessing.reduction.discretisation import STEP, DesignChange, DesignSpace, Discretisation, derivative_of, with_places
+from preprocessing.reduction.element_sums import KeptSections, beam_sections, element_sums
+from preprocessing.reduction.invariants import contract, contract_derivative, polynomials, whole_arrays, with_roots
 from preprocessing.reduction.spin_stiffening import SpinStiffening, Spun, without_round_off_of_rate
-from preprocessing.reduction.stored_entries import joined_rates, with_more
+from preprocessing.reduction.stored_entries import (
+    AnyInvariants,
+    derivatives,
+    joined_rates,
+    polynomials_without_round_off,
+    with_held_points,
+    with_more,
+    without_round_off,
+)
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.description.composition import (
+    LONGEST_SENTENCE,
+    Attributes,
+    Composition,
+    KeptLeftOut,
+    KeptMass,
+    PlaceOfNodes,
+    place_of,
+    plain_text,
+)
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
 from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
 from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants
+
+
+def mesh_composition(mesh: SolidMesh, volume: float | None, clamped: np.ndarray, tied: Mapping[str, np.ndarray]) -> Attributes:
+    """Composition of a body of solid elements, or of finished matrices.
+
+    Parameters
+    ----------
+    volume : of its elements; None where it is not known
+    clamped, tied : numbers of the clamped nodes, and of those that carry each interface point
+    """
+    return Composition(
+        nodes=len(mesh.nodes),
+        elements={kind: len(block) for kind, block in mesh.blocks.items()},
+        volume=volume,
+        interface_points={name: len(nodes) for name, nodes in tied.items()},
+        clamp=_place(mesh.nodes, clamped) if len(clamped) else None,
+        groups={plain_text(name): _place(mesh.nodes, nodes) for name, nodes in mesh.groups.items()},
+        masses=[KeptMass(each.mass, [*each.place], len(each.carriers), plain_text(each.source)) for each in mesh.masses],
+        left_out=[KeptLeftOut(plain_text(what), n, plain_text(why, LONGEST_SENTENCE)) for what, n, why in mesh.left_out],
+        remarks=[plain_text(text, LONGEST_SENTENCE) for text in mesh.remarks],
+    ).attributes()
+
+
+def line_composition(
+    space: DesignSpace, nominal: Discretisation, held: Sequence[int], interfaces: Mapping[str, InterfacePoint]
+) -> Attributes:
+    """Composition of a skin or a frame; `held` are the numbers of the clamped nodes."""
+    nodes = np.real(nominal.nodes)
+    return Composition(
+        nodes=len(nodes),
+        elements={"beam": len(nominal.element.connectivity)},
+        volume=_volume_of_lines(space, nominal.parts),
+        interface_points={name: 2 if np.ptp(point.arc_length_range) > 0 else 1 for name, point in interfaces.items()},
+        clamp=_place(nodes, np.asarray(held)) if len(held) else None,
+    ).attributes()
+
+
+def _place(nodes: np.ndarray, numbers: np.ndarray) -> PlaceOfNodes:
+    return place_of(nodes[numbers].tolist())
+
+
+def _volume_of_lines(space: DesignSpace, parts: Parts) -> float | None:
+    """The mass that the body would have if every density were one; None where some of its mass has no density."""
+    dense = {name for name, quantity in space.quantities.items() if quantity == "density"}
+    along = [part for part in parts.parts if part.name == (0, 0)]
+    if not all(dense & dict(part.factors).keys() for part in along):
+        return None
+    at_one: dict[str, Any] = {**space.values, **dict.fromkeys(dense, 1.0)}
+    motion = parts.coordinates.translations[0]
+    mass = replace(parts, parts=tuple(along)).at(at_one).m[0]
+    return float(np.real(motion @ (mass @ motion)))
+
+
+class Rate(NamedTuple):
+    """Changes by one parameter: of matrices, shapes and other arrays."""
+
+    matrices: Matrices
+    z: np.ndarray  # dZ = [dxi, dPsi] (n, 1 + n_f)
+    items: Mapping[str, np.ndarray]  # derivatives of arrays besides the invariants
+
+
+class Contracted(NamedTuple):
+    """Invariants with derivatives and polynomials; the fields of `ReducedModel` have the same names."""
+
+    invariants: AnyInvariants
+    derivatives: dict[str, Derivatives]
+    affine: dict[str, Polynomial]
+
+
+def contracted(
+    parts: Parts,
+    matrices: Matrices,
+    values: Mapping[str, Any],
+    z: np.ndarray,
+    rates: Iterable[tuple[str, Rate]],
+    interfaces: Mapping[str, InterfacePoint],
+    computed: bool,
+    exact: bool = True,
+) -> Contracted:
+    """Contract the matrices at all parameters `values` with Z = [xi, Psi], and differentiate.
+
+    Parameters
+    ----------
+    rates : parameter -> what it changes, of those by which there are derivatives
+    computed : whether the shapes were computed, or are those of a full basis
+    exact : whether there are polynomials
+    """
+    names = list(values)
+    shapes = z if computed else csr_array(z)  # shapes that select coordinates are zero nearly everywhere
+    by_parameter = {name: {**_rates(matrices, rate, shapes), **rate.items} for name, rate in rates}
+    affine = polynomials(parts, names, z, computed) if exact else {}
+    invariants = with_roots(contract(matrices, shapes), parts, values, shapes)
+    found = derivatives(invariants, by_parameter, names, computed, interfaces)
+    if not computed:
+        invariants = whole_arrays(without_round_off(invariants), matrices.components)
+        affine = polynomials_without_round_off(affine, invariants, [float(np.real(value)) for value in values.values()])
+    return Contracted(invariants, found, affine)
+
+
+def _rates(matrices: Matrices, rate: Rate, shapes: Any) -> dict[str, Any]:
+    """Derivatives of the invariants, sparse as the shapes are."""
+    d_shapes = csr_array(rate.z) if issparse(shapes) else rate.z
+    return vars(contract_derivative(matrices, rate.matrices, shapes, d_shapes))
+
 
 LARGEST_FULL = 900
 """Nodal coordinates up to which all are kept: with so many the check takes some 4 s, most of it to compile."""
@@ -100,7 +218,7 @@ def _spun(body: Discretisation, values: Mapping[str, Any], matrices: Matrices, z
     return Spun(body.element, values, matrices, free, z, motions_of_the_frame(body.nodes) if floats else None)
 
 
-def left_out_shapes(nominal: Discretisation, matrices: Matrices, mass: Any, basis: Basis) -> LeftOutShapes | None:
+def left_out_shapes(nominal: Discretisation, matrices: Matrices, mass: Any, basis: ReductionBasis) -> LeftOutShapes | None:
     """Static responses of left-out shapes at the nominal design, with the nodal mass (n, n); None if none is left out."""
     if basis.beyond is None or not basis.beyond.count:
         return None
@@ -133,11 +251,11 @@ RICHER = ("invariants", "derivatives", "affine", "interfaces", "spin")
 
 
 @dataclass(frozen=True)
-class Reduced:
+class ReducedParts:
     """Result of `reduce`; the fields of `ReducedModel` have the same names."""
 
     space: DesignSpace  # with all parameters of the model
-    basis: Basis
+    basis: ReductionBasis
     invariants: Invariants | SpatialInvariants
     derivatives: dict[str, Derivatives]
     affine: dict[str, Polynomial]
@@ -150,7 +268,7 @@ class Reduced:
     spin: Spin | None = None
     left_out_shapes: LeftOutShapes | None = None
     composition: dict[str, str | int | float] = field(default_factory=dict)
-    richer: Reduced | None = None  # of a frozen basis: the same body in more shapes
+    richer: ReducedParts | None = None  # of a frozen basis: the same body in more shapes
 
     def fields(self, units: str) -> dict[str, Any]:
         """Arguments of `ReducedModel`."""
@@ -172,7 +290,7 @@ class Reduced:
         }
 
 
-def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> Reduced:
+def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> ReducedParts:
     """Contract the finite elements of a body with a basis, and differentiate everything by all parameters.
 
     A frozen basis comes with a richer one, see `richer_basis`.
@@ -196,7 +314,7 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     return found
 
 
-def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> Reduced:
+def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> ReducedParts:
     """Reduction with one basis, as `reduce`."""
     space = with_places(space, choice.followed)
     nominal = space.nominal()
@@ -228,7 +346,7 @@ def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequen
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     composition = line_composition(space, nominal, still, interfaces)
     rest = left_out_shapes(nominal, matrices, mass, basis)
-    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, sections, stored, rest, composition)
+    return ReducedParts(space, basis, *found, interfaces, nominal.stress_points, *elements, sections, stored, rest, composition)
 
 
 SECTIONS = ("sections", "section_derivatives", "section_affine")
@@ -245,7 +363,7 @@ def _held(choice: BasisChoice, clamped_node: int | Sequence[int], n_nodes: int) 
     return [] if choice.chord is not None else [int(node) % n_nodes for node in np.atleast_1d(clamped_node)]
 
 
-def _shape_rates(basis: Basis, changes: Sequence[Change]) -> Iterator[np.ndarray]:
+def _shape_rates(basis: ReductionBasis, changes: Sequence[DesignChange]) -> Iterator[np.ndarray]:
     """Derivatives dZ by each parameter; where no shape follows the design, one after the other."""
     if basis.parts:
         yield from np.moveaxis(basis.rates([change.rates for change in changes]), -1, 0)
@@ -253,7 +371,7 @@ def _shape_rates(basis: Basis, changes: Sequence[Change]) -> Iterator[np.ndarray
         yield from (basis.rates([change.rates])[:, :, 0] for change in changes)
 
 
-def _item_rates(change: Change, basis: Basis, d_z: np.ndarray) -> dict[str, np.ndarray]:
+def _item_rates(change: DesignChange, basis: ReductionBasis, d_z: np.ndarray) -> dict[str, np.ndarray]:
     stepped = basis.z.astype(complex)
     stepped.imag = STEP * d_z
     return {name: derivative_of(value) for name, value in change.stepped.items(stepped).items()}

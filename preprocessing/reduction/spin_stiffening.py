@@ -1,6 +1,6 @@
 """How a spin stiffens a body in its own frame: the geometric stiffness of the stress that its centrifugal forces cause.
 
-With the forces F_k of each product of angular velocities (`preprocessing.elements.space`), for unit angular velocity,
+With the forces F_k of each product of angular velocities (`preprocessing.elements.element`), for unit angular velocity,
 
     K u_k = F_k held as the body's frame is held, or in balance with the inertia of a body that floats,   S_k = Psi^T K_g(u_k) Psi
 
@@ -19,12 +19,10 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from preprocessing.assembly.assembly import Matrices
-from preprocessing.assembly.energies import symmetric
-from preprocessing.basis.solids.free_system import free_system
-from preprocessing.basis.solids.held_system import held_system
-from preprocessing.discretisation.discretisation import STEP, derivative_of
 from preprocessing.elements.element import Element
+from preprocessing.reduction.assembly import Matrices, symmetric
+from preprocessing.reduction.discretisation import STEP, derivative_of
+from preprocessing.reduction.solid_systems import free_system, held_system
 from preprocessing.reduction.stored_entries import OF_SHAPES, ROUND_OFF, AnyInvariants
 from toolkit.reduced_model.parts.spin import Spin
 

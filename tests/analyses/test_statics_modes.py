@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
+from preprocessing.reduction.basis import BasisChoice
 from tests.models.beam_models import save_beam
 from tests.models.directions import combined
 from toolkit.analyses.modes import solve_modes, undeformed

@@ -41,7 +41,7 @@ def measure(kind: str, across: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         mesh = box(kind, (5 * across, across, across), (1.0, 0.2, 0.2))
         path = write_body(Path(folder), mesh, 'kind = "craig-bampton"\ncount = 20', more=TOP)
-        import_module("preprocessing.recipes.solids.reduced_body")  # scikit-fem, ahead of the clock
+        import_module("preprocessing.builders.reduced_body")  # scikit-fem, ahead of the clock
         begun = time.perf_counter()
         model = build(path)
         spent = time.perf_counter() - begun

@@ -14,8 +14,8 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from preprocessing.builders.build_model import read_recipe
 from preprocessing.commands.cli import app as preprocess
-from preprocessing.recipes.build_model import read_recipe
 from toolkit.command_line import cli
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app

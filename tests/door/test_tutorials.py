@@ -65,7 +65,7 @@ def test_every_tutorial_has_a_known_end_and_is_short():
 RUNNER = """
 import json, os, runpy, sys, tempfile, traceback
 import matplotlib.figure, toolkit.analyses.transient, toolkit.command_line.rehearsal, toolkit.report.drawing
-import preprocessing.recipes.build_model
+import preprocessing.builders.build_model
 
 for request in sys.stdin:
     script, folder, kept = json.loads(request)

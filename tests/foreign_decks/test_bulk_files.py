@@ -13,8 +13,7 @@ from preprocessing import build
 from preprocessing.foreign_files.contents import MeshContents
 from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.foreign_files.nastran.bulk_file import read_bulk
-from preprocessing.foreign_files.nastran.numbers import real_numbers, whole_numbers
-from preprocessing.foreign_files.nastran.vocabulary import CARRYING, OTHERS, TAKEN, WHY
+from preprocessing.foreign_files.nastran.lines import CARRYING, OTHERS, TAKEN, WHY, real_numbers, whole_numbers
 from preprocessing.mesh.mesh_file import read_mesh
 from tests.models.solid_bodies import box
 from toolkit.foundation.errors import InputError

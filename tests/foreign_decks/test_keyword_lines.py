@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.foreign_files.abaqus import concentrated
+from preprocessing.foreign_files.abaqus import reader
 from preprocessing.foreign_files.abaqus.generated import numbers_of
 from preprocessing.foreign_files.abaqus.reader import read_deck
 from preprocessing.foreign_files.contents import MeshContents
@@ -125,7 +125,7 @@ def test_nodes_of_an_assembly_count_behind_those_of_its_instances(tmp_path):
 def test_each_of_many_masses_has_its_own_value(tmp_path, monkeypatch):
     """The sets of the blocks *MASS are looked at once each: looking at all of them for every element took minutes for a thousand."""
     asked = list[str]()
-    monkeypatch.setattr(concentrated, "numbers_of", lambda *words: asked.append("") or numbers_of(*words))
+    monkeypatch.setattr(reader, "numbers_of", lambda *words: asked.append("") or numbers_of(*words))
     blocks = "".join(
         f"*ELEMENT, TYPE=MASS, ELSET=m{k}\n{50 + k}, {k % 20 + 1}\n*MASS, ELSET=m{k}\n{k + 1}.\n" for k in range(300)
     )

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.mesh.gmsh_session import gmsh_model
+from preprocessing.builders.curve_mesh import gmsh_model
 
 NAMES = {"left": "left 'é' side", "right": "right", "body": "body"}
 SHAPES = ("triangle", "quad8", "tetra", "tetra10", "hexahedron", "wedge")

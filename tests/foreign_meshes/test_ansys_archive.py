@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from preprocessing import build
+from preprocessing.foreign_files.ansys_archive import ansys_mesh
 from preprocessing.foreign_files.contents import MeshContents
-from preprocessing.foreign_files.meshes.ansys_archive import ansys_mesh
 from tests.foreign_meshes.ansys_files import component, element_block, node_block
 from tests.foreign_meshes.sizes import size
 from tests.models.solid_bodies import box

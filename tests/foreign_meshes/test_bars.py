@@ -59,7 +59,7 @@ def test_a_name_of_two_dimensions_is_of_neither_alone(tmp_path):
 
 def opened(tmp_path: Path, name: str, order: int, dimension: int) -> Path:
     """The mesh of a script of gmsh, as `gmsh -2` or `gmsh -3` writes it."""
-    from preprocessing.mesh.gmsh_session import gmsh_model
+    from preprocessing.builders.curve_mesh import gmsh_model
 
     with gmsh_model("any") as gmsh:
         gmsh.option.restoreDefaults()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from preprocessing.foreign_files.contents import MeshContents
-from preprocessing.foreign_files.gmsh.gmsh_mesh import gmsh_mesh
+from preprocessing.foreign_files.gmsh_mesh import gmsh_mesh
 from preprocessing.mesh.mesh_file import read_mesh
 from toolkit.foundation.errors import InputError
 

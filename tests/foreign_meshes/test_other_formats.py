@@ -9,9 +9,8 @@ import h5py
 import meshio
 import pytest
 
-from preprocessing.foreign_files.any_mesh import any_mesh
-from preprocessing.foreign_files.meshes.med_file import med_mesh
-from preprocessing.foreign_files.meshes.stated_counts import stated_counts
+from preprocessing.foreign_files.med_file import med_mesh
+from preprocessing.foreign_files.mesh_reader import any_mesh, stated_counts
 from preprocessing.mesh.mesh_file import read_mesh
 from tests.foreign_meshes.gmsh_files import meshed, written
 from toolkit.foundation.errors import InputError
@@ -91,7 +90,7 @@ def test_elements_are_counted_where_the_format_states_them(tmp_path, monkeypatch
     path = tmp_path / f"body.{ending}"
     meshio.write(path, TETRA, **COUNTED[ending])
     assert stated_counts(path) in ((5, 2), (None, 2))
-    monkeypatch.setattr("preprocessing.foreign_files.any_mesh.meshio.read", lambda *_, **__: FEWER)
+    monkeypatch.setattr("preprocessing.foreign_files.mesh_reader.meshio.read", lambda *_, **__: FEWER)
     with pytest.raises(InputError, match="meshio reads 1 elements of it, and it says that it holds others"):
         any_mesh(str(path))
 
@@ -133,7 +132,7 @@ def warning(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
             meshio._common.warn(text)
             return TETRA
 
-        monkeypatch.setattr("preprocessing.foreign_files.any_mesh.meshio.read", read)
+        monkeypatch.setattr("preprocessing.foreign_files.mesh_reader.meshio.read", read)
 
     return says
 

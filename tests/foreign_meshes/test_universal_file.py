@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from preprocessing.foreign_files.contents import MeshContents
-from preprocessing.foreign_files.meshes.universal_file import universal_mesh
+from preprocessing.foreign_files.universal_file import universal_mesh
 from toolkit.foundation.errors import InputError
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from preprocessing.foreign_files.contents import MeshContents
-from preprocessing.foreign_files.vtk.legacy import legacy_vtk
-from preprocessing.foreign_files.vtk.xml import xml_vtk
+from preprocessing.foreign_files.vtk_legacy import legacy_vtk
+from preprocessing.foreign_files.vtk_xml import xml_vtk
 from tests.foreign_meshes.sizes import size
 from tests.models.solid_bodies import box, rectangle
 from toolkit.foundation.errors import InputError

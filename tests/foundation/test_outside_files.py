@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.airfoil.airfoil_file import read_airfoil
 from preprocessing.commands.cli import app as preprocess
 from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.mesh.matrix_file import read_matrix, read_nodes

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.builders.build_model import build
+from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.build_model import build
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.reduction.basis import BasisChoice
 from tests.models.processors import BUILT, MODELS, entries, kernels, rotating_beam, under
 from tests.preprocessing.test_preprocess_cli import arrays
 from toolkit.analyses.modes import solve_modes

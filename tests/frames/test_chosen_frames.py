@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import ffrf
-from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.reduction.basis import BasisChoice
 from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_wing import WING, wing
 from tests.models.beam_models import save_beam

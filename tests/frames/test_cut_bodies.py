@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import ffrf
-from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
+from preprocessing.reduction.basis import BasisChoice
 from tests.models.beam_models import save_beam
 from tests.models.rectangular_beams import corotational, points_of
 from tests.validity.test_corotational import elastica

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from toolkit.reduced_model.dependence import Derivatives
 from toolkit.reduced_model.file import save
 from toolkit.reduced_model.model import ReducedModel, Shape

@@ -14,8 +14,8 @@ import numpy as np
 from scipy import io as scipy_io
 from scipy import sparse
 
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.solids.discrete_body import discrete_body
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.discrete_body import discrete_body
 from tests.fuzz.case import Case
 from tests.fuzz.mutations import spoilt
 from tests.models.solid_bodies import rectangle, write_body

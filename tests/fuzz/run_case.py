@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from preprocessing.foreign_files import apart
-from preprocessing.foreign_files.bounds import Bounds
+from preprocessing.foreign_files.child import Bounds
 from preprocessing.mesh import mesh_file
 from tests.fuzz.case import Case, Ended
 from toolkit.foundation.errors import ToolkitError
@@ -33,9 +33,9 @@ PROGRAMS = {"ffrf": "toolkit.command_line.cli", "ffrf-preprocess": "preprocessin
 LOADED = (
     "preprocessing.commands.cli",
     *(
-        "preprocessing.recipes.solids.reduced_body",
-        "preprocessing.foreign_files.any_mesh",
-        "preprocessing.foreign_files.matrices.matrix_entries",
+        "preprocessing.builders.reduced_body",
+        "preprocessing.foreign_files.mesh_reader",
+        "preprocessing.foreign_files.matrix_entries",
         "preprocessing.foreign_files.nastran.bulk_file",
     ),
     *("preprocessing.foreign_files.child", "scipy.io"),

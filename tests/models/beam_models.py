@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.builders.frame_recipe import polygon_beam
 from tests.models.kept_files import write_once
 from toolkit.reduced_model.file import save
 

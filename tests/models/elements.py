@@ -14,19 +14,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from preprocessing.assembly.assembly import Matrices, Parts, assemble
+from preprocessing.builders.discrete_body import lame_factors
+from preprocessing.elements.beams import BeamPatch, PlanarBeam, SpatialBeam
+from preprocessing.elements.elasticity import SolidMatrices, solid_matrices
 from preprocessing.elements.element import Element
-from preprocessing.elements.kinds.beams import BeamPatch, PlanarBeam, SpatialBeam
-from preprocessing.elements.kinds.solid import element_solid
 from preprocessing.elements.section import Patch
-from preprocessing.elements.section_shape import rectangle as rectangle_section
-from preprocessing.elements.solids.elasticity import SolidMatrices, solid_matrices
-from preprocessing.elements.solids.elements import element_blocks
-from preprocessing.elements.solids.stress import stress_rows
-from preprocessing.mesh.faces import faces_of
-from preprocessing.mesh.outline import outline_of
+from preprocessing.elements.section import rectangle as rectangle_section
+from preprocessing.elements.solid import element_solid
+from preprocessing.elements.solid_elements import element_blocks
+from preprocessing.elements.stress import stress_rows
+from preprocessing.mesh.faces import faces_of, outline_of
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.solids.discrete_body import lame_factors
+from preprocessing.reduction.assembly import Matrices, Parts, assemble
 from tests.models.new_elements import Bar, ShearBeam
 from tests.models.solid_bodies import KINDS, SPATIAL_KINDS, box, rectangle
 

@@ -9,15 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.assembly.assembly import Matrices, assemble
-from preprocessing.assembly.interface import interface_point
-from preprocessing.basis.constrained_pencil import ConstrainedPencil
-from preprocessing.elements.kinds.beams import PlanarBeam
-from preprocessing.elements.patches import distribute
-from preprocessing.elements.section import Section
-from preprocessing.mesh.curve_mesh import CurveMesh
-from preprocessing.recipes.skin.geometry import read_geometry
-from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.builders.curve_mesh import CurveMesh
+from preprocessing.builders.skin_geometry import read_geometry
+from preprocessing.builders.skin_recipe import SkinRecipe
+from preprocessing.elements.beams import PlanarBeam
+from preprocessing.elements.section import Section, distribute
+from preprocessing.reduction.assembly import Matrices, assemble, interface_point
+from preprocessing.reduction.constrained_pencil import ConstrainedPencil
 
 SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=1000.0)
 SKIN = Path(__file__).parents[2] / "models" / "morphing_wing" / "skin.toml"

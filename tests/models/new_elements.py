@@ -8,12 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.elements.block_element import BlockElement, LineElement
-from preprocessing.elements.element import Contribution, squared
-from preprocessing.elements.kinds.beams import AREA, SECOND_MOMENT
-from preprocessing.elements.section import Patch
-from preprocessing.elements.section_shape import ONE, Term
-from preprocessing.elements.space import PLANE
+from preprocessing.elements.beams import AREA, SECOND_MOMENT, BlockElement, LineElement
+from preprocessing.elements.element import PLANE, Contribution, squared
+from preprocessing.elements.section import ONE, Patch, Term
 from toolkit.kinematics.beam_elements import AXIAL, BeamElements
 from toolkit.reduced_model.model import StressPoints
 

@@ -20,7 +20,7 @@ import numpy as np
 import scipy.linalg  # noqa: F401  loads its own copy of OpenBLAS
 from numpy._core._multiarray_umath import __cpu_features__ as cpu_features
 
-from preprocessing.recipes.build_model import build, read_recipe
+from preprocessing.builders.build_model import build, read_recipe
 from tests.models.solid_bodies import rectangle, write_body
 from toolkit.reduced_model.model import ReducedModel
 

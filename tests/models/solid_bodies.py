@@ -9,8 +9,8 @@ import meshio
 import numpy as np
 
 from preprocessing import build
-from preprocessing.elements.solids.elements import CUBE, CUBE_MIDDLES
-from preprocessing.foreign_files.any_mesh import complete_kinds
+from preprocessing.elements.solid_elements import CUBE, CUBE_MIDDLES
+from preprocessing.foreign_files.mesh_reader import complete_kinds
 from preprocessing.mesh.faces import TETRA_EDGES, WEDGE_EDGES
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.assembly.invariants import contract_at
-from preprocessing.basis.reduction import spatial_motions, undeformed
-from preprocessing.discretisation.discretisation import Discretisation
-from preprocessing.elements.kinds.beams import BeamPatch, SpatialBeam
-from preprocessing.elements.section import Patch
-from preprocessing.elements.section_shape import SectionShape, rectangle
+from preprocessing.elements.beams import BeamPatch, SpatialBeam
+from preprocessing.elements.section import Patch, SectionShape, rectangle
+from preprocessing.reduction.chosen_basis import spatial_motions, undeformed
+from preprocessing.reduction.discretisation import Discretisation
+from preprocessing.reduction.invariants import contract_at
 from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments
 
 VALUES = {

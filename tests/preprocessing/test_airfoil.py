@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.airfoil.airfoil_file import read_airfoil
 from toolkit.foundation.errors import InputError
 
 FILES = Path(__file__).parents[1] / "data" / "airfoils"

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import element_blocks
-from preprocessing.recipes.solids.discrete_body import lame_factors
+from preprocessing.builders.discrete_body import lame_factors
+from preprocessing.elements.elasticity import solid_matrices
+from preprocessing.elements.solid_elements import element_blocks
 from tests.models.solid_bodies import DENSITY, MODULUS, WIDTH, box, compliance, frequencies, moves, rectangle, write_body
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from preprocessing.assembly.invariants import contract
-from preprocessing.basis.basis import Basis, DesignRates
-from preprocessing.basis.basis_choice import BasisChoice
-from preprocessing.basis.reduction import MEAN_AXES, reduced_basis, tangent_frame, undeformed
-from preprocessing.mesh.curve_mesh import CurveMesh
+from preprocessing.builders.curve_mesh import CurveMesh
+from preprocessing.reduction.basis import BasisChoice, DesignRates, ReductionBasis
+from preprocessing.reduction.chosen_basis import MEAN_AXES, reduced_basis, tangent_frame, undeformed
+from preprocessing.reduction.invariants import contract
 from tests.models.frames import Frame, cantilever, matrices, relative, richardson, ring, varied, wing
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.checks.matrices import RIGID
@@ -30,7 +29,7 @@ VARIABLES = ("thickness", "youngs_modulus", "density", "width", "element", "shap
 STEP = 1e-30
 
 
-def reduce(frame: Frame, choice: BasisChoice) -> Basis:
+def reduce(frame: Frame, choice: BasisChoice) -> ReductionBasis:
     stiffness, mass = frame.matrices()
     return reduced_basis(choice, mass, stiffness, frame.nodes, 0, "F", frame.interface_rows())
 

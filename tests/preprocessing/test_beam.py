@@ -7,11 +7,10 @@ import pytest
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from preprocessing.assembly.assembly import Matrices, Parts, assemble
-from preprocessing.elements.kinds.beams import PlanarBeam
-from preprocessing.elements.patches import distribute
-from preprocessing.elements.section import Section
-from preprocessing.mesh.curve_mesh import mesh_curve
+from preprocessing.builders.curve_mesh import mesh_curve
+from preprocessing.elements.beams import PlanarBeam
+from preprocessing.elements.section import Section, distribute
+from preprocessing.reduction.assembly import Matrices, Parts, assemble
 from toolkit.kinematics.beam_elements import BeamElements
 
 SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=40.0)

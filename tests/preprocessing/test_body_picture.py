@@ -11,11 +11,10 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
+from preprocessing.builders.frame_recipe import polygon_beam
+from preprocessing.commands.body_picture import MOST_OF_A_KIND, body_shape, labels_at, marks_of, picture_of, save_picture
 from preprocessing.commands.cli import app
 from preprocessing.elements.section import Section
-from preprocessing.picture.body_picture import body_shape, picture_of, save_picture
-from preprocessing.picture.marks import MOST_OF_A_KIND, labels_at, marks_of
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from toolkit.reduced_model.description.body_summary import body_summary
 from toolkit.reduced_model.description.composition import KeptMass, PlaceOfNodes, read_composition
 from toolkit.reduced_model.file import load, save

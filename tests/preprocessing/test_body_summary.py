@@ -11,10 +11,10 @@ from typer.testing import CliRunner
 
 import ffrf
 from preprocessing import build
+from preprocessing.builders import named_mesh
 from preprocessing.commands.cli import app as preprocess
-from preprocessing.foreign_files.contents import LeftOut
+from preprocessing.foreign_files.contents import LeftOutContent
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.solids import named_mesh
 from tests.models.solid_bodies import DENSITY, KINDS, SPATIAL_KINDS, WIDTH, box, rectangle, write_body
 from toolkit.command_line.cli import app as ffrf_command
 
@@ -82,7 +82,7 @@ def test_one_line_ends_what_preprocess_says_and_inspect_says_it_for_people(bar):
 def test_what_is_left_out_and_remarked_is_said_once_and_kept(bar, monkeypatch):
     def read(*args) -> SolidMesh:
         found = original(*args)
-        return replace(found, left_out=[LeftOut("M3D9", 12, "faces only")], remarks=["Node 5 stands there twice."])
+        return replace(found, left_out=[LeftOutContent("M3D9", 12, "faces only")], remarks=["Node 5 stands there twice."])
 
     original = named_mesh.read_mesh
     monkeypatch.setattr(named_mesh, "read_mesh", read)

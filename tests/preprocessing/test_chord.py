@@ -12,13 +12,12 @@ import pytest
 from scipy.linalg import eigh
 
 from preprocessing import build
-from preprocessing.assembly.invariants import contract_at
-from preprocessing.basis.basis_choice import BasisChoice
-from preprocessing.basis.reduction import reduced_basis, undeformed
+from preprocessing.builders.frame_file import frame_elements, frame_space
+from preprocessing.builders.frame_recipe import FrameRecipe, polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.frame_design import frame_elements, frame_space
-from preprocessing.recipes.frame.frame_recipe import FrameRecipe
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.reduction.basis import BasisChoice
+from preprocessing.reduction.chosen_basis import reduced_basis, undeformed
+from preprocessing.reduction.invariants import contract_at
 from tests.preprocessing.test_frame_models import FRAME, close, rate
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.chord_condition import Chord, chord_of

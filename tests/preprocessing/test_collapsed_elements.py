@@ -11,15 +11,15 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from preprocessing import build
-from preprocessing.elements.solids import elements
-from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import CUBE, element_blocks
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.discrete_body import discrete_body
+from preprocessing.elements import solid_elements
+from preprocessing.elements.elasticity import solid_matrices
+from preprocessing.elements.solid_elements import CUBE, element_blocks
 from preprocessing.foreign_files.contents import MeshContents
+from preprocessing.mesh.element_numbering import FORMS, uncollapsed
 from preprocessing.mesh.mesh_file import read_mesh
-from preprocessing.mesh.numbering.collapsed import FORMS, uncollapsed
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.models.solid_bodies import box, rectangle, write_body
 from tests.preprocessing.test_solid_inputs import same
 from toolkit.foundation.errors import InputError
@@ -135,7 +135,7 @@ def test_collapsed_hexahedra_of_8_nodes_have_the_same_matrices_as_elements_of_th
     mesh, rows = collapsed_box("wedge", (1, 1, 1), 2)
     straight = SolidMesh(box("wedge", (1, 1, 1), (2.0, 0.5, 0.4)).nodes, mesh.blocks)
     wedges = solid_matrices(element_blocks(straight), len(mesh.nodes), 3)
-    monkeypatch.setattr(elements, "_refuse_degenerate", lambda *_: None)  # they are flat at the collapsed edge
+    monkeypatch.setattr(solid_elements, "_refuse_degenerate", lambda *_: None)  # they are flat at the collapsed edge
     hexahedra = solid_matrices(element_blocks(SolidMesh(straight.nodes, {"hexahedron": rows})), len(mesh.nodes), 3)
     for name in ("scalar_mass", "first", "shear"):
         expected = getattr(wedges, name).toarray()

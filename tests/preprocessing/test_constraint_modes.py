@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from preprocessing.basis.constrained_pencil import ConstrainedPencil
-from preprocessing.basis.constraint_modes import constraint_modes
+from preprocessing.reduction.constrained_pencil import ConstrainedPencil, constraint_modes
 from tests.models.frames import cantilever, relative, varied, wing
 from toolkit.foundation.errors import InputError
 

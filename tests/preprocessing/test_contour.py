@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.special import ellipeinc
 
-from preprocessing.airfoil.airfoil import read_airfoil
-from preprocessing.curve.contour import Contour
-from preprocessing.curve.skin import Skin
+from preprocessing.airfoil.airfoil_file import read_airfoil
+from preprocessing.airfoil.contour import Contour
+from preprocessing.airfoil.skin import Skin
 from toolkit.foundation.errors import InputError
 
 DATA = Path(__file__).parents[1] / "data"

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from preprocessing.basis.constrained_pencil import ConstrainedPencil
-from preprocessing.basis.eigenpair_derivatives import adapted_modes, eigenvalue_rates, eigenvector_rates
-from preprocessing.basis.normal_modes import normal_modes
+from preprocessing.reduction.constrained_pencil import ConstrainedPencil
+from preprocessing.reduction.normal_modes import adapted_modes, eigenvalue_rates, eigenvector_rates, normal_modes
 from tests.models.frames import cantilever, pencil_rate, relative, richardson, ring, square, varied, wing
 from toolkit.foundation.errors import InputError
 

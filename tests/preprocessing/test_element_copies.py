@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from preprocessing.mesh.numbering import copies
-from preprocessing.mesh.numbering.copies import distinct, first_of_copies
+from preprocessing.mesh import element_numbering
+from preprocessing.mesh.element_numbering import distinct, first_of_copies
 from preprocessing.mesh.solid_mesh import lumps
 
 RNG = np.random.default_rng(4)
@@ -32,7 +32,7 @@ def test_first_of_copies_are_those_of_sorted_rows_in_any_order_of_their_nodes(n_
 def test_different_elements_of_one_sum_are_told_apart(monkeypatch):
     """Plain sums of the numbers instead of scrambled ones: 0 + 3 is 1 + 2."""
     elements = RNG.integers(9, size=(200, 4))
-    monkeypatch.setattr(copies, "_scrambled", lambda numbers: numbers)
+    monkeypatch.setattr(element_numbering, "_scrambled", lambda numbers: numbers)
     np.testing.assert_array_equal(first_of_copies(elements), plain(elements))
 
 

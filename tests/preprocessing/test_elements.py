@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from preprocessing.assembly.invariants import contract, contract_derivative, polynomials
-from preprocessing.basis.basis_choice import BasisChoice
-from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
+from preprocessing.builders.discrete_body import DiscreteBody
+from preprocessing.builders.reduced_body import reduced_body
 from preprocessing.elements.section import Patch
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.solids.discrete_body import DiscreteBody
-from preprocessing.recipes.solids.reduced_body import reduced_body
+from preprocessing.reduction.basis import BasisChoice
+from preprocessing.reduction.discretisation import DesignSpace, Discretisation
+from preprocessing.reduction.invariants import contract, contract_derivative, polynomials
 from preprocessing.reduction.reduced import reduce
 from tests.models.elements import ELEMENTS, STEP, VALUES, Case, stepped_values
 from tests.models.new_elements import ShearBeam

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from preprocessing import build
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.extruded_skin import extrude
 from preprocessing.commands.cli import main
-from preprocessing.elements.solids.elements import element_blocks
+from preprocessing.elements.solid_elements import element_blocks
 from preprocessing.mesh.mesh_file import read_mesh
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.solids.extruded_skin import extrude
 from tests.models.solid_bodies import moves
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import ReducedModel

@@ -11,14 +11,14 @@ import pytest
 from scipy.linalg import eigh
 
 from preprocessing import build
-from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import element_blocks
-from preprocessing.elements.solids.uniform_material import uniform_strains, volume_of
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.discrete_body import lame_factors
+from preprocessing.elements.elasticity import solid_matrices
+from preprocessing.elements.solid_elements import element_blocks
+from preprocessing.elements.uniform_material import uniform_strains, volume_of
 from preprocessing.mesh.matrix_file import read_array, read_nodes, read_square, square_of
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.solids.discrete_body import lame_factors
 from tests.models.solid_bodies import DENSITY, MODULUS, SPATIAL_KINDS, WIDTH, box, rectangle, write_body
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import ReducedModel

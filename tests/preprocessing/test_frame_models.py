@@ -13,11 +13,11 @@ import pytest
 from scipy.linalg import eigh
 
 from preprocessing import build
-from preprocessing.assembly.invariants import contract_at
-from preprocessing.basis.reduction import tangent_frame
+from preprocessing.builders.frame_file import frame_elements, frame_space
+from preprocessing.builders.frame_recipe import FrameRecipe
 from preprocessing.commands.cli import main
-from preprocessing.recipes.frame.frame_design import frame_elements, frame_space
-from preprocessing.recipes.frame.frame_recipe import FrameRecipe
+from preprocessing.reduction.chosen_basis import tangent_frame
+from preprocessing.reduction.invariants import contract_at
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.file import load, save

@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from preprocessing import build
-from preprocessing.airfoil.airfoil import read_airfoil
-from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.airfoil.airfoil_file import read_airfoil
+from preprocessing.builders.skin_recipe import SkinRecipe
 from tests.fuzz.toml_mutations import document, spoilt
 from toolkit.foundation.errors import ToolkitError
 from toolkit.reduced_model.file import save

@@ -21,14 +21,14 @@ from scipy import sparse
 from typer.testing import CliRunner
 
 from preprocessing import build
-from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.airfoil.airfoil_file import read_airfoil
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.skin_recipe import SkinRecipe
 from preprocessing.commands.cli import main
-from preprocessing.elements.solids.elements import element_blocks
+from preprocessing.elements.solid_elements import element_blocks
 from preprocessing.mesh.matrix_file import read_array, read_matrix, read_nodes, read_square
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.skin.skin_recipe import SkinRecipe
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from tests.models.solid_bodies import rectangle, write_body
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError, ModelFileError
@@ -252,7 +252,7 @@ MESHES: dict[str, tuple[str, str, str]] = {
 @pytest.mark.parametrize("kind", MESHES)
 def test_a_mesh_that_its_reader_cannot_take_is_one_error(tmp_path, kind, monkeypatch):
     ending, text, message = MESHES[kind]
-    monkeypatch.setattr("preprocessing.foreign_files.bounds.BASE_SECONDS", 2, raising=False)
+    monkeypatch.setattr("preprocessing.foreign_files.child.BASE_SECONDS", 2, raising=False)
     path = tmp_path / f"body{ending}"
     path.write_text(text)
     if ending == ".ele":
@@ -407,7 +407,7 @@ def test_an_equilibrium_that_does_not_fit_into_memory_is_refused_with_its_size()
 
 
 def test_a_solid_without_the_package_that_writes_meshes_says_what_to_install(tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "preprocessing.recipes.solids.extruded_skin", None)
+    monkeypatch.setitem(sys.modules, "preprocessing.builders.extruded_skin", None)
     code, said = command(monkeypatch, capsys, str(WING / "skin.toml"), "--extrude", str(tmp_path / "solid.msh"))
     assert code == 1
     assert "a solid needs meshio and scikit-fem, which cannot be loaded" in said

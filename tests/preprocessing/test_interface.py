@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from preprocessing.assembly.interface import interface_point
-from preprocessing.basis.reduction import tangent_frame
-from preprocessing.elements.kinds.beams import PlanarBeam
+from preprocessing.elements.beams import PlanarBeam
+from preprocessing.reduction.assembly import interface_point
+from preprocessing.reduction.chosen_basis import tangent_frame
 from toolkit.foundation.errors import InputError
 
 ANGLE = np.linspace(0.4, 3.6, 6)

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.assembly.assembly import assemble
-from preprocessing.assembly.invariants import contract, contract_derivative, polynomials
-from preprocessing.basis.reduction import tangent_frame, undeformed
-from preprocessing.elements.kinds.beams import PlanarBeam
-from preprocessing.elements.patches import distribute
-from preprocessing.elements.section import Section
-from preprocessing.mesh.curve_mesh import mesh_curve
+from preprocessing.builders.curve_mesh import mesh_curve
+from preprocessing.elements.beams import PlanarBeam
+from preprocessing.elements.section import Section, distribute
+from preprocessing.reduction.assembly import assemble
+from preprocessing.reduction.chosen_basis import tangent_frame, undeformed
+from preprocessing.reduction.invariants import contract, contract_derivative, polynomials
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.entries.rates import rates_at

@@ -11,7 +11,7 @@ import pytest
 
 import ffrf
 from preprocessing import build
-from preprocessing.recipes.build_model import read_recipe
+from preprocessing.builders.build_model import read_recipe
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.reduced_model import thin_arrays
 from toolkit.reduced_model.definiteness import positive_definite

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.recipes.frame.frame_recipe import FrameRecipe
+from preprocessing.builders.frame_recipe import FrameRecipe
 from tests.preprocessing.test_frame_models import run
 from toolkit.foundation.errors import InputError
 

@@ -8,8 +8,7 @@ import gmsh
 import numpy as np
 import pytest
 
-from preprocessing.mesh.curve_mesh import mesh_curve, walk
-from preprocessing.mesh.gmsh_session import load_gmsh
+from preprocessing.builders.curve_mesh import load_gmsh, mesh_curve, walk
 from toolkit.foundation.errors import InputError
 
 

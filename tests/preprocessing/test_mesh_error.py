@@ -13,12 +13,12 @@ from scipy.sparse.linalg import splu
 from typer.testing import CliRunner
 
 from preprocessing import save
+from preprocessing.builders.discrete_body import lame_factors
 from preprocessing.commands.cli import app
-from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import element_blocks
-from preprocessing.elements.solids.stress_error import Elastic, stress_errors
+from preprocessing.elements.elasticity import solid_matrices
+from preprocessing.elements.solid_elements import element_blocks
+from preprocessing.elements.stress import Elastic, stress_errors
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.solids.discrete_body import lame_factors
 from tests.models.solid_bodies import box, cantilever, rectangle, write_body
 from toolkit.command_line.cli import app as runtime
 from toolkit.door.model import compile_model

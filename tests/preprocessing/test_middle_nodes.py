@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from preprocessing import build
+from preprocessing.mesh.element_numbering import BETWEEN, refuse_exchanged, refuse_unlike
 from preprocessing.mesh.mesh_file import read_mesh
-from preprocessing.mesh.numbering.middle_nodes import BETWEEN, refuse_exchanged, refuse_unlike
 from preprocessing.mesh.solid_mesh import SolidMesh
 from tests.models.solid_bodies import box, rectangle, write_body, write_mesh
 from toolkit.foundation.errors import InputError

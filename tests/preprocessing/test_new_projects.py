@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from preprocessing import build
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.projects.new_linkage import METRES, STIFFNESS, new_linkage
-from preprocessing.projects.solid.new_solid import WEIGHT, new_solid, size_question, volume
+from preprocessing.projects.new_solid import WEIGHT, new_solid, size_question, volume
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save

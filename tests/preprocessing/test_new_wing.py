@@ -13,13 +13,12 @@ import pytest
 from typer.testing import CliRunner
 
 from preprocessing import build
-from preprocessing.airfoil.airfoil import read_airfoil
-from preprocessing.curve.contour import Contour
-from preprocessing.curve.skin import Skin
-from preprocessing.projects.wing.new_wing import DROOP, new_wing
-from preprocessing.recipes.build_model import read_recipe
-from preprocessing.recipes.skin.droop import drooped
-from preprocessing.recipes.skin.geometry import read_geometry
+from preprocessing.airfoil.airfoil_file import read_airfoil
+from preprocessing.airfoil.contour import Contour
+from preprocessing.airfoil.skin import Skin
+from preprocessing.builders.build_model import read_recipe
+from preprocessing.builders.skin_geometry import drooped, read_geometry
+from preprocessing.projects.new_wing import DROOP, new_wing
 from toolkit.command_line.cli import app
 from toolkit.door.model import compile_model
 from toolkit.reduced_model.file import save

@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from preprocessing.basis.constrained_pencil import ConstrainedPencil
-from preprocessing.basis.mode_count import count_by_frequency, count_by_static_error, static_errors
-from preprocessing.basis.normal_modes import cluster, normal_modes
-from preprocessing.basis.rigid_modes import rigid_modes
+from preprocessing.reduction.constrained_pencil import ConstrainedPencil, rigid_modes
+from preprocessing.reduction.normal_modes import cluster, count_by_frequency, count_by_static_error, normal_modes, static_errors
 from tests.models.frames import SECTION, cantilever, relative, ring, square, varied, wing
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.mode_shapes import EQUAL, told_apart

@@ -6,10 +6,10 @@ import meshio
 import numpy as np
 import pytest
 
-from preprocessing.basis.solids.ties import freedom
-from preprocessing.recipes.build_model import read_recipe
-from preprocessing.recipes.solids.named_mesh import named_mesh
-from preprocessing.recipes.solids.pieces.cut_mesh import cut_mesh
+from preprocessing.builders.build_model import read_recipe
+from preprocessing.builders.cut_mesh import cut_mesh
+from preprocessing.builders.named_mesh import named_mesh
+from preprocessing.reduction.ties import freedom
 from tests.models.solid_bodies import box, rectangle, write_body
 from tests.models.solid_pieces import write_bar
 from toolkit.foundation.errors import InputError

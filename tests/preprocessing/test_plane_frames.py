@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from preprocessing import build
+from preprocessing.builders.frame_recipe import FrameRecipe, outline, polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.frame_recipe import FrameRecipe, outline
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.preprocessing.test_chord import PLANE
 from tests.preprocessing.test_frame_models import close, rate
 from toolkit.foundation.errors import InputError

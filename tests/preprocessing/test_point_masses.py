@@ -8,12 +8,12 @@ from scipy import sparse
 from scipy.linalg import eigh
 
 from preprocessing import build
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.build_model import read_recipe
+from preprocessing.builders.discrete_body import discrete_body
 from preprocessing.foreign_files.apart import read_apart
 from preprocessing.foreign_files.contents import PointMass
 from preprocessing.mesh import mesh_file
-from preprocessing.recipes.build_model import read_recipe
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.models.solid_bodies import DENSITY, MODULUS, WIDTH, box, cantilever, frequencies, rectangle
 from tests.models.solid_pieces import write_bar
 from tests.preprocessing.test_shape_variables import SHAPE, bulge, difference

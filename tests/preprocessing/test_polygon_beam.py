@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.reduction.basis import BasisChoice
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.design_point import DesignPoint

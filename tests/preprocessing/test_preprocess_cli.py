@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from preprocessing import build
+from preprocessing.builders.recipe import WRITER_VERSION
+from preprocessing.builders.skin_geometry import read_geometry
+from preprocessing.builders.skin_recipe import SkinRecipe
 from preprocessing.commands.cli import main
-from preprocessing.recipes.recipe import WRITER_VERSION
-from preprocessing.recipes.skin.geometry import read_geometry
-from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from toolkit.reduced_model.file import load, save
 
 ROOT = Path(__file__).parents[2]

@@ -13,17 +13,16 @@ import numpy as np
 import pytest
 
 from preprocessing import build
+from preprocessing.builders import build_model
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.build_model import RECIPES, read_recipe
+from preprocessing.builders.frame_recipe import polygon_beam
+from preprocessing.builders.recipe import WRITER_VERSION, Recipe, Remark, Seal
+from preprocessing.builders.tables import BasisTable, Positive, Table
 from preprocessing.commands.cli import main
-from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
-from preprocessing.elements.kinds.beams import PlanarBeam
-from preprocessing.elements.patches import distribute
-from preprocessing.elements.section import Section
-from preprocessing.recipes import build_model
-from preprocessing.recipes.build_model import RECIPES, read_recipe
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
-from preprocessing.recipes.recipe import WRITER_VERSION, Recipe, Remark, Seal
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.tables import BasisTable, Positive, Table
+from preprocessing.elements.beams import PlanarBeam
+from preprocessing.elements.section import Section, distribute
+from preprocessing.reduction.discretisation import DesignSpace, Discretisation
 from preprocessing.reduction.reduced import reduce
 from tests.models.processors import FRAME, MODELS
 from toolkit.foundation.errors import InputError

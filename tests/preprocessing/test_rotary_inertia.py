@@ -9,16 +9,14 @@ import pytest
 import scipy
 
 import ffrf
-from preprocessing.assembly.assembly import assemble
-from preprocessing.assembly.invariants import contract
-from preprocessing.basis.reduction import undeformed
-from preprocessing.elements.kinds.beams import PlanarBeam
-from preprocessing.elements.patches import distribute
-from preprocessing.elements.section import Section
-from preprocessing.recipes.build_model import build
-from preprocessing.recipes.frame.frame_design import frame_space
-from preprocessing.recipes.frame.frame_recipe import FrameRecipe
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.builders.build_model import build
+from preprocessing.builders.frame_file import frame_space
+from preprocessing.builders.frame_recipe import FrameRecipe, polygon_beam
+from preprocessing.elements.beams import PlanarBeam
+from preprocessing.elements.section import Section, distribute
+from preprocessing.reduction.assembly import assemble
+from preprocessing.reduction.chosen_basis import undeformed
+from preprocessing.reduction.invariants import contract
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import save

@@ -10,15 +10,14 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from preprocessing.airfoil.airfoil import read_airfoil
-from preprocessing.assembly.interface import interface_point
-from preprocessing.basis.reduction import undeformed
-from preprocessing.curve.bump import Bump, bumped
-from preprocessing.curve.contour import Contour
-from preprocessing.elements.kinds.beams import PlanarBeam
-from preprocessing.recipes.skin.geometry import Geometry, read_geometry, shape_parameters
-from preprocessing.recipes.skin.skin_file import SkinFile
-from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.airfoil.airfoil_file import read_airfoil
+from preprocessing.airfoil.contour import Bump, Contour, bumped
+from preprocessing.builders.skin_file import SkinFile
+from preprocessing.builders.skin_geometry import Geometry, read_geometry, shape_parameters
+from preprocessing.builders.skin_recipe import SkinRecipe
+from preprocessing.elements.beams import PlanarBeam
+from preprocessing.reduction.assembly import interface_point
+from preprocessing.reduction.chosen_basis import undeformed
 from toolkit.foundation.errors import InputError
 
 MORPHING = Path(__file__).parents[2] / "models" / "morphing_wing"

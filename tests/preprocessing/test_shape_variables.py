@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import element_blocks
-from preprocessing.elements.solids.stress import stress_rows
+from preprocessing.elements.elasticity import solid_matrices
+from preprocessing.elements.solid_elements import element_blocks
+from preprocessing.elements.stress import stress_rows
 from preprocessing.mesh.faces import faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh
 from tests.models.solid_bodies import SPATIAL_KINDS, box

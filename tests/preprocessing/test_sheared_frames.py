@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import ffrf
-from preprocessing.assembly.invariants import contract
-from preprocessing.basis.reduction import undeformed
-from preprocessing.recipes.build_model import build
-from preprocessing.recipes.frame.frame_design import frame_space
-from preprocessing.recipes.frame.frame_recipe import FrameRecipe
+from preprocessing.builders.build_model import build
+from preprocessing.builders.frame_file import frame_space
+from preprocessing.builders.frame_recipe import FrameRecipe
+from preprocessing.reduction.chosen_basis import undeformed
+from preprocessing.reduction.invariants import contract
 from tests.models.timoshenko import cantilever_frequency
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint

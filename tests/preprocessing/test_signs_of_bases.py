@@ -13,20 +13,16 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from preprocessing.basis.basis_choice import BasisChoice
-from preprocessing.basis.constrained_pencil import ConstrainedPencil
-from preprocessing.basis.normal_modes import normal_modes
-from preprocessing.basis.solids.basis import SolidShapes, solid_shapes
-from preprocessing.basis.solids.basis_change import BasisChange
-from preprocessing.basis.solids.factors import factored
-from preprocessing.basis.solids.held_system import HeldSystem
-from preprocessing.basis.solids.ties import Freedom, Tie
-from preprocessing.basis.subspace_rates import subspace_rates
-from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
-from preprocessing.elements.kinds.beams import PlanarBeam
-from preprocessing.elements.patches import distribute
-from preprocessing.elements.section import Section
+from preprocessing.elements.beams import PlanarBeam
+from preprocessing.elements.section import Section, distribute
+from preprocessing.reduction.basis import BasisChoice
+from preprocessing.reduction.constrained_pencil import ConstrainedPencil
+from preprocessing.reduction.discretisation import DesignSpace, Discretisation
+from preprocessing.reduction.normal_modes import normal_modes, subspace_rates
 from preprocessing.reduction.reduced import reduce
+from preprocessing.reduction.solid_basis import SolidShapes, solid_shapes
+from preprocessing.reduction.solid_systems import BasisChange, HeldSystem, factored
+from preprocessing.reduction.ties import Freedom, NodeTie
 from toolkit.reduced_model.model import place_parameter
 
 STEP = 1e-30
@@ -92,7 +88,7 @@ class RandomBody:
     def shapes(self, choice: BasisChoice) -> SolidShapes:
         grip = np.eye(self.n)[-3:]
         ties = {
-            name: Tie(np.arange(2), np.zeros(2), sparse.csr_array(self.rows.get(name, grip)), name == "grip")
+            name: NodeTie(np.arange(2), np.zeros(2), sparse.csr_array(self.rows.get(name, grip)), name == "grip")
             for name in self.points
         }
         freedom = Freedom(sparse.csr_array(np.eye(self.n)), ("grip",), 3)
@@ -205,7 +201,7 @@ def test_the_pulled_bar_is_that_of_the_closed_form(tie):
     rows, d_rows = np.zeros((1, 5)), np.zeros((1, 5))
     rows[0, -2:], d_rows[0, -2:] = ([0, 1], [0, 0]) if tie == "rigid" else ([1 - weight, weight], [-d_weight, d_weight])
     freedom = Freedom(sparse.csr_array(np.eye(5)), ("tip",) if tie == "rigid" else (), 1)
-    tip = Tie(np.arange(2), np.zeros(2), sparse.csr_array(rows), tie == "rigid")
+    tip = NodeTie(np.arange(2), np.zeros(2), sparse.csr_array(rows), tie == "rigid")
     matrices = (sparse.csr_array(each) for each in (np.eye(5), bar(ENDS)))
     shapes = solid_shapes(BasisChoice("static"), *matrices, np.zeros((5, 1)), np.zeros((5, 2)), freedom, {"tip": tip})
     close(shapes.columns[:, 0], expected.real)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.builders.skin_recipe import SkinRecipe
 from toolkit.foundation.errors import InputError
 
 EXAMPLE = (Path(__file__).parents[2] / "models" / "morphing_wing" / "skin.toml").read_text()

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from preprocessing.mesh.slits import misfit_told, slit_told
+from preprocessing.builders.build_model import build
+from preprocessing.mesh.overlaps import misfit_told, slit_told
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.build_model import build
 from tests.models.solid_bodies import KINDS, SPATIAL_KINDS, box, rectangle, write_body
 
 

@@ -14,9 +14,9 @@ import pytest
 from scipy import io, sparse
 
 from preprocessing import build
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.discrete_body import discrete_body
 from preprocessing.commands.cli import main
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.models.solid_bodies import rectangle, write_body, write_mesh
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load

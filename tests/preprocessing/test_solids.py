@@ -8,17 +8,16 @@ import skfem
 from scipy import sparse
 
 from preprocessing import build
-from preprocessing.basis.solids import sparse_modes
-from preprocessing.basis.solids.ties import freedom, tie
-from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import element_blocks
-from preprocessing.elements.solids.stress import stress_rows
-from preprocessing.elements.solids.stress_error import Elastic
-from preprocessing.mesh.outline import outline_of
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.discrete_body import discrete_body, lame_factors
+from preprocessing.builders.reduced_body import nodal_stress
+from preprocessing.elements.elasticity import solid_matrices
+from preprocessing.elements.solid_elements import element_blocks
+from preprocessing.elements.stress import Elastic, stress_rows
+from preprocessing.mesh.faces import outline_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.solids.discrete_body import discrete_body, lame_factors
-from preprocessing.recipes.solids.reduced_body import nodal_stress
+from preprocessing.reduction import sparse_modes
+from preprocessing.reduction.ties import freedom, tie
 from tests.models.solid_bodies import (
     DENSITY,
     KINDS,

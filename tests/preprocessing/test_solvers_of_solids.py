@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from preprocessing.basis.solids import factors
-from preprocessing.basis.solids.factors import PardisoFactors, SuperLUFactors, pardiso_factors, superlu_factors
+from preprocessing.reduction import solid_systems
+from preprocessing.reduction.solid_systems import PardisoFactors, SuperLUFactors, pardiso_factors, superlu_factors
 from tests.models.processors import entries
 from tests.models.solid_bodies import box, cantilever
 
@@ -58,7 +58,7 @@ def stand_in(monkeypatch):
     package.PyPardisoSolver, inner.PyPardisoError = StandIn, Refused
     monkeypatch.setitem(sys.modules, "pypardiso", package)
     monkeypatch.setitem(sys.modules, "pypardiso.pardiso_wrapper", inner)
-    monkeypatch.setattr("preprocessing.basis.solids.factors.version", lambda name: {"pypardiso": "7", "mkl": "8"}[name])
+    monkeypatch.setattr("preprocessing.reduction.solid_systems.version", lambda name: {"pypardiso": "7", "mkl": "8"}[name])
 
 
 @pytest.fixture
@@ -93,7 +93,7 @@ def test_a_small_body_is_factored_by_superlu_whatever_is_installed(stand_in, bod
 
 def test_a_large_body_is_factored_by_pardiso_where_it_is_installed_and_the_model_tells(stand_in, body, monkeypatch):
     small = body()
-    monkeypatch.setattr(factors, "LARGE", 100)
+    monkeypatch.setattr(solid_systems, "LARGE", 100)
     large = body()
     assert large.writers["MKL Pardiso"] == "pypardiso 7, mkl 8"
     assert "SuperLU" not in large.writers
@@ -101,10 +101,10 @@ def test_a_large_body_is_factored_by_pardiso_where_it_is_installed_and_the_model
 
 
 def test_a_large_body_is_factored_by_superlu_where_pardiso_is_missing_and_the_model_tells(without_pardiso, body, monkeypatch):
-    monkeypatch.setattr(factors, "LARGE", 100)
+    monkeypatch.setattr(solid_systems, "LARGE", 100)
     assert body().writers["SuperLU"].startswith("scipy ")
     assert pardiso_factors(stiffness(5)) is None
-    assert isinstance(factors.factored(stiffness(200), None), SuperLUFactors)
+    assert isinstance(solid_systems.factored(stiffness(200), None), SuperLUFactors)
 
 
 def test_what_pardiso_refuses_goes_to_superlu(stand_in):
@@ -123,7 +123,7 @@ def test_pardiso_itself_and_superlu_agree(body, monkeypatch):
     """With what is installed; the tests above hold without."""
     pytest.importorskip("pypardiso", reason="the extra `solids` is not installed")
     small = body()
-    monkeypatch.setattr(factors, "LARGE", 100)
+    monkeypatch.setattr(solid_systems, "LARGE", 100)
     large = body()
     assert "MKL Pardiso" in large.writers
     close(large, small)

@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from preprocessing.elements.section_shape import circle, general, rectangle, strip, tube
+from preprocessing.elements.section import circle, general, rectangle, strip, tube
 from tests.models.spatial_beams import NU, VALUES, Beams, crooked, energy_of_invariants, kinetic_energy, straight
 from toolkit.kinematics.beam_elements import SECOND, THIRD, BeamElements, at_place
 from toolkit.reduced_model.spatial_model import PAIRS

@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.assembly.invariants import contract_at
-from preprocessing.basis.reduction import tangent_frame
-from preprocessing.recipes.skin.geometry import read_geometry
-from preprocessing.recipes.skin.skin_recipe import SkinRecipe
-from preprocessing.recipes.skin.skin_space import design_space
+from preprocessing.builders.skin_geometry import read_geometry
+from preprocessing.builders.skin_recipe import SkinRecipe, design_space
+from preprocessing.reduction.chosen_basis import tangent_frame
+from preprocessing.reduction.invariants import contract_at
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.file import load, save

@@ -11,8 +11,8 @@ import pytest
 from scipy import io, sparse
 
 from preprocessing import build
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.solids.discrete_body import discrete_body
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.discrete_body import discrete_body
 from tests.models.solid_bodies import box, rectangle, write_body, write_mesh
 from tests.preprocessing.test_solid_inputs import same
 from toolkit.foundation.errors import InputError

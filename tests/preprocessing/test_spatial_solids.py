@@ -10,17 +10,17 @@ import skfem
 from scipy.spatial.transform import Rotation
 
 from preprocessing import build
-from preprocessing.basis.solids import sparse_modes
-from preprocessing.basis.solids.factors import dissected
-from preprocessing.basis.solids.ties import freedom, tie
-from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import element_blocks, wedge_points
-from preprocessing.elements.solids.stress import COMPONENTS, stress_rows
+from preprocessing.builders.body_recipe import BodyRecipe
+from preprocessing.builders.discrete_body import discrete_body, lame_factors
+from preprocessing.builders.named_mesh import spread_of
+from preprocessing.elements.elasticity import solid_matrices
+from preprocessing.elements.solid_elements import element_blocks, wedge_points
+from preprocessing.elements.stress import COMPONENTS, stress_rows
 from preprocessing.mesh.faces import faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
-from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from preprocessing.recipes.solids.discrete_body import discrete_body, lame_factors
-from preprocessing.recipes.solids.node_sets import spread_of
+from preprocessing.reduction import sparse_modes
+from preprocessing.reduction.solid_systems import dissected
+from preprocessing.reduction.ties import freedom, tie
 from tests.models.solid_bodies import (
     DENSITY,
     MODULUS,

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.elements.solids.elements import element_blocks
-from preprocessing.elements.solids.geometric_stiffness import StressedSolid
+from preprocessing.builders.discrete_body import lame_factors
+from preprocessing.builders.frame_file import frame_elements
+from preprocessing.builders.frame_recipe import FrameRecipe
+from preprocessing.elements.elasticity import StressedSolid
+from preprocessing.elements.solid_elements import element_blocks
 from preprocessing.mesh.solid_mesh import rigid_motions
-from preprocessing.recipes.frame.frame_design import frame_elements
-from preprocessing.recipes.frame.frame_recipe import FrameRecipe
-from preprocessing.recipes.solids.discrete_body import lame_factors
 from tests.models.solid_bodies import DENSITY, KINDS, SPATIAL_KINDS, WIDTH, box, cantilever, rectangle, write_body
 from tests.preprocessing.test_frame_models import FRAME
 from toolkit.foundation.errors import InputError

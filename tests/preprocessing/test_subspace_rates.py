@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from preprocessing.basis.constrained_pencil import ConstrainedPencil
-from preprocessing.basis.normal_modes import normal_modes
-from preprocessing.basis.subspace_rates import subspace_rates
+from preprocessing.reduction.constrained_pencil import ConstrainedPencil
+from preprocessing.reduction.normal_modes import normal_modes, subspace_rates
 from tests.models.frames import cantilever, pencil_rate, relative, richardson, ring, square, varied, wing
 from toolkit.foundation.errors import InputError
 

@@ -7,12 +7,12 @@ import pytest
 from scipy import sparse
 from scipy.linalg import eigh
 
-from preprocessing.elements.solids import elements
-from preprocessing.elements.solids.elasticity import solid_matrices
-from preprocessing.elements.solids.elements import element_blocks, wedge_points
-from preprocessing.elements.solids.wedge15 import ElementWedge15
+from preprocessing.builders.discrete_body import lame_factors
+from preprocessing.elements import solid_elements
+from preprocessing.elements.elasticity import solid_matrices
+from preprocessing.elements.solid_elements import element_blocks, wedge_points
+from preprocessing.elements.wedge15 import ElementWedge15
 from preprocessing.mesh.faces import WEDGE_EDGES
-from preprocessing.recipes.solids.discrete_body import lame_factors
 from tests.models.solid_bodies import box, cantilever, compliance
 
 MODULUS, DENSITY = 70e3, 2.7e-9
@@ -49,7 +49,7 @@ def test_nodes_in_the_middle_of_edges_are_numbered_as_in_mesh_files():
 def test_frequencies_at_the_nine_points_of_c3d15_are_those_of_calculix(monkeypatch):
     """CalculiX integrates C3D15 at 9 points, which is not exact; at these points the element is the same."""
     exact = frequencies("wedge15", (4, 1, 1), 0.3)
-    monkeypatch.setattr(elements, "points_of", lambda _: wedge_points(2, 5))
+    monkeypatch.setattr(solid_elements, "points_of", lambda _: wedge_points(2, 5))
     np.testing.assert_allclose(frequencies("wedge15", (4, 1, 1), 0.3), CALCULIX, rtol=1e-6)  # its digits, 7
     np.testing.assert_allclose(exact, CALCULIX, rtol=6e-2)  # what the points of reduced order make too soft
     assert np.all(exact > CALCULIX)

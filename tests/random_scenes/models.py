@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from preprocessing import build
-from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
+from preprocessing.reduction.basis import BasisChoice
 from tests.models.beam_models import save_beam
 from tests.models.solid_bodies import box, write_body
 from toolkit.reduced_model.file import load, save

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from toolkit.door.describe import describe
 from toolkit.foundation.errors import ModelFileError
 from toolkit.reduced_model.description.body_summary import NOT_KEPT

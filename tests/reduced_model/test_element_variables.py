@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.elements.patches import distribute
+from preprocessing.elements.section import distribute
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.entries.rates import rates_at

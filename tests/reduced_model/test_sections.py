@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from preprocessing.recipes.build_model import build
+from preprocessing.builders.build_model import build
 from toolkit.foundation.errors import ModelFileError
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint

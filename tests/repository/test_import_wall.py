@@ -96,7 +96,7 @@ ONE_EACH = (
     "toolkit.curves.",
     "toolkit.responses.",
     "toolkit.command_line.commands.",
-    "preprocessing.elements.solids.",
+    "preprocessing.elements.wedge",
 )
 """Rooms of kinds that users name: each kind has a file of its own, however small."""
 APART = {
@@ -108,10 +108,10 @@ APART = {
     "toolkit.system.evaluation_memory",
     "toolkit.system.handed_records",
     "toolkit.system.remembered_curves",
-    "preprocessing.basis.rigid_modes",
-    "preprocessing.projects.solid.arm",
-    "preprocessing.recipes.solids.pieces.piece_pressures",
-    "preprocessing.reduction.beam_sections",
+    "preprocessing.reduction.constrained_pencil",
+    "preprocessing.projects.arm",
+    "preprocessing.builders.joined_model",
+    "preprocessing.reduction.element_sums",
 }
 """Small modules whose neighbour is long already, or uses the same names for other things."""
 

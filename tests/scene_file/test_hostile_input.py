@@ -11,8 +11,8 @@ import h5py
 import numpy as np
 import pytest
 
-from preprocessing.airfoil.airfoil import read_airfoil
-from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.airfoil.airfoil_file import read_airfoil
+from preprocessing.builders.skin_recipe import SkinRecipe
 from tests.fuzz.hostile_hdf5 import IN_PLACE_OF_ANYTHING
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.kept_run.layout import ResultsFileError

@@ -9,8 +9,8 @@ from typing import Annotated, Any, get_args
 import numpy as np
 import pytest
 
+from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.models.cases import write_models
 from tests.models.every_number import SCENES
 from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin

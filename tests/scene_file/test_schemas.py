@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft7Validator
 
-from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.builders.skin_recipe import SkinRecipe
 from tests.models.cases import KINDS, Case
 from tests.models.scenes import hanging_skin
 from toolkit.bodies.body import PlanarBody

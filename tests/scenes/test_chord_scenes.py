@@ -17,8 +17,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from preprocessing import build
-from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
+from preprocessing.reduction.basis import BasisChoice
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from preprocessing import build
+from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.models.directions import along, derivative_along, direction
 from tests.models.solid_bodies import DENSITY, MODULUS, WIDTH, rectangle, write_body
 from toolkit.analyses.transient import simulate

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from preprocessing import build
+from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

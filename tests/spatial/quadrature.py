@@ -9,10 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preprocessing.basis.reduction import reduced_basis
-from preprocessing.discretisation.discretisation import Discretisation
-from preprocessing.recipes.frame.frame_design import frame_elements, frame_space
-from preprocessing.recipes.frame.frame_file import FrameFile
+from preprocessing.builders.frame_file import FrameFile, frame_elements, frame_space
+from preprocessing.reduction.chosen_basis import reduced_basis
+from preprocessing.reduction.discretisation import Discretisation
 
 
 class Frame(NamedTuple):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from preprocessing.recipes.frame.frame_recipe import FrameRecipe
+from preprocessing.builders.frame_recipe import FrameRecipe
 from tests.spatial.momenta import kinetic_energy, momenta, spin, strain_energy
 from tests.spatial.quadrature import Motion, raw_frame, total
 from tests.spatial.scenes import save_frame

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.reduction.basis import BasisChoice
 from tests.models.scenes import WING
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import Flexible

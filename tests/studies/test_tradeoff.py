@@ -380,7 +380,7 @@ def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_
 
 def remeshed(tmp_path: Path, more: str, elements: int, **keys):
     """The wing's skin file with more in it, meshed by another number of elements."""
-    from preprocessing.recipes.skin.skin_recipe import SkinRecipe, with_keys
+    from preprocessing.builders.skin_recipe import SkinRecipe, with_keys
 
     (tmp_path / "skin.toml").write_text((WING / "skin.toml").read_text().replace('clamp = "F"', 'clamp = "F"\n' + more, 1))
     arc_lengths = np.arange(31.0)  # of 30 elements of length 1

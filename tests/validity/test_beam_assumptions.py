@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import ffrf
-from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
+from preprocessing.reduction.basis import BasisChoice
 from tests.models.beam_models import save_beam
 from toolkit.validity.bodies.beam_assumptions import times_as_many
 from toolkit.validity.bodies.deformation import LIMIT

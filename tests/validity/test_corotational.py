@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
-from preprocessing.mesh.curve_mesh import CurveMesh
+from preprocessing.builders.curve_mesh import CurveMesh
 from tests.models.frames import cantilever, matrices, ring
 from tests.models.rectangular_beams import corotational, points_of
 from toolkit.foundation.errors import InputError

@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 from preprocessing import build
-from preprocessing.basis.basis_choice import BasisChoice
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.builders.frame_recipe import polygon_beam
+from preprocessing.reduction.basis import BasisChoice
 from tests.models.frames import SECTION, cantilever, ring
 from tests.models.rectangular_beams import linear_chain, points_of, rectangles
 from tests.models.scenes import hanging_skin

@@ -10,8 +10,8 @@ import pytest
 
 import ffrf
 from preprocessing import build
-from preprocessing.basis.basis_choice import BasisChoice
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.builders.frame_recipe import polygon_beam
+from preprocessing.reduction.basis import BasisChoice
 from tests.frames.test_cut_bodies import EI, SECTION
 from tests.models.solid_pieces import bar_scene, save_bar, write_bar
 from toolkit.analyses.modes import solve_modes, undeformed

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import ffrf
-from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.reduction.basis import BasisChoice
 from tests.models.spatial_chains import chain_scene, save_chain
 from tests.validity.test_beam_assumptions import RHO, cantilever, said
 from toolkit.system.marker_states import poses_at

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import ffrf
+from preprocessing.builders.build_model import build
 from preprocessing.elements.section import Section
-from preprocessing.recipes.build_model import build
 from tests.models.beam_models import save_beam
 from tests.models.timoshenko import cantilever_frequency
 from toolkit.reduced_model.file import save

@@ -10,7 +10,7 @@ import meshio
 import numpy as np
 import pytest
 
-from preprocessing.recipes.build_model import build, read_recipe
+from preprocessing.builders.build_model import build, read_recipe
 from tests.models.solid_bodies import rectangle, write_body
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene

@@ -9,9 +9,9 @@ import pytest
 
 import ffrf
 from preprocessing import build
-from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.reduction.basis import BasisChoice
 from toolkit.reduced_model.file import save
 from toolkit.scene.resolution import loaded
 from toolkit.validity.bodies.chains.known_chain import chain

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import mmap
 import re
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from io import BufferedReader, RawIOBase, TextIOWrapper
@@ -15,8 +16,10 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from preprocessing.foreign_files.abaqus.vocabulary import spelled, spelled_parameter
-from preprocessing.foreign_files.inclusion import included_file
+from preprocessing.foreign_files.contents import included_file
 from toolkit.foundation.errors import InputError
 
 COMMENT = re.compile(rb"^[ \t]*\*\*", re.MULTILINE)
@@ -66,7 +69,7 @@ def read_text(path: Path) -> Text:
 
 
 @dataclass(frozen=True)
-class Piece:
+class BlockPiece:
     """Lines of one file that follow each other."""
 
     text: Text
@@ -105,7 +108,7 @@ class Piece:
 class _Window(RawIOBase):
     """Part of a file in memory, to be read from its beginning."""
 
-    def __init__(self, piece: Piece) -> None:
+    def __init__(self, piece: BlockPiece) -> None:
         self._view, self._at, self._end = memoryview(piece.text.content), piece.start, piece.end
 
     def readable(self) -> bool:
@@ -126,14 +129,14 @@ WITH_FILES = ("INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET")
 
 
 @dataclass(frozen=True)
-class Block:
+class KeywordBlock:
     """Keyword line with its data lines."""
 
     keyword: str  # in capitals, without its star; empty of lines ahead of the first keyword
     parameters: dict[str, str]  # name in capitals -> value as it is written; empty where it has none
     text: Text
     start: int
-    pieces: list[Piece] = field(default_factory=list)
+    pieces: list[BlockPiece] = field(default_factory=list)
 
     @property
     def line(self) -> int:
@@ -183,7 +186,7 @@ def name_of(text: str) -> str:
     return text[1:-1] if len(text) > 1 and text[0] == text[-1] == '"' else text
 
 
-def blocks_of(path: Path) -> list[Block]:
+def blocks_of(path: Path) -> list[KeywordBlock]:
     """All blocks of a deck in their order; the lines of an included file stand in the place of the line that includes it.
 
     Raises
@@ -191,33 +194,33 @@ def blocks_of(path: Path) -> list[Block]:
     InputError
         A file is no text or missing, or the deck has no keyword.
     """
-    found: list[Block] = []
+    found: list[KeywordBlock] = []
     _read(path, path, found)
     if not any(block.keyword for block in found):
         raise InputError(f"{str(path)!r} has no keyword line. Give an input deck of Abaqus or CalculiX.")
     return found
 
 
-def _read(path: Path, main: Path, found: list[Block]) -> None:
+def _read(path: Path, main: Path, found: list[KeywordBlock]) -> None:
     """Append the blocks of a file, and the lines ahead of its first keyword to the block before it."""
     text = read_text(path)
     at = 3 if text.content[:3] == b"\xef\xbb\xbf" else 0
     for head in keyword_lines(text.content):
-        _append(found, Piece(text, at, head.start))
+        _append(found, BlockPiece(text, at, head.start))
         if head.keyword != "INCLUDE":
-            found.append(Block(head.keyword, head.parameters, text, head.start))
+            found.append(KeywordBlock(head.keyword, head.parameters, text, head.start))
         if name := head.file:
             _read(included_file(main, path, name), main, found)
         at = head.end
-    _append(found, Piece(text, at, len(text.content)))
+    _append(found, BlockPiece(text, at, len(text.content)))
 
 
-def _append(found: list[Block], piece: Piece) -> None:
+def _append(found: list[KeywordBlock], piece: BlockPiece) -> None:
     """Append lines to the last block; those ahead of all keywords make a block without a keyword."""
     if piece.start >= piece.end:  # also where a byte order mark is all that stands ahead of the first keyword
         return
     if not found and not piece.blank:
-        found.append(Block("", {}, piece.text, piece.start))
+        found.append(KeywordBlock("", {}, piece.text, piece.start))
     if found:
         found[-1].pieces.append(piece)
 
@@ -277,3 +280,160 @@ def deck_files(main: Path, path: Path, content: bytes) -> Iterator[Path]:
     for head in keyword_lines(content):
         if head.file:
             yield included_file(main, path, head.file)
+
+
+WHOLE = re.compile(r"[+-]?[0-9]+", re.ASCII)
+NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[EeDd]([+-]?[0-9]+))?", re.ASCII)
+UNIT = 1e-2
+"""Difference of the square of a normal's length from one: decks write few digits of it."""
+LARGEST_LABEL = 999_999_999
+"""The largest number of a node or element that Abaqus allows."""
+
+
+def whole(text: str, place: str) -> int:
+    """Whole number from a text.
+
+    Raises
+    ------
+    InputError
+        The field is none.
+    """
+    if not WHOLE.fullmatch(text) or len(text) > 18:
+        raise InputError(f"{place}: a field is no whole number. Fix it, or export the deck again.")
+    return int(text)
+
+
+def number(text: str, place: str) -> float:
+    """Number from a text, also with Fortran's D instead of E; an empty field is zero.
+
+    Raises
+    ------
+    InputError
+        The field is none.
+    """
+    if not text:
+        return 0.0
+    found = NUMBER.fullmatch(text)
+    if not found or not np.isfinite(value := float(f"{found[1]}e{found[2] or 0}")):
+        raise InputError(f"{place}: a field is no number. Fix it, or export the deck again.")
+    return value
+
+
+def label(text: str, place: str) -> int:
+    """Number of a node or element, from 1 on, from a text; raises as `whole`."""
+    found = whole(text, place)
+    if not 1 <= found <= LARGEST_LABEL:
+        raise InputError(f"{place}: {found} is no number of a node or element; these go from 1 to {LARGEST_LABEL}.")
+    return found
+
+
+def node_rows(block: KeywordBlock) -> tuple[np.ndarray, np.ndarray]:
+    """Labels (n,) and coordinates (n, 3) of the data lines of *NODE; what is missing or empty is zero.
+
+    Raises
+    ------
+    InputError
+        A field is no number; says which line.
+    """
+    if (found := _node_table(block)) is not None:
+        return found
+    rows = [_node_row(place, fields) for place, fields in block.rows()]
+    table = np.array(rows, float).reshape(-1, 4)
+    return table[:, 0].astype(np.int64), table[:, 1:]
+
+
+def _node_table(block: KeywordBlock) -> tuple[np.ndarray, np.ndarray] | None:
+    """Labels and coordinates at once, where every line has a label and two or three plain numbers; None elsewhere."""
+    lines = block.data()
+    first = next((line for line in lines if line.strip()), "")
+    n = first.count(",")
+    if n not in (2, 3):
+        return None
+    found = _table(chain([first], lines), np.dtype([("label", np.int64), ("place", np.float64, (n,))]))
+    if found is None:
+        return None
+    labels, places = found["label"].copy(), np.zeros((len(found), 3))  # without the table, which else stays in memory
+    places[:, :n] = found["place"]
+    fine = np.all((labels >= 1) & (labels <= LARGEST_LABEL)) and np.all(np.isfinite(places))
+    return (labels, places) if fine else None
+
+
+def _table(lines: Iterator[str], kind: Any) -> np.ndarray | None:
+    """Table of lines with as many numbers each, read at once; None where there are none, or one is no plain number."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # that there are no data, or that a whole number is none
+            return np.loadtxt(lines, kind, delimiter=",", comments=None, ndmin=2 if np.dtype(kind).names is None else 1)
+    except (ValueError, Warning):
+        return None
+
+
+def _node_row(place: str, fields: list[str]) -> list[float]:
+    """Label and coordinates of a line, which may go on with a normal that beams and shells use."""
+    if not fields:
+        raise InputError(f"{place}: a node needs a number. Fix the line.")
+    values = [number(text, place) for text in fields[1:]]
+    normal = values[3:]
+    unit = len(normal) == 3 and abs(sum(x * x for x in normal) - 1) < UNIT
+    if normal and not ((unit or not any(normal)) and any("." in text for text in fields)):
+        raise InputError(
+            f"{place}: a node has a number, three coordinates and at most a unit normal, and here are {len(fields)} fields. If commas are "
+            "meant as decimal points, write points."
+        )
+    return [label(fields[0], place), *[*values, 0.0, 0.0, 0.0][:3]]
+
+
+def element_rows(block: KeywordBlock, n_nodes: int) -> np.ndarray:
+    """Label and nodes (n_e, 1 + n_nodes) of the data lines of *ELEMENT, each over as many lines as it needs.
+
+    Raises
+    ------
+    InputError
+        A field is no whole number, or an element has another number of nodes; says which line.
+    """
+    found = _element_table(block, 1 + n_nodes)
+    return _element_rows(block, 1 + n_nodes) if found is None else found
+
+
+def _element_table(block: KeywordBlock, width: int) -> np.ndarray | None:
+    """Rows of elements read at once, where lines hold only whole numbers and all elements have as many lines; else None."""
+    lines = block.data()
+    first = next((line for line in lines if line.strip()), "")
+    lines = chain([first], lines)
+    if len(fields_of(first)) < width:
+        lines = _joined(lines, width)
+    found = _table((line.rstrip().rstrip(",") for line in lines) if first.rstrip().endswith(",") else lines, np.int32)
+    fine = found is not None and found.shape[1] == width and found.min() >= 1 and found.max() <= LARGEST_LABEL
+    return found if fine else None
+
+
+def _joined(lines: Iterator[str], width: int) -> Iterator[str]:
+    """Lines of elements that take several of them, put together until they have so many fields."""
+    whole, count = [], 0
+    for line in lines:
+        if text := line.strip().rstrip(","):
+            whole.append(text)
+            count += 1 + text.count(",")
+            if count >= width:
+                yield ",".join(whole)
+                whole, count = [], 0
+    if whole:
+        yield ",".join(whole)
+
+
+def _element_rows(block: KeywordBlock, width: int) -> np.ndarray:
+    """Rows of elements read line by line."""
+    rows, row, began = list[list[int]](), list[int](), ""
+    for place, line in block.lines():
+        began = began if row else place
+        row += [label(text, place) for text in fields_of(line)]
+        if len(row) > width:
+            raise InputError(
+                f"{place}: an element of this type has {width - 1} nodes, and here are {len(row) - 1}. Fix the line."
+            )
+        if len(row) == width:
+            rows.append(row)
+            row = []
+    if row:
+        raise InputError(f"{began}: an element of this type has {width - 1} nodes, and here are {len(row) - 1}. Fix the line.")
+    return np.array(rows, np.int32).reshape(-1, width)

@@ -9,12 +9,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preprocessing.foreign_files.abaqus.blocks import Block, blocks_of, label_of, name_of
+from preprocessing.foreign_files.abaqus.blocks import KeywordBlock, blocks_of, element_rows, label_of, name_of, node_rows
 from preprocessing.foreign_files.abaqus.generated import HOW as GENERATED
 from preprocessing.foreign_files.abaqus.generated import generate
-from preprocessing.foreign_files.abaqus.numbers import element_rows, node_rows
-from preprocessing.foreign_files.abaqus.parts import Elements, Face, Part, Set, read_set
-from preprocessing.foreign_files.abaqus.placement import Placement, from_cylindrical, local_system, placement
+from preprocessing.foreign_files.abaqus.parts import (
+    DeckPart,
+    Face,
+    PartElements,
+    Placement,
+    Set,
+    from_cylindrical,
+    local_system,
+    placement,
+    read_set,
+)
 from preprocessing.foreign_files.abaqus.vocabulary import (
     CARRIES,
     TIES,
@@ -30,15 +38,15 @@ class Instance(NamedTuple):
     """Copy of a part in its own place."""
 
     label: str  # empty of a deck without instances
-    part: Part
+    part: DeckPart
     placement: Placement | None
 
 
 class Property(NamedTuple):
     """Block that gives something to the elements of a set, or to nodes of a part."""
 
-    block: Block
-    part: Part
+    block: KeywordBlock
+    part: DeckPart
 
 
 @dataclass
@@ -47,8 +55,8 @@ class Deck:
 
     path: Path
     leave_out: frozenset[str]
-    root: Part = field(default_factory=Part)  # what stands outside of parts; with instances the assembly
-    parts: dict[str, Part] = field(default_factory=dict)
+    root: DeckPart = field(default_factory=DeckPart)  # what stands outside of parts; with instances the assembly
+    parts: dict[str, DeckPart] = field(default_factory=dict)
     instances: list[Instance] = field(default_factory=list)
     sections: list[Property] = field(default_factory=list)
     masses: list[Property] = field(default_factory=list)
@@ -83,11 +91,11 @@ class _Reading:
 
     def __init__(self, deck: Deck) -> None:
         self.deck = deck
-        self.part, self.inside = deck.root, list[Block]()  # blocks *PART, *ASSEMBLY, *INSTANCE that have not ended
+        self.part, self.inside = deck.root, list[KeywordBlock]()  # blocks *PART, *ASSEMBLY, *INSTANCE that have not ended
         self.system: Placement | None = None
-        self.of_instance: tuple[str, Part, Block] | None = None
+        self.of_instance: tuple[str, DeckPart, KeywordBlock] | None = None
 
-    def take(self, block: Block) -> None:
+    def take(self, block: KeywordBlock) -> None:
         """Read one block."""
         keyword = block.keyword
         self._parameters(block)
@@ -118,7 +126,7 @@ class _Reading:
                 "purpose: leave_out in [mesh] takes its name."
             )
 
-    def _parameters(self, block: Block) -> None:
+    def _parameters(self, block: KeywordBlock) -> None:
         """Report parameters that are not known, as CalculiX does; refuse those without a value, which may be data."""
         unknown = unknown_parameters(block.keyword, block.parameters)
         if not all(block.parameters[name] for name in unknown):
@@ -141,7 +149,7 @@ class _Reading:
                 "keyword of this name. Take it out of leave_out, or fix its spelling."
             )
 
-    def nodes(self, block: Block) -> None:
+    def nodes(self, block: KeywordBlock) -> None:
         """Read a block *NODE."""
         labels, places = node_rows(block)
         system = block.parameters.get("SYSTEM", "R").strip().upper()
@@ -153,11 +161,11 @@ class _Reading:
         places = from_cylindrical(places) if system == "C" else places
         self.part.add_nodes(labels, places if self.system is None else self.system.applied(places), block)
 
-    def local_system(self, block: Block) -> None:
+    def local_system(self, block: KeywordBlock) -> None:
         """Read a block *SYSTEM."""
         self.system = local_system(block)
 
-    def elements(self, block: Block) -> None:
+    def elements(self, block: KeywordBlock) -> None:
         """Read a block *ELEMENT."""
         name = block.parameters.get("TYPE", "").strip().upper()
         if not name:
@@ -177,13 +185,13 @@ class _Reading:
         if "OFFSET" in block.parameters or "FILE" in block.parameters:
             raise block.refuse("*ELEMENT with OFFSET or FILE is not read. Export the deck with the elements written out.")
         rows = _rows(block, found)
-        self.part.add_elements(Elements(found, rows[:, 0], rows[:, 1:], block))
+        self.part.add_elements(PartElements(found, rows[:, 0], rows[:, 1:], block))
 
-    def set(self, block: Block) -> None:
+    def set(self, block: KeywordBlock) -> None:
         """Read a block *NSET or *ELSET."""
         read_set(self.part, block)
 
-    def surface(self, block: Block) -> None:
+    def surface(self, block: KeywordBlock) -> None:
         """Read a block *SURFACE, of which faces of elements and nodes are used."""
         if not block.parameters.get("NAME") or {"COMBINE", "CROP"} & set(block.parameters):
             return
@@ -195,28 +203,28 @@ class _Reading:
         elif of == "NODE":  # an area may follow the nodes
             faces += [Face(row[0], "NSET", "", place) for place, row in block.rows() if row]
 
-    def section(self, block: Block) -> None:
+    def section(self, block: KeywordBlock) -> None:
         """Read a section of elements."""
         self.deck.sections.append(Property(block, self.part))
 
-    def mass(self, block: Block) -> None:
+    def mass(self, block: KeywordBlock) -> None:
         """Read a block *MASS or *ROTARY INERTIA."""
         self.deck.masses.append(Property(block, self.part))
 
-    def begin_part(self, block: Block) -> None:
+    def begin_part(self, block: KeywordBlock) -> None:
         """Read *PART."""
         self._begin(block, "PART", within=())
         name = block.parameters["NAME"]
         if label_of(name) in self.deck.parts:
             raise block.refuse("there are two parts of this name. Rename one of them.")
-        self.part = self.deck.parts.setdefault(label_of(name), Part(name_of(name)))
+        self.part = self.deck.parts.setdefault(label_of(name), DeckPart(name_of(name)))
 
-    def begin_assembly(self, block: Block) -> None:
+    def begin_assembly(self, block: KeywordBlock) -> None:
         """Read *ASSEMBLY."""
         self._begin(block, "ASSEMBLY", within=())
         self.part = self.deck.root
 
-    def begin_instance(self, block: Block) -> None:
+    def begin_instance(self, block: KeywordBlock) -> None:
         """Read *INSTANCE: a copy of its part, to which it may add nodes, elements and sets of its own."""
         self._begin(block, "INSTANCE", within=("ASSEMBLY",))
         if "INSTANCE" in block.parameters:
@@ -230,7 +238,7 @@ class _Reading:
         self.part = copy_of(of, name_of(block.parameters["NAME"]))
         self.deck.instances.append(Instance(label, self.part, placement(block)))
 
-    def end_of(self, block: Block) -> None:
+    def end_of(self, block: KeywordBlock) -> None:
         """Read *END PART, *END ASSEMBLY or *END INSTANCE."""
         what = block.keyword.removeprefix("END ")
         if not self.inside or self.inside[-1].keyword != what:
@@ -238,7 +246,7 @@ class _Reading:
         self.inside.pop()
         self.part, self.system = self.deck.root, None
 
-    def _begin(self, block: Block, what: str, within: tuple[str, ...]) -> None:
+    def _begin(self, block: KeywordBlock, what: str, within: tuple[str, ...]) -> None:
         if tuple(each.keyword for each in self.inside) != within:
             raise block.refuse(f"*{what} stands within another one, or outside of *ASSEMBLY. Export the deck again.")
         if not block.parameters.get("NAME"):
@@ -247,17 +255,17 @@ class _Reading:
         self.system = None
 
 
-def copy_of(part: Part, name: str) -> Part:
+def copy_of(part: DeckPart, name: str) -> DeckPart:
     """Copy of a part with lists of its own, so that more can be added to it."""
     nodes, elements = (
         {key: Set(each.name, [*each.members], each.sorted) for key, each in of.items()}
         for of in (part.node_sets, part.element_sets)
     )
     surfaces = {key: (spelled, [*faces]) for key, (spelled, faces) in part.surfaces.items()}
-    return Part(name, [*part.nodes], [*part.elements], nodes, elements, surfaces, part, part.generated)
+    return DeckPart(name, [*part.nodes], [*part.elements], nodes, elements, surfaces, part, part.generated)
 
 
-def _rows(block: Block, found: ElementType) -> np.ndarray:
+def _rows(block: KeywordBlock, found: ElementType) -> np.ndarray:
     """Labels and nodes of elements, without the three nodes of incompatible modes that decks of CalculiX may give C3D8I."""
     try:
         return element_rows(block, found.n_nodes)
@@ -267,7 +275,7 @@ def _rows(block: Block, found: ElementType) -> np.ndarray:
         return element_rows(block, found.n_nodes + 3)[:, : 1 + found.n_nodes]
 
 
-def refusal_of(block: Block, found: ElementType, count: int) -> InputError:
+def refusal_of(block: KeywordBlock, found: ElementType, count: int) -> InputError:
     """Error saying that elements carry what a body of solids cannot take."""
     return block.refuse(
         f"the deck has {count} element{'s' * (count > 1)} of type {found.name} here ({found.words}), which carry mass or stiffness that a "
@@ -278,7 +286,7 @@ def refusal_of(block: Block, found: ElementType, count: int) -> InputError:
 
 NEEDED = ("NODE", "ELEMENT", "NSET", "ELSET", "PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "INSTANCE", "END INSTANCE")
 """Keywords that cannot be left out."""
-Handler = Callable[[_Reading, Block], None]
+Handler = Callable[[_Reading, KeywordBlock], None]
 TAKEN: dict[str, Handler] = {
     "NODE": _Reading.nodes,
     "ELEMENT": _Reading.elements,

@@ -9,18 +9,25 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from preprocessing.foreign_files.abaqus.blocks import Block, label_of
-from preprocessing.foreign_files.abaqus.lookup import Lookup, last_of
-from preprocessing.foreign_files.abaqus.numbers import LARGEST_LABEL, whole
-from preprocessing.foreign_files.abaqus.parts import Elements, Members, Named, NodesOf, Part, Range
-from preprocessing.foreign_files.abaqus.placement import placement
+from preprocessing.foreign_files.abaqus.blocks import LARGEST_LABEL, KeywordBlock, label_of, whole
+from preprocessing.foreign_files.abaqus.parts import (
+    DeckPart,
+    Lookup,
+    Members,
+    Named,
+    NodesOf,
+    PartElements,
+    Range,
+    last_of,
+    placement,
+)
 from toolkit.foundation.errors import InputError
 
 MOST = 20_000_000
 """Nodes or elements that one block may generate."""
 
 
-def generate(part: Part, block: Block) -> None:
+def generate(part: DeckPart, block: KeywordBlock) -> None:
     """Add the nodes, elements or sets that a block generates to a part.
 
     Raises
@@ -34,7 +41,7 @@ def generate(part: Part, block: Block) -> None:
     HOW[block.keyword](part, block)
 
 
-def _ngen(part: Part, block: Block) -> None:
+def _ngen(part: DeckPart, block: KeywordBlock) -> None:
     """Generate nodes on straight lines between two existing ones: first, last, step of the numbers."""
     made = []
     for place, fields in block.rows():
@@ -48,7 +55,7 @@ def _ngen(part: Part, block: Block) -> None:
     _add_nodes(part, block, made)
 
 
-def _nfill(part: Part, block: Block) -> None:
+def _nfill(part: DeckPart, block: KeywordBlock) -> None:
     """Generate nodes on straight lines between those of two sets: set, set, number of intervals, step of the numbers."""
     made = []
     for place, fields in block.rows():
@@ -68,7 +75,7 @@ def _nfill(part: Part, block: Block) -> None:
     _add_nodes(part, block, made)
 
 
-def _ncopy(part: Part, block: Block) -> None:
+def _ncopy(part: DeckPart, block: KeywordBlock) -> None:
     """Generate copies of a set of nodes, each moved by the same translation and rotation as the one before it."""
     if "SHIFT" not in block.parameters or "OLD SET" not in block.parameters or "CHANGE NUMBER" not in block.parameters:
         raise block.refuse("*NCOPY is read with SHIFT, OLD SET and CHANGE NUMBER. Export the deck with the nodes written out.")
@@ -82,7 +89,7 @@ def _ncopy(part: Part, block: Block) -> None:
     _add_nodes(part, block, made, "NEW SET")
 
 
-def _elgen(part: Part, block: Block) -> None:
+def _elgen(part: DeckPart, block: KeywordBlock) -> None:
     """Generate rows, layers and blocks of elements like a master: its number, then per direction count, node and element step."""
     everything = []
     for place, fields in block.rows():
@@ -97,12 +104,12 @@ def _elgen(part: Part, block: Block) -> None:
             labels = (labels[None] + of_elements * k[:, None]).ravel()
             nodes = (nodes[None] + of_nodes * k[:, None, None]).reshape(-1, nodes.shape[1])
         _refuse_labels(block, labels)
-        part.elements.append(Elements(owner.type, labels[1:], nodes[1:], block))
+        part.elements.append(PartElements(owner.type, labels[1:], nodes[1:], block))
         everything.append(labels)
     part.add_to_set("ELSET", np.concatenate([np.zeros(0, np.int64), *everything]), block)
 
 
-def _elcopy(part: Part, block: Block) -> None:
+def _elcopy(part: DeckPart, block: KeywordBlock) -> None:
     """Generate a copy of a set of elements, with other numbers of elements and nodes."""
     needed = ("OLD SET", "ELEMENT SHIFT", "SHIFT NODES")
     if lacking := [name for name in needed if not block.parameters.get(name)]:
@@ -114,11 +121,11 @@ def _elcopy(part: Part, block: Block) -> None:
         if here.any():
             labels = each.labels[here] + shift
             _refuse_labels(block, labels)
-            part.elements.append(Elements(each.type, labels, each.nodes[here] + of_nodes, block))
+            part.elements.append(PartElements(each.type, labels, each.nodes[here] + of_nodes, block))
     part.add_to_set("ELSET", copied + shift, block, "NEW SET")
 
 
-HOW: dict[str, Callable[[Part, Block], None]] = {
+HOW: dict[str, Callable[[DeckPart, KeywordBlock], None]] = {
     "NGEN": _ngen, "NFILL": _nfill, "NCOPY": _ncopy, "ELGEN": _elgen, "ELCOPY": _elcopy,
 }  # fmt: skip
 REFUSED = {
@@ -140,18 +147,18 @@ def _wholes(fields: list[str], place: str, needed: int, defaults: list[int] | No
     return found + [whole(rest[k], place) if k < len(rest) and rest[k] else default for k, default in enumerate(defaults or [])]
 
 
-def _bounded(block: Block, count: int) -> int:
+def _bounded(block: KeywordBlock, count: int) -> int:
     if not 1 <= count <= MOST:
         raise block.refuse(f"it generates {count} nodes or elements, and from 1 to {MOST} are read. Fix the numbers.")
     return count
 
 
-def _refuse_labels(block: Block, labels: np.ndarray) -> None:
+def _refuse_labels(block: KeywordBlock, labels: np.ndarray) -> None:
     if labels.min() < 1 or labels.max() > LARGEST_LABEL:
         raise block.refuse(f"it generates numbers from {labels.min()} to {labels.max()}; these go from 1 to {LARGEST_LABEL}.")
 
 
-def _add_nodes(part: Part, block: Block, made: list[tuple[np.ndarray, np.ndarray]], into: str = "NSET") -> None:
+def _add_nodes(part: DeckPart, block: KeywordBlock, made: list[tuple[np.ndarray, np.ndarray]], into: str = "NSET") -> None:
     if not made:
         return
     labels, places = (np.concatenate(each) for each in zip(*made, strict=True))
@@ -161,7 +168,7 @@ def _add_nodes(part: Part, block: Block, made: list[tuple[np.ndarray, np.ndarray
     part.add_to_set("NSET", labels, block, into)
 
 
-def places_of(part: Part, wanted: np.ndarray, place: str) -> np.ndarray:
+def places_of(part: DeckPart, wanted: np.ndarray, place: str) -> np.ndarray:
     """Places (n, 3) of existing nodes.
 
     Raises
@@ -176,7 +183,7 @@ def places_of(part: Part, wanted: np.ndarray, place: str) -> np.ndarray:
     return places[at]
 
 
-def _element(part: Part, wanted: int, place: str) -> tuple[Elements, np.ndarray]:
+def _element(part: DeckPart, wanted: int, place: str) -> tuple[PartElements, np.ndarray]:
     """Element of a number, the last one of it, and its nodes."""
     for each in reversed(part.elements):
         if len(here := np.flatnonzero(each.labels == wanted)):
@@ -184,7 +191,7 @@ def _element(part: Part, wanted: int, place: str) -> tuple[Elements, np.ndarray]
     raise InputError(f"{place} names element {wanted}, which the deck has not defined by then. Define it first.")
 
 
-def _members(part: Part, kind: str, name: str, place: str) -> np.ndarray:
+def _members(part: DeckPart, kind: str, name: str, place: str) -> np.ndarray:
     """Numbers of the nodes or elements of a set of the part, rising unless the set keeps its order."""
     sets = part.node_sets if kind == "NSET" else part.element_sets
     if label_of(name) not in sets:
@@ -194,7 +201,7 @@ def _members(part: Part, kind: str, name: str, place: str) -> np.ndarray:
     return np.unique(numbers) if found.sorted else numbers[np.sort(np.unique(numbers, return_index=True)[1])]
 
 
-def _nodes_of(part: Part, wanted: np.ndarray) -> Iterator[np.ndarray]:
+def _nodes_of(part: DeckPart, wanted: np.ndarray) -> Iterator[np.ndarray]:
     """Numbers of the nodes of elements, by block; of an element that is given twice the last one counts."""
     kept, start = last_of(np.concatenate([np.zeros(0, np.int64), *(each.labels for each in part.elements)])), 0
     for each in part.elements:
@@ -202,7 +209,7 @@ def _nodes_of(part: Part, wanted: np.ndarray) -> Iterator[np.ndarray]:
         start += len(each.labels)
 
 
-def numbers_of(part: Part, kind: str, members: list[Members]) -> np.ndarray:
+def numbers_of(part: DeckPart, kind: str, members: list[Members]) -> np.ndarray:
     """Numbers of the members of a set that are those of the part itself."""
     labels = np.zeros(0, np.int64)
     if any(isinstance(member.what, Range) for member in members):

@@ -8,14 +8,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preprocessing.foreign_files.contents import Elements, LeftOut, MeshContents
-from preprocessing.foreign_files.nastran.cards import Cards, Table
-from preprocessing.foreign_files.nastran.elements import Block, blocks_of, only_name, refuse_twice
+from preprocessing.foreign_files.contents import Elements, LeftOutContent, MeshContents
+from preprocessing.foreign_files.nastran.cards import Cards, CardTable
+from preprocessing.foreign_files.nastran.elements import (
+    MOST,
+    CardBlock,
+    blocks_of,
+    only_name,
+    properties_of,
+    property_groups,
+    refuse_twice,
+    set_groups,
+)
 from preprocessing.foreign_files.nastran.grid import Grid, grid_of
-from preprocessing.foreign_files.nastran.groups import MOST, properties_of, property_groups, set_groups
-from preprocessing.foreign_files.nastran.lines import bulk_lines
-from preprocessing.foreign_files.nastran.masses import MASSES, given_masses, point_masses, systems_of
-from preprocessing.foreign_files.nastran.vocabulary import (
+from preprocessing.foreign_files.nastran.lines import (
     CARRYING,
     OTHERS,
     ROD_PROPERTIES,
@@ -25,21 +31,23 @@ from preprocessing.foreign_files.nastran.vocabulary import (
     SOLIDS,
     TAKEN,
     WHY,
+    bulk_lines,
 )
+from preprocessing.foreign_files.nastran.masses import MASSES, given_masses, point_masses, systems_of
 from toolkit.foundation.errors import InputError
 
 CHOSEN = "left out by leave_out in [mesh]"
 NAMING = "it has no property in the file and is a face or edge of the body: it names a place, as a group"
 
 
-class Body(NamedTuple):
+class BulkBody(NamedTuple):
     """Elements of a bulk file: those of the body, and those that only name places of it."""
 
-    body: list[Block]  # of which it consists
-    naming: list[Block]  # which only name its faces and edges
+    body: list[CardBlock]  # of which it consists
+    naming: list[CardBlock]  # which only name its faces and edges
 
     @property
-    def all(self) -> list[Block]:
+    def all(self) -> list[CardBlock]:
         """All elements, those of the body first."""
         return [*self.body, *self.naming]
 
@@ -93,7 +101,7 @@ def _refuse_absent(cards: Cards, leave_out: frozenset[str]) -> None:
         )
 
 
-def _body(cards: Cards, grid: Grid, leave_out: frozenset[str]) -> Body:
+def _body(cards: Cards, grid: Grid, leave_out: frozenset[str]) -> BulkBody:
     """Elements of the body: solids, or shells where there are none.
 
     Raises
@@ -114,7 +122,7 @@ def _body(cards: Cards, grid: Grid, leave_out: frozenset[str]) -> Body:
             carrying.append((block.card, int((~names).sum()), block.place(int(np.argmin(names)))))
     if carrying:
         raise _refusal(cards, carrying, bool(solids))
-    return Body(body, naming)
+    return BulkBody(body, naming)
 
 
 def _count(cards: Cards, name: str) -> tuple[str, int, str]:
@@ -136,11 +144,11 @@ def _refusal(cards: Cards, carrying: Sequence[tuple[str, int, str]], solids: boo
 
 def _properties(cards: Cards, names: Sequence[str]) -> set[int]:
     """Numbers of the properties that such cards define."""
-    tables = [Table(name, cards.by_name[name], 1, cards.lines, rest=True) for name in names if name in cards.by_name]
+    tables = [CardTable(name, cards.by_name[name], 1, cards.lines, rest=True) for name in names if name in cards.by_name]
     return {number for table in tables for number in table.whole(0).tolist()}
 
 
-def _cells(blocks: Sequence[Block]) -> Elements:
+def _cells(blocks: Sequence[CardBlock]) -> Elements:
     """The elements by kind."""
     kinds = dict.fromkeys(block.kind for block in blocks)
     return [(kind, np.concatenate([block.nodes for block in blocks if block.kind == kind])) for kind in kinds]
@@ -151,26 +159,26 @@ def _mass_factor(cards: Cards) -> float:
     factor = 1.0
     for card in cards.by_name.get("PARAM", []):
         if card.words()[0] == "WTMASS":
-            factor = float(Table("PARAM", [card], 2, cards.lines, rest=True).real(1)[0])
+            factor = float(CardTable("PARAM", [card], 2, cards.lines, rest=True).real(1)[0])
             if not factor > 0:
                 raise cards.lines.error(card.line, "PARAM WTMASS is to be above 0, as it multiplies masses. Write such a number.")
     return factor
 
 
-def _left_out(cards: Cards, leave_out: frozenset[str]) -> Iterator[LeftOut]:
+def _left_out(cards: Cards, leave_out: frozenset[str]) -> Iterator[LeftOutContent]:
     """Entries that are left out on purpose, or are no part of a body and still worth a word."""
     for name, found in cards.by_name.items():
         if name in leave_out:
-            yield LeftOut(name, len(found), CHOSEN)
+            yield LeftOutContent(name, len(found), CHOSEN)
         elif name in WHY:
-            yield LeftOut(name, len(found), WHY[name])
+            yield LeftOutContent(name, len(found), WHY[name])
 
 
-def _naming(blocks: Sequence[Block]) -> list[LeftOut]:
-    return [LeftOut(block.card, len(block.labels), NAMING) for block in blocks]
+def _naming(blocks: Sequence[CardBlock]) -> list[LeftOutContent]:
+    return [LeftOutContent(block.card, len(block.labels), NAMING) for block in blocks]
 
 
-def _remarks(cards: Cards, found: Body, masses: bool) -> Iterator[str]:
+def _remarks(cards: Cards, found: BulkBody, masses: bool) -> Iterator[str]:
     """Remarks on the reading that the user should know."""
     if (n := _materials(cards, found.body)) > 1:
         yield f"The elements of the file have {n} materials; those of the body have the one of body.toml."
@@ -187,7 +195,7 @@ def _remarks(cards: Cards, found: Body, masses: bool) -> Iterator[str]:
         yield f"What follows ENDDATA ({cards.lines.place(cards.end)}) is not read, as in Nastran."
 
 
-def _materials(cards: Cards, body: Sequence[Block]) -> int:
+def _materials(cards: Cards, body: Sequence[CardBlock]) -> int:
     """Number of materials that the elements have, as far as cards give them.
 
     Raises
@@ -198,12 +206,12 @@ def _materials(cards: Cards, body: Sequence[Block]) -> int:
     used = properties_of(body)
     numbers: set[int] = set()
     for name in ("PSOLID", "PSHELL"):
-        table = Table(name, cards.by_name.get(name, []), 7, cards.lines, rest=True)
+        table = CardTable(name, cards.by_name.get(name, []), 7, cards.lines, rest=True)
         for row, (number, material) in enumerate(zip(table.whole(0).tolist(), table.whole(1, blank=0).tolist(), strict=True)):
             if number in used and name == "PSOLID" and table.word(row, 6) in ("PFLUID", "FFLUID"):
                 raise table.error(row, "PSOLID is that of a fluid, and bodies are solids. Take its elements out.")
             if number in used:
                 numbers.add(material)
-    table = Table("MAT1", cards.by_name.get("MAT1", []), 5, cards.lines, rest=True)
+    table = CardTable("MAT1", cards.by_name.get("MAT1", []), 5, cards.lines, rest=True)
     values = dict(zip(table.whole(0).tolist(), map(tuple, table.real(1, 5, blank=0.0).tolist()), strict=True))
     return len({values.get(number, (number,)) for number in numbers})

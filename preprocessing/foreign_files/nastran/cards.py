@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from preprocessing.foreign_files.nastran.lines import Lines
-from preprocessing.foreign_files.nastran.numbers import Numbers, real_numbers, whole_numbers
+from preprocessing.foreign_files.nastran.lines import BulkLines, FieldNumbers, real_numbers, whole_numbers
 from toolkit.foundation.errors import InputError
 
 COLUMNS = 80
@@ -60,7 +59,7 @@ def _split(body: bytes) -> list[bytes]:
 class Cards:
     """All cards, by name, and notes about the lines."""
 
-    def __init__(self, lines: Lines) -> None:
+    def __init__(self, lines: BulkLines) -> None:
         self.lines = lines
         self.by_name: dict[str, list[Card]] = {}
         self.long_lines = 0  # lines with something beyond the last column
@@ -73,7 +72,7 @@ class Cards:
         self._early: dict[bytes, tuple[int, bytes | list[bytes], bytes]] = {}  # mark -> line that comes ahead of its card
 
     @classmethod
-    def of(cls, lines: Lines, which: Iterable[int]) -> Cards:
+    def of(cls, lines: BulkLines, which: Iterable[int]) -> Cards:
         """Cards from some of the lines.
 
         Raises
@@ -220,10 +219,10 @@ def _keys(mark: bytes) -> set[bytes]:
     return {_key(mark), mark[1:].strip().upper()} - {b""}
 
 
-class Table:
+class CardTable:
     """All cards of one name with as many fields each."""
 
-    def __init__(self, name: str, cards: list[Card], fields: int, lines: Lines, rest: bool = False) -> None:
+    def __init__(self, name: str, cards: list[Card], fields: int, lines: BulkLines, rest: bool = False) -> None:
         """Read these many fields of every card; behind them is nothing, or what does not count (`rest`).
 
         Raises
@@ -269,7 +268,7 @@ class Table:
         return self._numbers(real_numbers, "number", first, after, blank)
 
     def _numbers(
-        self, read: Callable[[np.ndarray], Numbers], what: str, first: int, after: int | None, blank: float | None
+        self, read: Callable[[np.ndarray], FieldNumbers], what: str, first: int, after: int | None, blank: float | None
     ) -> np.ndarray:
         found = read(self._text[:, first : first + 1 if after is None else after])
         values = np.where(found.blank, blank or 0, found.values)

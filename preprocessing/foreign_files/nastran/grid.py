@@ -1,16 +1,141 @@
-"""Nodes: the cards GRID with the defaults of GRDSET, and the coordinate systems that their places are given in."""
+"""Nodes: the cards GRID with the defaults of GRDSET, and the coordinate systems that their places are given in.
+
+Coordinate systems of nodes and masses: CORD1R, CORD1C, CORD1S by three nodes, CORD2R, CORD2C, CORD2S by three points.
+
+Of the three A is the origin, B lies on the z axis, C in the half plane of x and z. Cylindrical coordinates are r, theta, z; spherical ones
+are r, theta from the z axis, phi about it; angles are in degrees.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple
 
 import numpy as np
 
-from preprocessing.foreign_files.contents import LeftOut
-from preprocessing.foreign_files.nastran.cards import Cards, Table
-from preprocessing.foreign_files.nastran.coordinate_systems import BASIC, System, by_number, in_order, system_of
+from preprocessing.foreign_files.contents import LeftOutContent
+from preprocessing.foreign_files.nastran.cards import Cards, CardTable
+from preprocessing.foreign_files.nastran.lines import SYSTEMS
+from toolkit.foundation.errors import InputError
+
+DEGENERATE = 1e-10
+"""Sine of the angle between A-B and A-C below which they define no plane."""
+
+
+class CoordinateSystem(NamedTuple):
+    """Coordinate system, given in the basic one."""
+
+    kind: str  # R, C or S
+    origin: np.ndarray  # (3,)
+    axes: np.ndarray  # (3, 3), columns are the unit vectors of x, y and z
+
+    def places(self, coordinates: np.ndarray) -> np.ndarray:
+        """Places (..., 3) in the basic system, from coordinates in this one."""
+        a, b, c = np.moveaxis(coordinates, -1, 0)
+        if self.kind == "C":
+            a, b = a * np.cos(np.radians(b)), a * np.sin(np.radians(b))
+        elif self.kind == "S":
+            polar, around = np.radians(b), np.radians(c)
+            a, b, c = a * np.sin(polar) * np.cos(around), a * np.sin(polar) * np.sin(around), a * np.cos(polar)
+        own = np.stack([a, b, c], axis=-1)
+        return self.origin + (own[..., None, :] * self.axes).sum(axis=-1)
+
+
+BASIC = CoordinateSystem("R", np.zeros(3), np.eye(3))
+
+
+class Definition(NamedTuple):
+    """Definition of a coordinate system by a card."""
+
+    number: int
+    kind: str
+    nodes: tuple[int, ...]  # A, B, C of CORD1; none of CORD2
+    reference: int  # system of the points of CORD2
+    points: np.ndarray  # (3, 3)
+    place: str  # of the card, in words
+
+    def same(self, other: Definition) -> bool:
+        """Whether two definitions say the same."""
+        return self[1:4] == other[1:4] and bool((self.points == other.points).all())
+
+
+def by_number(cards: Cards) -> dict[int, Definition]:
+    """All systems that cards define.
+
+    Raises
+    ------
+    InputError
+        Two cards define one number in different ways.
+    """
+    found: dict[int, Definition] = {}
+    for each in (each for name in SYSTEMS if name in cards.by_name for each in _definitions(name, cards)):
+        if each.number < 1 or not found.setdefault(each.number, each).same(each):
+            raise InputError(
+                f"{each.place}: coordinate system {each.number} is defined twice, or is below 1. Give it a number of its own."
+            )
+    return found
+
+
+def _definitions(name: str, cards: Cards) -> Iterator[Definition]:
+    if name.startswith("CORD2"):
+        table = CardTable(name, cards.by_name[name], 11, cards.lines)
+        numbers, reference, points = table.whole(0), table.whole(1, blank=0), table.real(2, 11, blank=0.0).reshape(-1, 3, 3)
+        for k, number in enumerate(numbers.tolist()):
+            yield Definition(number, name[-1], (), int(reference[k]), points[k], table.place(k))
+        return
+    table = CardTable(name, cards.by_name[name], 8, cards.lines)
+    for row, (first, second) in enumerate(zip(table.whole(0, 4).tolist(), table.whole(4, 8, blank=0).tolist(), strict=True)):
+        for number, *nodes in (first, second) if any(second) else (first,):
+            yield Definition(number, name[-1], tuple(nodes), 0, np.zeros((3, 3)), table.place(row))
+
+
+def in_order(given: Mapping[int, Definition], wanted: set[int], system_of_node: Callable[[int], int]) -> list[Definition]:
+    """Wanted coordinate systems and those that they rest on, each behind what it rests on.
+
+    Raises
+    ------
+    InputError
+        One of them rests on itself, or on one that is not defined.
+    """
+    graph: dict[int, set[int]] = {}
+    left = sorted(wanted & set(given))
+    while left:
+        each = given[left.pop()]
+        on = {system_of_node(node) for node in each.nodes} if each.nodes else {each.reference}
+        graph[each.number] = on - {0}
+        for number in sorted(on - {0} - set(graph)):
+            if number not in given:
+                raise InputError(f"{each.place}: it rests on coordinate system {number}, which no CORD card defines. Add it.")
+            left.append(number)
+    try:
+        return [given[number] for number in TopologicalSorter(graph).static_order()]
+    except CycleError as error:
+        numbers = ", ".join(map(str, error.args[1]))
+        raise InputError(
+            f"{given[error.args[1][0]].place}: coordinate systems {numbers} rest on each other. Define one without."
+        ) from error
+
+
+def system_of(each: Definition, known: Mapping[int, CoordinateSystem], nodes: Sequence[np.ndarray | None]) -> CoordinateSystem:
+    """The system that a card defines by points in a known one, or by nodes whose places are these.
+
+    Raises
+    ------
+    InputError
+        The points lie on one line, or a node is missing.
+    """
+    if any(place is None for place in nodes):
+        raise InputError(f"{each.place}: the coordinate system has a node that no GRID defines. Add it.")
+    a, b, c = [np.asarray(place) for place in nodes] if each.nodes else known[each.reference].places(each.points)
+    z, plane = b - a, c - a
+    y = np.cross(z, plane)
+    if not np.linalg.norm(y) > DEGENERATE * np.linalg.norm(z) * np.linalg.norm(plane):
+        raise InputError(f"{each.place}: the three points of coordinate system {each.number} lie on one line. Move one of them.")
+    z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
+    return CoordinateSystem(each.kind, a, np.column_stack([np.cross(y, z), y, z]))
+
 
 FLUID = -1
 """The displacement system of nodes that belong to a fluid."""
@@ -22,7 +147,7 @@ class Grid:
 
     labels: np.ndarray  # (n,)
     points: np.ndarray  # (n, 3) in the basic system
-    systems: dict[int, System]
+    systems: dict[int, CoordinateSystem]
     order: np.ndarray  # places of the labels in rising order
     held: int  # nodes with constraints of their own
 
@@ -34,10 +159,10 @@ class Grid:
         at = np.minimum(np.searchsorted(rising, labels), len(rising) - 1)
         return np.where(rising[at] == labels, self.order[at], -1)
 
-    def left_out(self) -> list[LeftOut]:
+    def left_out(self) -> list[LeftOutContent]:
         """Constraints of the nodes, which are not taken."""
         why = "nodes that the file holds by themselves (field PS); constraints are the clamp of body.toml"
-        return [LeftOut("GRID", self.held, why)] if self.held else []
+        return [LeftOutContent("GRID", self.held, why)] if self.held else []
 
 
 class _Given(NamedTuple):
@@ -58,7 +183,7 @@ def grid_of(cards: Cards, systems: Iterable[int]) -> Grid:
     InputError
         A node is there twice at two places, or in a fluid; a coordinate system is missing, degenerate or rests on itself.
     """
-    table = Table("GRID", cards.by_name.get("GRID", []), 8, cards.lines)
+    table = CardTable("GRID", cards.by_name.get("GRID", []), 8, cards.lines)
     given = _once(table, _given(cards, table))
     order = np.argsort(given.labels, kind="stable")
     grid = Grid(given.labels, np.zeros((len(order), 3)), {0: BASIC}, order, int(given.held.sum()))
@@ -87,7 +212,7 @@ def grid_of(cards: Cards, systems: Iterable[int]) -> Grid:
     return grid
 
 
-def _given(cards: Cards, table: Table) -> _Given:
+def _given(cards: Cards, table: CardTable) -> _Given:
     default_system, default_motion, default_held = _defaults(cards)
     system, motion = table.whole(1, blank=0), table.whole(5, blank=0)
     system = np.where(table.blank(1), default_system, system)
@@ -105,13 +230,13 @@ def _given(cards: Cards, table: Table) -> _Given:
 
 def _defaults(cards: Cards) -> tuple[int, int, int]:
     """Coordinate system, system of displacements and constraints of nodes that give none."""
-    table = Table("GRDSET", cards.by_name.get("GRDSET", []), 8, cards.lines)
+    table = CardTable("GRDSET", cards.by_name.get("GRDSET", []), 8, cards.lines)
     if len(table) > 1:
         raise table.error(1, "there are two GRDSET, and defaults are given once. Take one out.")
     return (0, 0, 0) if not len(table) else tuple(int(table.whole(k, blank=0)[0]) for k in (1, 5, 6))  # type: ignore[return-value]
 
 
-def _once(table: Table, given: _Given) -> _Given:
+def _once(table: CardTable, given: _Given) -> _Given:
     """Nodes without copies: a copy at the same place counts for nothing.
 
     Raises
@@ -131,7 +256,7 @@ def _once(table: Table, given: _Given) -> _Given:
     return _Given(*(each[keep] for each in given))
 
 
-def refuse_missing(table: Table, labels: np.ndarray, places: np.ndarray) -> None:
+def refuse_missing(table: CardTable, labels: np.ndarray, places: np.ndarray) -> None:
     """Refuse cards with nodes that are not in the file."""
     if (places < 0).any():
         row, column = (int(k) for k in np.argwhere(places < 0)[0])

@@ -1,1 +1,0 @@
-"""Reduction bases and their derivatives: boundary, constraint modes, normal modes."""

@@ -1,1 +1,0 @@
-"""Reference conditions that tie a body's frame to two of its interface points."""

@@ -1,1 +1,0 @@
-"""Solid elements: shape functions, elasticity, matrices and stress."""

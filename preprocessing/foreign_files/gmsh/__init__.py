@@ -1,1 +1,0 @@
-"""Meshes of gmsh, .msh, of the versions 1, 2 and 4.1."""

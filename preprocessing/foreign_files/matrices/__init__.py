@@ -1,1 +1,0 @@
-"""Readers of finished matrices and of tables of numbers that other programs wrote."""

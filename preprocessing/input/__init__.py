@@ -1,1 +1,0 @@
-"""Input files, and where a reduced model may be written."""

@@ -1,1 +1,0 @@
-"""How the nodes of elements are numbered in mesh files: repeated nodes, nodes between corners, elements twice."""

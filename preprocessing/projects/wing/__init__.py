@@ -1,1 +1,0 @@
-"""A morphing wing of one's own from any airfoil file."""

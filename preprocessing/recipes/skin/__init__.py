@@ -1,1 +1,0 @@
-"""skin.toml: a skin round the nose of an airfoil."""

@@ -1,0 +1,80 @@
+"""What a parameter without a polynomial changes of a body before the choice of its basis: Poisson's ratio, or the places of its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from preprocessing.elements.elasticity import StressedSolid
+from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
+from preprocessing.reduction.assembly import Matrices
+from preprocessing.reduction.discretisation import STEP
+from preprocessing.reduction.solid_systems import BasisChange
+from preprocessing.reduction.ties import Freedom, NodeTie, freedom
+
+
+@dataclass(frozen=True, eq=False)
+class BodyChange:
+    """Derivatives of a body by one parameter; moved nodes carry a complex step."""
+
+    matrices: Matrices  # derivatives
+    mesh: SolidMesh  # nodes real, or with an imaginary part of STEP times their motion
+    ties: Mapping[str, NodeTie]  # of these nodes
+    normals: Mapping[str, np.ndarray]  # of pressure surfaces at these nodes, see `BoundaryFaces.normals`
+    stressed: StressedSolid | None  # with a complex step in the parameter; None without elements
+    mass: Any = None  # what the shapes see of a change that is not among `matrices`, because polynomials tell it: dM (n, n)
+
+    @property
+    def motion(self) -> np.ndarray:
+        """Derivative of the nodal coordinates, (n,)."""
+        return rate_of(self.mesh.nodes.ravel())
+
+    @property
+    def moves(self) -> bool:
+        """Whether the nodes move."""
+        return np.iscomplexobj(self.mesh.nodes)
+
+    def freedom(self, clamped: np.ndarray) -> Freedom:
+        """Independent coordinates, with a complex step."""
+        return freedom(self.mesh, clamped, self.ties)
+
+    def on(self, free: Freedom, stepped: Freedom, matrices: Any, averaged: tuple[str, ...]) -> BasisChange:
+        """Derivatives on the independent coordinates, K^ = T^T K T and so on.
+
+        Parameters
+        ----------
+        free, stepped : at the nominal design, and with the complex step
+        matrices : the nominal ones
+        averaged : interface points whose rows are wanted, in their order
+        """
+        nodes = self.matrices.coordinates.of_nodes
+        if not self.moves:
+            change_of_stiffness = (free.map.T @ nodes(self.matrices.stiffness) @ free.map).tocsr()
+            return BasisChange(change_of_stiffness, *self._mass_on(free))
+        d_map = rate_of(stepped.map)
+
+        def change(matrix: Any, rate: Any) -> Any:
+            turned = d_map.T @ (nodes(matrix) @ free.map)
+            return (free.map.T @ (nodes(rate) @ free.map) + turned + turned.T).tocsr()
+
+        rows = [rate_of(self.ties[name].rows @ stepped.map).toarray() for name in averaged]
+        return BasisChange(
+            change(matrices.stiffness, self.matrices.stiffness),
+            change(matrices.mass, self.matrices.mass),
+            np.vstack([np.zeros((0, free.map.shape[1])), *rows]),
+            rate_of(stepped.coordinates_of(rigid_motions(self.mesh.nodes), self.ties)),
+        )
+
+    def _mass_on(self, free: Freedom) -> tuple[Any, ...]:
+        """Derivatives of a body whose nodes keep their places: of the mass, of no rows, and none of the rigid motions."""
+        if self.mass is None:
+            return ()
+        return (free.map.T @ self.mass @ free.map).tocsr(), None, np.zeros((free.map.shape[1], self.mesh.motions))
+
+
+def rate_of(stepped: Any) -> Any:
+    """Derivative from a complex step of size STEP."""
+    return stepped.imag / STEP if np.iscomplexobj(stepped) else 0.0 * stepped
