@@ -120,16 +120,3 @@ def test_a_numba_that_is_newer_or_lacks_a_private_part_is_used_by_its_documented
     public, found, plain = answers("", change)
     assert public
     assert found == pytest.approx(plain, rel=1e-14, abs=1e-14)
-
-
-@pytest.mark.robustness
-def test_a_motion_and_its_gradients_are_the_same_to_the_last_bit():
-    """All formulas of a scene in the plane, which takes some minutes to compile."""
-    command = [sys.executable, "-c", "from toolkit.command_line.cli import main; main()", "sensitivity"]
-    scene, records = ROOT / "models" / "pendulum" / "scene.toml", []
-    for numba in ("public", ""):
-        environment = {**os.environ, "FFRF_NUMBA": numba}
-        done = subprocess.run([*command, scene, "--json", "--quiet"], cwd=ROOT, env=environment, capture_output=True, check=True)
-        records.append(json.loads(done.stdout))
-    assert records[0]["responses"] == records[1]["responses"]
-    assert records[0]["gradients"] == records[1]["gradients"]

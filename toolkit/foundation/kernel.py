@@ -5,19 +5,18 @@ With the environment variable NUMBA_DISABLE_JIT=1 real numbers run as plain Pyth
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from functools import cache, partial
 from types import FunctionType
 from typing import Any
 
 import numba
-from numba import NumbaExperimentalFeatureWarning, config
+from numba import config
 from numba.extending import is_jitted
 
 from toolkit.foundation.compiled import public_parts
 from toolkit.foundation.compiled.compiled_code import CompiledCode
-from toolkit.foundation.compiled.packed import Formula
+from toolkit.foundation.compiled.packed import Formula, quiet
 from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.rare_collections import rare_collections
@@ -74,8 +73,8 @@ def _compiled(function: Callable, **options: bool) -> Callable:
     if PUBLIC_ONLY:
         return public_parts.compiled(function, **options)
     dispatcher: Any = numba.njit(function, pipeline_class=FormulaCompiler, **SETTINGS | options)  # type: ignore[call-overload]
-    if is_jitted(dispatcher):  # not where numba is switched off
-        dispatcher._cache = CompiledCode(dispatcher)  # type: ignore[attr-defined]
+    if not config.DISABLE_JIT:  # type: ignore[attr-defined]
+        dispatcher._cache = CompiledCode(dispatcher)
     return dispatcher
 
 
@@ -114,8 +113,7 @@ def first_class(function: Callable, signature: Any) -> Any:
     if PUBLIC_ONLY:
         return public_parts.first_class(function, signature)
     kernel: Any = function
-    with warnings.catch_warnings(), rare_collections():
-        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+    with quiet(), rare_collections():
         kernel.compile(signature)
         return Formula(kernel.get_compile_result(signature))
 

@@ -2,27 +2,17 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any, TypeVar
 
-from numba import NumbaExperimentalFeatureWarning, config, typeof, void
+from numba import config, typeof, void
 from numba.extending import is_jitted
 
-from toolkit.foundation.compiled.packed import Formula, Packed, key_of
+from toolkit.foundation.compiled.packed import Formula, Packed, key_of, quiet
 from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY, first_class
 from toolkit.foundation.rare_collections import rare_collections
 
 R = TypeVar("R")
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Block, or decorator, without numba's note that functions among the arguments are experimental."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-        yield
 
 
 def call(function: Callable, *arguments: Any) -> Any:

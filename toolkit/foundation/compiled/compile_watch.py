@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager
 from typing import Any
 
 from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY
@@ -57,15 +57,10 @@ def watched_compilation(
     """A watch over everything that is compiled in its block; `on_first` is called before the first function is, `on_function` after each
     with their number."""
     watch = CompileWatch(on_first, on_function)
-    try:
-        with nullcontext() if PUBLIC_ONLY else _announced(watch):
-            yield watch
-    finally:
-        watch.close()
+    with ExitStack() as open_until_then:
+        open_until_then.callback(watch.close)
+        if not PUBLIC_ONLY:
+            from toolkit.foundation.compiled.numba_parts import announced
 
-
-def _announced(watch: CompileWatch) -> AbstractContextManager[None]:
-    """Block in which numba announces what it compiles."""
-    from toolkit.foundation.compiled.numba_parts import announced
-
-    return announced(watch)
+            open_until_then.enter_context(announced(watch))
+        yield watch

@@ -260,8 +260,9 @@ class InnerFormula(CPUDispatcher):
         """Do nothing, since there is no entrance for Python's calls."""
 
 
-def announced(watch: Any) -> AbstractContextManager[None]:
+def announced(watch: object) -> AbstractContextManager[None]:
     """Block in which numba tells a `CompileWatch` of every function that it compiles; one that is loaded from the disk is none."""
     event.Listener.register(type(watch))
-    found: AbstractContextManager[None] = event.install_listener("numba:compile", watch)
+    install: Any = event.install_listener
+    found: AbstractContextManager[None] = install("numba:compile", watch)
     return found

@@ -7,6 +7,8 @@ of its compiler, and to collect them takes longer than a short run.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from hashlib import sha256
 from typing import Any
 
@@ -18,6 +20,14 @@ from toolkit.foundation.compiled.formula_stamp import layout
 
 LAID_OUT = 0x0001 | 0x0002 | 0x0100 | 0x0400
 """Flags of an array that its type follows from, as numpy numbers them: C- and F-contiguous, aligned, writeable."""
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Block, or decorator, without numba's note that functions among the arguments are experimental."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        yield
 
 
 def address_of(array: np.ndarray) -> int:
@@ -98,8 +108,7 @@ _KNOWN: dict[Any, PackedType] = {}
 def _kinds(key: Any, record: tuple) -> PackedType:
     """Type of a record with such contents; numba's own way to find it takes long."""
     if key not in _KNOWN:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        with quiet():
             _KNOWN[key] = PackedType(typeof(record))
     return _KNOWN[key]
 
