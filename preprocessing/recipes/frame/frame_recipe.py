@@ -14,7 +14,7 @@ from preprocessing.recipes.beam_surface import beam_surface
 from preprocessing.recipes.frame.frame_design import frame_beams, frame_space, node_number, places
 from preprocessing.recipes.frame.frame_file import FrameFile
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
-from preprocessing.reduction.reduced import SECTIONS, Reduced, element_parts, reduce
+from preprocessing.reduction.reduced import ELEMENT_PARTS, SECTIONS, Reduced, reduce
 from toolkit.reduced_model.model import Mesh
 
 
@@ -33,7 +33,7 @@ class FrameRecipe(Recipe[FrameFile]):
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
         basis = self.file.basis
-        own = element_parts(basis.kind) + SECTIONS + basis.parts + basis.richer_parts
+        own = ELEMENT_PARTS + SECTIONS + basis.parts + basis.richer_parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", picture, *own)
 
     @property

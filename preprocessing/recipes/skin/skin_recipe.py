@@ -19,7 +19,7 @@ from preprocessing.recipes.recipe import Recipe, Remark, Seal
 from preprocessing.recipes.skin.geometry import Geometry, read_geometry
 from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_space import design_space, differentiable
-from preprocessing.reduction.reduced import SECTIONS, Reduced, element_parts, reduce
+from preprocessing.reduction.reduced import ELEMENT_PARTS, SECTIONS, Reduced, reduce
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
@@ -151,7 +151,7 @@ class SkinRecipe(Recipe[SkinFile]):
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
         basis = self.file.basis
-        own = element_parts(basis.kind) + SECTIONS + basis.parts + basis.richer_parts
+        own = ELEMENT_PARTS + SECTIONS + basis.parts + basis.richer_parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", picture, *own)
 
     def _named(self) -> list[Path]:

@@ -12,7 +12,7 @@ from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
 from preprocessing.recipes.solids.body_file import BodyFile
 from preprocessing.reduction.composition import mesh_composition
-from preprocessing.reduction.reduced import element_parts
+from preprocessing.reduction.reduced import ELEMENT_PARTS
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.description.told_body import told_left_out
 
@@ -42,7 +42,7 @@ class BodyRecipe(Recipe[BodyFile]):
 
     @property
     def parts(self) -> tuple[str, ...]:
-        cut = () if self.file.pieces is None else (*element_parts("full"), "pieces")
+        cut = () if self.file.pieces is None else (*ELEMENT_PARTS, "pieces")
         return ("invariants", "derivatives", "affine", "interfaces", "stress", *cut, *self.file.basis.parts)
 
     @classmethod
