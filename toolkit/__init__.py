@@ -13,17 +13,16 @@ if TYPE_CHECKING:
     from toolkit.description.run_options import RunOptions
     from toolkit.door import extend, plane, space
     from toolkit.door.describe import describe
-    from toolkit.door.many_designs import sweep, uncertainty
+    from toolkit.door.many_designs import optimize, sweep, uncertainty
     from toolkit.door.model import Model
     from toolkit.door.model import compile_model as compile
-    from toolkit.door.optimize import optimize
     from toolkit.door.outcome import Outcome
-    from toolkit.door.run import Run, load
     from toolkit.foundation.errors import ToolkitError
     from toolkit.foundation.verdict import Caution, Verdict
     from toolkit.scene.scene import Scene
     from toolkit.scene_file.reader import read_scene
     from toolkit.sensitivity.certificate.certificate import certify
+    from toolkit.sensitivity.run import Run, load
     from toolkit.studies.optimization.optimum import Optimum
     from toolkit.studies.study.study_file import Study
     from toolkit.studies.study.study_reader import read_study
@@ -35,7 +34,7 @@ _PLACES = {
     "Model": "toolkit.door.model:Model",
     "Optimum": "toolkit.studies.optimization.optimum:Optimum",
     "Outcome": "toolkit.door.outcome:Outcome",
-    "Run": "toolkit.door.run:Run",
+    "Run": "toolkit.sensitivity.run:Run",
     "RunOptions": "toolkit.description.run_options:RunOptions",
     "Scene": "toolkit.scene.scene:Scene",
     "Study": "toolkit.studies.study.study_file:Study",
@@ -48,8 +47,8 @@ _PLACES = {
     "compile": "toolkit.door.model:compile_model",
     "describe": "toolkit.door.describe:describe",
     "extend": "toolkit.door.extend:",
-    "load": "toolkit.door.run:load",
-    "optimize": "toolkit.door.optimize:optimize",
+    "load": "toolkit.sensitivity.run:load",
+    "optimize": "toolkit.door.many_designs:optimize",
     "plane": "toolkit.door.plane:",
     "read_scene": "toolkit.scene_file.reader:read_scene",
     "read_study": "toolkit.studies.study.study_reader:read_study",

@@ -1,4 +1,4 @@
-"""The page of all codes of cautions, made from their registry, `toolkit/foundation/codes.toml`.
+"""The page of all codes of cautions, made from the docstrings of the checks and from `toolkit/foundation/codes.toml`.
 
 `python -m docs.generators.doubts` writes the table into docs/doubts.md, so that the page is read in the repository as it is.
 """
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from docs.generators.house import HALVES, files, tree
 from toolkit.foundation.files.replaced_file import write_whole
-from toolkit.foundation.verdict import codes
+from toolkit.foundation.verdict import checks, codes
 
 PAGE = Path(__file__).parents[1] / "doubts.md"
 PLACE = re.compile(r"^<!-- codes -->\n(?:.*?^<!-- end of codes -->\n)?", re.MULTILINE | re.DOTALL)
@@ -45,15 +45,19 @@ def kinds() -> dict[str, str]:
 
 def literal_codes() -> Iterator[tuple[str, str]]:
     """Every code that stands in a source where a caution is made, and "doubt", "remark" or "either"."""
+    of_checks = {each.measure.__name__: each.code for each in checks() if each.measure is not None}
     for call in _calls():
-        for literal in _literals(call.args[0]):
-            yield literal, _doubt(call)
+        if isinstance(call.func, ast.Attribute):
+            yield of_checks[ast.unparse(call.func.value)], _doubt(call, 1)
+        else:
+            for literal in _literals(call.args[0]):
+                yield literal, _doubt(call, 2)
 
 
 def other_codes() -> Iterator[ast.expr]:
     """What stands for a code where it is no literal."""
     for call in _calls():
-        if not _literals(call.args[0]):
+        if not isinstance(call.func, ast.Attribute) and not _literals(call.args[0]):
             yield call.args[0]
 
 
@@ -83,12 +87,12 @@ def _calls() -> Iterator[ast.Call]:
     for half in HALVES:
         for path in files(half).values():
             for node in ast.walk(tree(path)):
-                if isinstance(node, ast.Call) and ast.unparse(node.func) == "Caution":
+                if isinstance(node, ast.Call) and re.fullmatch(r"Caution|\w+\.caution", ast.unparse(node.func)):
                     yield node
 
 
-def _doubt(call: ast.Call) -> str:
-    stated = [each.value for each in call.keywords if each.arg == "doubt"] or call.args[2:3]
+def _doubt(call: ast.Call, place: int) -> str:
+    stated = [each.value for each in call.keywords if each.arg == "doubt"] or call.args[place : place + 1]
     if not stated or (isinstance(stated[0], ast.Constant) and stated[0].value is True):
         return "doubt"
     return "remark" if isinstance(stated[0], ast.Constant) else "either"

@@ -72,31 +72,48 @@ def for_the_site(markdown: str) -> str:
     return CLASS.sub(r"In the reference: [`\3`][\1].", ANCHOR.sub(r"\1 \3 { #\2 }", markdown))
 
 
-def kinds() -> dict[str, dict[str, type[BaseModel]]]:
-    """All kinds that the toolkit knows by a `type` in a scene file, by group and in the order of their names; those in space apart."""
-    groups: dict[str, Mapping[str, type]] = {
-        **kinds_of(2),
-        **{f"spatial-{group}": found for group, found in kinds_of(3).items()},
-        "responses": Response.kinds,
-        "curves": Curve.kinds,
+def kinds() -> dict[str, dict[str, dict[str, type[BaseModel]]]]:
+    """All kinds that the toolkit knows by a `type` in a scene file: group -> name, in order -> where it is there -> class."""
+    plane, space = kinds_of(2), kinds_of(3)
+    groups: dict[str, dict[str, Mapping[str, type]]] = {
+        **{group: {"In the plane": plane[group], "In space": space[group]} for group in plane},
+        "responses": {"": Response.kinds},
+        "curves": {"": Curve.kinds},
     }
     return {
-        group: {name: found[name] for name in sorted(found) if found[name].__module__.startswith("toolkit.")}
-        for group, found in groups.items()
+        group: {
+            name: {where: found[name] for where, found in places.items() if _brought(found.get(name))}
+            for name in sorted({name for found in places.values() for name in found if _brought(found[name])})
+        }
+        for group, places in groups.items()
     }
+
+
+def _brought(kind: type | None) -> bool:
+    """Whether the toolkit brings a class, and no file of a user."""
+    return kind is not None and kind.__module__.startswith("toolkit.")
 
 
 def kind_sections(group: str) -> str:
-    """One section per kind: what its class says, and its keys."""
+    """One section per kind: what its class says, and its keys; once for the plane and space where both are alike."""
     return "\n\n".join(
-        f'### <a id="{group}-{name}"></a>{name}\n\n{words(kind)}\n\n{_reference(kind)}\n\n{key_table(kind)}'
-        for name, kind in kinds()[group].items()
+        f'### <a id="{group}-{name}"></a>{name}\n\n{_said(places)}\n\n{key_table(*places.values(), marks=places)}'
+        for name, places in kinds()[group].items()
     )
+
+
+def _said(places: Mapping[str, type]) -> str:
+    """What the classes of a kind in the plane and in space say, and their places in the reference."""
+    references = "\n".join(map(_reference, places.values()))
+    texts = {words(kind) for kind in places.values()}
+    if "" in places or (len(places) > 1 and len(texts) == 1):
+        return f"{texts.pop()}\n\n{references}"
+    return "\n\n".join([*(f"{where}: {words(kind)}" for where, kind in places.items()), references])
 
 
 def table(model: type[BaseModel], without: Iterable[str] = ()) -> Callable[[], str]:
     """What a class says, and its keys."""
-    return lambda: f"{words(model)}\n\n{_reference(model)}\n\n{key_table(model, without)}"
+    return lambda: f"{words(model)}\n\n{_reference(model)}\n\n{key_table(model, without=without)}"
 
 
 def _reference(kind: type) -> str:

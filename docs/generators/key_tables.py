@@ -25,8 +25,22 @@ SECTIONS = {
 """Where the pages describe the tables that other tables hold, by class."""
 
 
-def key_table(model: type[BaseModel], without: Iterable[str] = ()) -> str:
-    """One row per key: what may stand there, the default, and what it means."""
+def key_table(*models: type[BaseModel], without: Iterable[str] = (), marks: Iterable[str] = ()) -> str:
+    """One row per key: what may stand there, the default, and what it means; of several models each with its mark, where they differ."""
+    found = [_key_rows(model, without) for model in models]
+    rows = [_row(cells) for cells in found[0] if all(cells in others for others in found)]
+    for mark, cells in [(mark, cells) for mark, own in zip(marks, found, strict=False) for cells in own]:
+        if _row(cells) not in rows:
+            rows.append(_row((*cells[:3], f"{mark}: {cells[3]}" if mark else cells[3])))
+    return "\n".join(["| key | value | default | meaning |", "|---|---|---|---|", *rows]) if rows else "No keys of its own."
+
+
+def _row(cells: Iterable[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _key_rows(model: type[BaseModel], without: Iterable[str]) -> list[tuple[str, str, str, str]]:
+    """Key, what may stand there, default and meaning of every key of a model."""
     schema = model.model_json_schema()
     if "$ref" in schema:
         schema = schema["$defs"][schema["$ref"].rpartition("/")[2]]
@@ -36,10 +50,10 @@ def key_table(model: type[BaseModel], without: Iterable[str] = ()) -> str:
     for key, value in schema.get("properties", {}).items():
         if key not in {"type", *without}:
             default = "required" if key in schema.get("required", ()) else default_of(value)
-            rows.append(f"| `{key}` | {in_words(value)}{measures.get(key, '')} | {default} | {cell(meaning.get(key, ''))} |")
+            rows.append((f"`{key}`", in_words(value) + measures.get(key, ""), default, cell(meaning.get(key, ""))))
     if schema.get("additionalProperties") not in (None, False):
-        rows.append("| any parameter of the reduced model | number | nominal value | Replaces the nominal value. |")
-    return "\n".join(["| key | value | default | meaning |", "|---|---|---|---|", *rows]) if rows else "No keys of its own."
+        rows.append(("any parameter of the reduced model", "number", "nominal value", "Replaces the nominal value."))
+    return rows
 
 
 def measured(field: FieldInfo) -> str:

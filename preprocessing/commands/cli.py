@@ -68,14 +68,14 @@ def preprocess(
         if extrude is not None:
             if picture is not None:
                 raise InputError("--picture draws a reduced model, and --extrude builds none. Leave one of them out.")
-            done = _extruded(skin, extrude, layers, remarks)
+            answer = _extruded(skin, extrude, layers, remarks)
         else:
-            wish = Wish(force, overwrite, picture)
-            done = _built(skin, output or skin.with_suffix(".h5"), _values(parameters or []), wish, remarks)
+            options = BuildOptions(force, overwrite, picture)
+            answer = _built(skin, output or skin.with_suffix(".h5"), _values(parameters or []), options, remarks)
         if as_json:
-            print_json({**done.record, "remarks": remarks.said, "warnings": done.warnings})
+            print_json({**answer.record, "remarks": remarks.said, "warnings": answer.warnings})
         else:
-            typer.echo(done.text)
+            typer.echo(answer.text)
 
 
 def main() -> None:
@@ -103,7 +103,7 @@ class Remarks:
 
 
 @dataclass(frozen=True)
-class Wish:
+class BuildOptions:
     """Options of a build: whether an up-to-date model, or another body's, may be replaced, and the picture to draw."""
 
     force: bool
@@ -112,21 +112,21 @@ class Wish:
 
 
 @dataclass(frozen=True)
-class Done:
-    """Result of a command, as a sentence and as part of a JSON object, with the warnings that belong to it."""
+class BuildAnswer:
+    """Answer of the command: sentences, the same as part of a JSON object, and the warnings that belong to it."""
 
     text: str
     record: dict[str, Any]
     warnings: list[str] = field(default_factory=list)
 
 
-def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remarks: Remarks) -> Done:
+def _built(path: Path, output: Path, values: dict[str, float], options: BuildOptions, remarks: Remarks) -> BuildAnswer:
     """Build a reduced model, unless it exists; cautions about its material belong to it in both cases."""
     recipe = read_recipe(path)
-    refuse_output(output, path, recipe.inputs, wanted := recipe.hash(values), wish.overwrite)
-    if wish.picture:
-        refuse_picture(wish.picture, wish.overwrite)
-    found = None if wish.force else _up_to_date(output, recipe.parts, wanted, remarks)
+    refuse_output(output, path, recipe.inputs, wanted := recipe.hash(values), options.overwrite)
+    if options.picture:
+        refuse_picture(options.picture, options.overwrite)
+    found = None if options.force else _up_to_date(output, recipe.parts, wanted, remarks)
     model = found
     if model is None:
         if elsewhere := told_outside(path, recipe.inputs):
@@ -151,19 +151,19 @@ def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remar
     if faces := told_faces(model):
         told += f"\nAgainst the uncut mesh: {faces}."
     summary = body_summary(model)
-    if wish.picture:
-        save_picture(model, path.stem, wish.picture)
-        told += f"\n{wish.picture} drawn."
+    if options.picture:
+        save_picture(model, path.stem, options.picture)
+        told += f"\n{options.picture} drawn."
     told += f"\n{body_line(path.stem, summary)}{'' if model.composition else f' {NOT_KEPT}'}"
     record = {"file": str(output), "built": found is None, "elastic_coordinates": model.n_f, "interface_points": interfaces}
     record["stress_error"] = mesh_record(model)
     record["face_error"] = face_record(model)
     record["body"] = summary
-    record["picture"] = str(wish.picture) if wish.picture else None
-    return Done(told, record, warnings)
+    record["picture"] = str(options.picture) if options.picture else None
+    return BuildAnswer(told, record, warnings)
 
 
-def _extruded(skin: Path, target: Path, layers: int, remarks: Remarks) -> Done:
+def _extruded(skin: Path, target: Path, layers: int, remarks: Remarks) -> BuildAnswer:
     """Write a skin as a mesh of solid elements with its recipe."""
     try:
         from preprocessing.recipes.solids.extruded_skin import extrude  # scikit-fem and meshio take a second
@@ -173,7 +173,7 @@ def _extruded(skin: Path, target: Path, layers: int, remarks: Remarks) -> Done:
             "'ffrf-toolkit[preprocessing]'."
         ) from error
     mesh, recipe = extrude(skin, target, layers, remarks)
-    return Done(f"{mesh} and {recipe} written. Next: ffrf-preprocess {recipe}", {"files": [str(mesh), str(recipe)]})
+    return BuildAnswer(f"{mesh} and {recipe} written. Next: ffrf-preprocess {recipe}", {"files": [str(mesh), str(recipe)]})
 
 
 def _values(given: list[str]) -> dict[str, float]:

@@ -12,15 +12,15 @@ from typer.testing import CliRunner
 from tests.spatial.test_frames import AREA, RHO, SECOND, E, Z, beam, elastic_frequencies
 from toolkit.analyses.modes import Modes, solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import Rigid
 from toolkit.command_line.cli import app
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.springs import RotationalSpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene

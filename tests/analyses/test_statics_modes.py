@@ -15,21 +15,21 @@ from tests.models.directions import combined
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.joints.distance import Distance
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
@@ -37,7 +37,7 @@ from toolkit.validity.motion.energy_balance import energy_balance
 
 MODELS = Path(__file__).parents[2] / "models"
 NEWTON = 1e-9
-"""Newton stops at corrections of 1e-10 of the scene's size and converges quadratically, so states are at least this exact."""
+"""Newton stops at corrections of 1e-10 of the model size and converges quadratically, so states are at least this exact."""
 
 
 def at(**places: tuple[float, float]) -> dict[str, Point]:
@@ -434,7 +434,7 @@ def test_the_energy_balance_tells_that_the_papers_scheme_creates_energy_in_the_s
 
 
 def test_the_papers_scheme_is_refused_at_a_coarser_step(hard_neighbour):
-    """Its joints open by 2.5e-3 of the scene's size."""
+    """Its joints open by 2.5e-3 of the model size."""
     with pytest.raises(ConvergenceError, match="joints came apart"):
         transient(hard_neighbour, scheme="paper", step=2e-3)
 

@@ -61,7 +61,7 @@ from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.step_cautions import GRADIENTS as GRADIENT
 from toolkit.sensitivity.errors.step_cautions import VALUES
 from toolkit.sensitivity.methods import by_method
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.energy_balance import energy_balance
 
@@ -103,7 +103,7 @@ PERCENT = re.compile(r"([0-9][0-9.e+]*) ?%")
 HEAD = f"seed {'kind':15s} {'solver':40s}  steps outcome     error of               gradient   energy    local doubts"
 
 
-def verdict_of(found: Result) -> Verdict:
+def verdict_of(found: Run) -> Verdict:
     """The verdict of a run."""
     return found.verdict
 

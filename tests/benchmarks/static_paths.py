@@ -24,11 +24,11 @@ from toolkit.system.system import System, compile_scene
 LOAD_STEPS = (10, 1, 3, 50)
 LENGTH = 0.004
 LOAD, STATE = 1e-6, 1e-6
-"""Differences of load factors, and of states in parts of the scene's size, that are agreement."""
+"""Differences of load factors, and of states in parts of the model size, that are agreement."""
 
 
 def ours(system: System, load_steps: int) -> tuple[Outcome, float]:
-    """What statics says, and how far it moved, in parts of the scene's size."""
+    """What statics says, and how far it moved, in parts of the model size."""
     options = RunOptions(load_steps=load_steps)
     try:
         found = solve_statics(system, options)

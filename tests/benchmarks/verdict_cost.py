@@ -21,12 +21,12 @@ from typing import Any, NamedTuple
 
 import toolkit
 from toolkit.door.model import Model
-from toolkit.door.run import Run
 from toolkit.foundation.errors import ToolkitError
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity import result
+from toolkit.sensitivity import run as run_checks
 from toolkit.sensitivity.errors import step_error
 from toolkit.sensitivity.preparation import Kind
+from toolkit.sensitivity.run import Run
 from toolkit.validity import judge
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -79,11 +79,14 @@ def cost(analyse: Callable[[], Run], repeats: int = REPEATS, profile: bool = Fal
 
 @contextmanager
 def timed_checks() -> Iterator[dict[str, float]]:
-    """Time of the processor in every function that `judge` and `result` call, without those that it calls of these itself."""
+    """Time of the processor in every function that `judge` and `Run.verdict` call, without those that it calls of these itself."""
     spent: dict[str, float] = {}
     clock = _Clock(spent)
     changed = [
-        (module, name, each) for module in (judge, result, step_error) for name, each in vars(module).items() if _is_check(each)
+        (module, name, each)
+        for module in (judge, run_checks, step_error)
+        for name, each in vars(module).items()
+        if _is_check(each)
     ]
     for module, name, each in changed:
         setattr(module, name, clock.watched(name, each))

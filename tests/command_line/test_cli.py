@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from preprocessing.commands.cli import app as preprocess
@@ -19,16 +20,17 @@ from toolkit.command_line import cli
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
 from toolkit.command_line.keeping import free_motions_of, solved
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.printed.report import record_of
+from toolkit.command_line.printing import prepare_folder
+from toolkit.command_line.run_answer import RunAnswer
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.own_files import OWN, list_own, listed, own_set
+from toolkit.foundation.verdict import finite
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.sensitivity.result import result
+from toolkit.sensitivity.run import run_of
 
 ROOT = Path(__file__).parents[2]
 SCENE = str(ROOT / "models" / "morphing_wing" / "scene.toml")
@@ -266,9 +268,10 @@ def test_a_number_that_does_not_exist_is_null_and_named():
     scene = read_scene(SCENE)
     solution = solve(prepare(scene), "static")
     slopes = {name: {"t_w": np.nan if name == "shape_rmse" else 1.0} for name in RESPONSES}
-    found = result(scene, solution, evaluate_responses(solution), slopes, "direct", 0.0, 0.0)
+    found = run_of(solution, evaluate_responses(solution), slopes, "direct", 0.0, 0.0)
     assert any(each.code == "undefined" and "the derivative of shape_rmse by t_w" in each.text for each in found.warnings)
-    assert record_of(found)["gradients"]["shape_rmse"] == {"t_w": None}
+    told = finite(RunAnswer(found, found.verdict).record())
+    assert told["gradients"]["shape_rmse"] == {"t_w": None}
 
 
 def test_inspect_shows_a_reduced_model_with_units_parameters_interfaces_and_derivatives():
@@ -599,3 +602,22 @@ def test_a_scene_in_place_of_results_and_no_variable_at_all_are_told():
     assert "no design variable: --variables names none. Name some with --variables; short names" in refused(
         "sensitivity", SCENE, "--variables", ""
     )
+
+
+def test_the_command_on_the_page_about_new_ones_runs(tmp_path):
+    """A body in the plane has three coordinates, and a distance is one row: as JSON, as tables and as files."""
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "house.md").read_text(encoding="utf-8"), re.DOTALL)
+    (page,) = (each for each in blocks if "def size(" in each)
+    written: dict = {"__name__": "size_command"}
+    exec(compile(page, "house.md", "exec"), written)
+    new = typer.Typer()
+    new.command()(written["size"])
+    arguments = [str(ROOT / "models" / "pendulum" / "scene.toml"), "--output", str(tmp_path)]
+    done, told = CliRunner().invoke(new, [*arguments, "--json"]), CliRunner().invoke(new, arguments)
+    assert (done.exit_code, told.exit_code) == (0, 0), done.output + told.output
+    assert json.loads(done.stdout) == json.loads((tmp_path / "size.json").read_text())
+    assert json.loads(done.stdout)["coordinates"] == 3
+    assert (tmp_path / "size.csv").read_text().split() == ["what,number", "coordinates,3", "constraint", "rows,1"]
+    assert "constraint rows 1 4 unknowns. Trusted: no check" in " ".join(told.stdout.split())
+    assert "size.csv" in told.stderr
+    assert "size.json are written." in told.stderr

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from numba.core import event
@@ -17,10 +18,11 @@ from toolkit.command_line import announcements
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
 from toolkit.command_line.rehearsal import rehearse, rehearse_everything, rehearse_others
-from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
+from toolkit.foundation.compiled.compile_watch import watched_compilation
+from toolkit.scene.resolution import loaded
 from toolkit.scene.space import PLANE
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.clock import repeated
+from toolkit.sensitivity.clock import price
 from toolkit.system.formulas import formulas_of
 
 ROOT = Path(__file__).parents[2]
@@ -114,7 +116,7 @@ def test_nothing_is_left_to_compile_and_nothing_is_compiled_in_vain(name, probe)
 
 
 def pretend_to_compile() -> None:
-    with event.trigger_event(KIND, data={}), event.trigger_event(KIND, data={}):
+    with event.trigger_event("numba:compile", data={}), event.trigger_event("numba:compile", data={}):
         pass
 
 
@@ -152,7 +154,7 @@ def test_what_is_warmed_up_is_there_for_every_scene(model):
     scene = read_scene(MODELS / model / "scene.toml")
     rehearse_everything(scene.space)
     with watched_compilation() as watch:
-        formulas_of(scene)
+        formulas_of(loaded(scene))
         rehearse_others(scene)
     assert watch.functions == 0
 
@@ -196,17 +198,14 @@ def test_a_later_command_finds_its_formulas_whatever_the_first_one_was():
 
 def test_a_repetition_that_compiles_does_not_count(monkeypatch):
     """Five minutes of a run of two seconds."""
-    durations: list[float] = []
-
-    def work(_: object) -> str:
-        if not durations:
-            pretend_to_compile()
-        durations.append(2.0 if durations else 302.0)
-        return "done"
-
-    monkeypatch.setattr("toolkit.sensitivity.clock._clocked", lambda work, told: (work(told), durations[-1])[::-1])
-    assert repeated(work) == (2.0, "done")
-    assert durations == [302.0, 2.0]
+    with watched_compilation() as watch:
+        pretend_to_compile()
+    watch.seconds, watch.rest = 298.0, 4.0
+    times = iter([10.0, 12.0])
+    monkeypatch.setattr("toolkit.sensitivity.clock.clock", SimpleNamespace(perf_counter=lambda: next(times)))
+    assert price(watch, True, lambda: None) == 2.0
+    assert price(watch, False, lambda: None) == 4.0
+    assert list(times) == []
 
 
 def test_code_that_was_never_compiled_is_compiled_under_watch(tmp_path):

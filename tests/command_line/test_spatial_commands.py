@@ -16,9 +16,9 @@ from tests.scene.test_wrong_spatial_scenes import DOOR
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.reduced_model.file import save
-from toolkit.results.restore import restore_solution
 from toolkit.results.results_file import load_results
 from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.run import restored
 from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
@@ -72,7 +72,7 @@ def test_results_of_a_scene_in_space_are_kept_restored_and_exported(name, folder
     scene, kept = str(folder / f"{name}.toml"), tmp_path / "results.h5"
     found = record("sensitivity", scene, "--method", "direct", "--output", str(kept))
     results = load_results(kept)
-    solution = restore_solution(results)
+    solution = restored(results).solution
     np.testing.assert_array_equal(solution.q, results.q)
     fresh = simulate(compile_scene(read_scene(scene)))
     np.testing.assert_allclose(solution.q, fresh.q, rtol=0, atol=1e-12)  # the same steps, without derivatives

@@ -11,6 +11,7 @@ from tests.models.scenes import hanging_skin
 from toolkit.compilation.dependence import affected_by, affected_items, users_by_name
 from toolkit.compilation.numbering import number
 from toolkit.compilation.quantities import STEP, Quantities, evaluate_quantities
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 
 KINDS = ("start", "constant", "floating", "markers", "joints", "loads")
@@ -31,7 +32,7 @@ def moved(scene: Scene, path: str) -> Scene:
 
 
 def test_nothing_changes_but_what_is_differentiated():
-    scene = hanging_skin()
+    scene = loaded(hanging_skin())
     numbering, users = number(scene), users_by_name(scene)
     for path in scene.available_paths():
         everything = evaluate_quantities(moved(scene, path), numbering)
@@ -41,7 +42,7 @@ def test_nothing_changes_but_what_is_differentiated():
 
 
 def test_a_point_in_a_chain_reaches_its_two_rods_and_their_joints():
-    scene = chain(50)
+    scene = loaded(chain(50))
     found = affected_items(scene, "points.P20.x", users_by_name(scene))
     rods = {("bodies", "rod19"), ("bodies", "rod20")}
     assert found == {("points", "P20"), *rods, ("joints", "J19"), ("joints", "J20"), ("joints", "J21")}

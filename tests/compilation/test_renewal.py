@@ -14,14 +14,15 @@ from tests.models.cases import write_models
 from tests.models.every_number import SCENES as PLANAR
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
-from toolkit.bodies.planar.body import MarkerNumbers
+from toolkit.bodies.body import MarkerNumbers
 from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import number
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.quantities import GROUPS, STEP, Quantities, evaluate_quantities, seen_quantities
 from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.torque import Torque
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
@@ -166,7 +167,7 @@ def imaginary(part: Any) -> bool:
 
 @pytest.mark.parametrize("name", EVERY)
 def test_a_formula_that_is_left_out_has_no_derivative(name, folder):
-    scene = EVERY[name](folder)
+    scene = loaded(EVERY[name](folder))
     numbering = number(scene)
     design = scene.design_variables(scene.available_paths())
     _, seen = seen_quantities(scene, numbering)

@@ -7,14 +7,14 @@ import pytest
 
 from tests.models.scenes import HANGING_DESIGN, MODELS, hanging_skin
 from toolkit.analyses.transient import simulate
+from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.model_body import FRAME
-from toolkit.bodies.planar.flexible import Flexible
 from toolkit.cost_summary.cost import costs
 from toolkit.cost_summary.cost_summary import cost_summary
 from toolkit.cost_summary.everything import prepare_everything, with_frames
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.files.hdf5 import Content
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene, forget_models
 from toolkit.scene_file.reader import read_scene
@@ -145,7 +145,7 @@ SCENES = {
 
 @pytest.mark.parametrize("name", [*SCENES, "excluded numbers"])
 def test_everything_put_back_changes_no_response(name):
-    """Newton stops at corrections of 1e-10 of the scene's size, so that two ways to the same motion agree to some of these."""
+    """Newton stops at corrections of 1e-10 of the model size, so that two ways to the same motion agree to some of these."""
     scene = {**SCENES, "excluded numbers": excluded_numbers}[name]()
     lean, whole = (evaluate_responses(simulate(system)) for system in (prepare(scene), prepare_everything(scene)))
     for response, value in lean.items():

@@ -9,18 +9,12 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from tests.models.curves import CURVES, RISING, ROUGH, ROWS, VALUES, built_in_curves
 from toolkit.conformance.curve import check_curve
+from toolkit.curves.combined import Product, Sequence, Sum
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.cycloid import Cycloid
-from toolkit.curves.kinds.harmonic import Harmonic
-from toolkit.curves.kinds.polynomial import Polynomial
-from toolkit.curves.kinds.product import Product
-from toolkit.curves.kinds.ramp import Ramp
-from toolkit.curves.kinds.sequence import Sequence
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
-from toolkit.curves.kinds.sum import Sum
-from toolkit.curves.kinds.table import Table
+from toolkit.curves.oscillation import Harmonic, Sine
+from toolkit.curves.polynomial import Constant, Polynomial
+from toolkit.curves.rise import Cycloid, Ramp, SmoothStep
+from toolkit.curves.table import Table
 from toolkit.description.description import Number
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import ConformanceError

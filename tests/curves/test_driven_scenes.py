@@ -12,26 +12,20 @@ import pytest
 from ffrf import extend
 from tests.models.curves import CURVES, ROUGH
 from tests.scene_file.test_schemas import complaints
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import Rigid, SpatialRigid
+from toolkit.curves.combined import Product, Sequence, Sum
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.cycloid import Cycloid
-from toolkit.curves.kinds.polynomial import Polynomial
-from toolkit.curves.kinds.product import Product
-from toolkit.curves.kinds.sequence import Sequence
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.sum import Sum
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.polynomial import Constant, Polynomial
+from toolkit.curves.rise import Cycloid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.driver import AngleDriver, PositionDriver, SpatialAngleDriver, SpatialPositionDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.spatial.point_force import SpatialPointForce
+from toolkit.joints.driver import AngleDriver, PositionDriver, SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.results.collect import table_of

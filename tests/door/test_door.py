@@ -19,10 +19,12 @@ import pytest
 import ffrf
 import preprocessing
 import toolkit
+from toolkit.analyses import transient
 from toolkit.curves.catalogue import Curve
 from toolkit.responses.response import Response
 from toolkit.scene.kinds import kinds_of
 from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.preparation import ANALYSES
 
 MODELS = Path(__file__).parents[2] / "models"
 WING = MODELS / "morphing_wing" / "scene.toml"
@@ -99,13 +101,27 @@ def test_an_analysis_gives_what_the_analysis_below_gives_and_repeats_nothing(win
     below = direct(wing.scene, ["t_w", "M_t"], kind)
     assert (run.values, run.gradients, run.units) == (below.values, below.gradients, below.units)
     solved = []
-    for name in ("simulate", "solve_statics"):
-        original = getattr(sys.modules["toolkit.sensitivity.preparation"], name)
-        monkeypatch.setattr(
-            f"toolkit.sensitivity.preparation.{name}", lambda *a, original=original, **k: solved.append(1) or original(*a, **k)
-        )
+    for name, original in ANALYSES.items():
+        monkeypatch.setitem(ANALYSES, name, lambda *a, original=original, **k: solved.append(1) or original(*a, **k))
     getattr(wing, analysis)(gradients=True)
     assert len(solved) == 1
+
+
+def test_the_steps_of_a_motion_are_five_calls_below_the_door(wing, monkeypatch):
+    """Of functions of the toolkit; the fifth is that of the compiled loop."""
+    passed, steps = [], transient.take_steps
+
+    def take_steps(*given) -> None:
+        frame = sys._getframe(1)
+        while frame is not None:
+            if Path(toolkit.__file__).parent in Path(frame.f_code.co_filename).parents:
+                passed.append(frame.f_code.co_name)
+            frame = frame.f_back
+        steps(*given)
+
+    monkeypatch.setattr(transient, "take_steps", take_steps)
+    wing.simulate()
+    assert passed == ["advance", "simulate", "analysed", "simulate"]
 
 
 def test_times_are_measured_where_they_are_asked_for(wing):

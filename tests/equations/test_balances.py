@@ -11,20 +11,21 @@ from scipy.linalg import eigh
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
-from toolkit.curves.kinds.sum import Sum
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.combined import Sum
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
 from toolkit.kinematics.planar import rotation
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.reduced_model.file import load
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
@@ -214,7 +215,7 @@ def driven_scene(drive: dict) -> Scene:
 
 
 def mechanical_energy(scene: Scene, solution: Solution) -> np.ndarray:
-    masses = [scene.bodies[name].mass_properties(scene) for name in ("upper", "lower")]
+    masses = [scene.bodies[name].mass_properties(loaded(scene)) for name in ("upper", "lower")]
     heights = solution.q[:, [1, 4]] @ [m for m, *_ in masses]
     return rigid_energy(solution, [(m, inertia) for m, _, inertia in masses]) + 9.81 * heights
 

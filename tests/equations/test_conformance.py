@@ -21,7 +21,7 @@ from tests.models.four_bars import four_bars
 from tests.models.scenes import WING
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.body import Body
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.rigid import Rigid
 from toolkit.compilation.arrays.joint_arrays import laws_of
 from toolkit.conformance.check import check_joint, check_laws, check_load, check_scene
 from toolkit.conformance.comparison import STEP
@@ -31,19 +31,18 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.both.driver import PositionDriver
-from toolkit.joints.joint import Joint
+from toolkit.joints.driver import PositionDriver
+from toolkit.joints.joint import Joint, PlanarJoint, PointJoint
 from toolkit.joints.kernels.records import PINNED
-from toolkit.joints.planar.joint import PlanarJoint, PointJoint
-from toolkit.joints.planar.slider import Slider
 from toolkit.joints.rows import Row
-from toolkit.loads.load import Load
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.load import PlanarLoad
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.load import Load, PlanarLoad
+from toolkit.loads.springs import SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.markers.component import Skeleton
 from toolkit.scene.kinds import kinds_of
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import System, compile_scene
@@ -265,13 +264,13 @@ def test_a_row_that_measures_nothing_known_is_refused_by_name(directory):
 
 
 def test_a_row_is_an_angle_because_its_joint_says_so_whatever_its_name(directory):
-    """Angles count in rad, lengths in parts of the scene's size."""
+    """Angles count in rad, lengths in parts of the model size."""
     found = {}
     for quantity in ("length", "angle"):
         kind = with_row("Named", "rotation of nothing", quantity)
         scene = Case("named", kind, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
         found[quantity] = compile_scene(scene).weights[-1]
-    assert found == {"length": pytest.approx(1 / scene.size, rel=1e-15), "angle": 1.0}
+    assert found == {"length": pytest.approx(1 / loaded(scene).size, rel=1e-15), "angle": 1.0}
 
 
 def test_two_components_of_one_kind_share_one_formula(directory):

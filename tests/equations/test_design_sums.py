@@ -10,8 +10,8 @@ import pytest
 from tests.models.scenes import HANGING_DESIGN, hanging_skin
 from toolkit.equations.design_sums import TOGETHER, add_up, design_sums, gather
 from toolkit.equations.equations import Plan, allocate_terms, allocate_work, evaluate_all
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import plain
-from toolkit.foundation.vectors.rows import filled_up
 from toolkit.solvers.transient.formulation import scheme_of
 from toolkit.system.system import System, compile_scene, plain_formulas_of
 

@@ -10,23 +10,18 @@ from tests.models.cases import write_models as write_planar
 from tests.models.spatial_cases import AXIS, SpatialCase
 from tests.models.spatial_cases import write_models as write_spatial
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.conformance.check import check_joint
 from toolkit.conformance.residual import inputs, random_state
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.joint import Joint
+from toolkit.joints.joint import AtPoint, AxisJoint, Joint, PlanarJoint, PointJoint, SpatialJoint
 from toolkit.joints.kernels.laws import angle_of
-from toolkit.joints.places import AtPoint
-from toolkit.joints.planar.joint import PlanarJoint, PointJoint
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.revolute import Revolute
 from toolkit.joints.rows import Row, angle
-from toolkit.joints.spatial.joint import AxisJoint, SpatialJoint
-from toolkit.loads.planar.torque import Torque
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.torque import SpatialTorque, Torque
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 

@@ -7,13 +7,13 @@ import pytest
 
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

@@ -13,15 +13,16 @@ from tests.models.every_number import SCENES
 from tests.models.scenes import WING, hanging_skin
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.description.point import Point
 from toolkit.kinematics.planar import rotation
-from toolkit.loads.planar.bushing import Bushing
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.bushing import Bushing
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.responses.response import Response
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_responses
@@ -126,12 +127,12 @@ def independent(response: Response) -> bool:
 
 def compare(scene: Scene, solve: Any, angle: float, shift: np.ndarray, error: float, of_forces: float) -> None:
     here, there = (solve(prepare(each)) for each in (scene, moved(scene, angle, shift)))
-    np.testing.assert_allclose(there.q, carried_along(here, angle, shift), rtol=0, atol=error * scene.size)
+    np.testing.assert_allclose(there.q, carried_along(here, angle, shift), rtol=0, atol=error * loaded(scene).size)
     ours, theirs = (evaluate_responses(each) for each in (here, there))
     for name, response in scene.responses.items():
         if name in ours and independent(response):
             tolerance = of_forces if response.quantity == "force" or isinstance(response, JointForce) else 1e3 * error
-            assert theirs[name] == pytest.approx(ours[name], rel=tolerance, abs=tolerance * scene.size), name
+            assert theirs[name] == pytest.approx(ours[name], rel=tolerance, abs=tolerance * loaded(scene).size), name
 
 
 @FORMULATIONS
@@ -140,7 +141,7 @@ def compare(scene: Scene, solve: Any, angle: float, shift: np.ndarray, error: fl
 def test_motion_goes_along(name, move, formulation, folder):
     scene = scene_of(name, folder, formulation)
     angle, shift = MOVES[move]
-    distance = np.abs(shift).max() * metre(scene) / scene.size
+    distance = np.abs(shift).max() * metre(scene) / loaded(scene).size
     # round-off of positions, eps times the distance, through the stiffness of a skin, a hundredfold; forces have it over step^2
     error = 1e-13 + 1e-14 * distance
     forces = 1e-9 + 1e-16 * distance / scene.solver.step**2 * 100
@@ -152,6 +153,6 @@ def test_motion_goes_along(name, move, formulation, folder):
 def test_equilibrium_goes_along(name, move, folder):
     scene = scene_of(name, folder)
     angle, shift = MOVES[move]
-    distance = np.abs(shift).max() * metre(scene) / scene.size
+    distance = np.abs(shift).max() * metre(scene) / loaded(scene).size
     # as above; the soft mode of the wing multiplies round-off of tension by a thousand
     compare(scene, solve_statics, angle, np.array(shift) * metre(scene), 1e-10 + 1e-13 * distance, 1e-8 + 1e-10 * distance)

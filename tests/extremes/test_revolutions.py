@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.rigid import Rod
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.flexible_bodies import flexible_body

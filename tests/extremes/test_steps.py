@@ -9,12 +9,12 @@ from scipy.special import ellipj, ellipk
 from tests.models.scenes import WING
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.rigid import Rigid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.both.distance import Distance
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.joints.distance import Distance
+from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution

@@ -9,11 +9,11 @@ from tests.models.scenes import MODELS, WING
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

@@ -13,7 +13,7 @@ from numba.core.errors import TypingError
 from numba.core.registry import cpu_target
 from numba.core.typing.context import Context
 
-from toolkit.foundation.compiled.formula_compiler import KnownOperators, KnownResults
+from toolkit.foundation.compiled.numba_parts import KnownOperators, KnownResults
 from toolkit.foundation.kernel import kernel
 
 FLOATS, COMPLEX = (types.float64, types.float64), (types.complex128, types.int64)

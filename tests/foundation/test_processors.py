@@ -13,16 +13,16 @@ from tests.models.processors import BUILT, MODELS, entries, kernels, rotating_be
 from tests.preprocessing.test_preprocess_cli import arrays
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.compilation.redundant_rows import independent_rows
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.near_ties import first_largest, first_smallest
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.torque import Torque
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.torque import Torque
 from toolkit.reduced_model.entry_scales import entry_scales
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.stress.stress import MaxStress

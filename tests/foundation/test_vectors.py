@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from toolkit.foundation.compiled.calls import call
+from toolkit.foundation.compiled.rows import LANES, add_rows, add_to_each, filled_up, subtract_multiples
 from toolkit.foundation.kernel import kernel, plain
-from toolkit.foundation.vectors.rows import LANES, add_rows, add_to_each, filled_up, subtract_multiples
 
 WIDTHS = [0, 8, 16, 24, 32, 40, 72, 136]
 ROUND_OFF = 1e-14

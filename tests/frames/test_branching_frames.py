@@ -15,7 +15,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import skin_shape
-from toolkit.scene.cut_scene import with_parts
+from toolkit.scene.resolution import resolve
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.studies.tradeoff.axes import read_axes
@@ -152,9 +152,9 @@ def test_more_frames_go_where_elements_share_one(fork):
         ('["joint"]', (0, 3, 6, 9)),
         ("[]", (0, 3, 6, 9)),
     ):
-        cut = with_parts(scene_of(fork, frames))
+        cut = resolve(scene_of(fork, frames))
         assert cut.bodies["fork"].cuts == cuts
-    assert list(with_parts(scene_of(fork, 3)).joints) == ["fork at node 1", "fork at node 1, 2", "fork at node 0"]
+    assert list(resolve(scene_of(fork, 3)).joints) == ["fork at node 1", "fork at node 1, 2", "fork at node 0"]
 
 
 def test_its_picture_has_no_steps(fork):

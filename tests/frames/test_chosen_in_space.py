@@ -12,7 +12,7 @@ import ffrf
 from preprocessing import build, save
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
 from toolkit.command_line.cli import app
-from toolkit.command_line.printed.deformation import record_of_deformations
+from toolkit.command_line.run_answer import deformation_record
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
@@ -113,7 +113,7 @@ def test_the_meter_of_a_cut_body_is_that_of_the_whole(bend, exact):
     solution = ffrf.compile(scene_of(bend, 4)).statics().solution
     found = geometric_errors(solution)["beam"]
     assert found is not None
-    told = record_of_deformations(solution, {"beam": found})["beam"]  # of statics and simulate
+    told = deformation_record(solution, {"beam": found})["beam"]  # of statics and simulate
     assert told["largest_displacement"]["value"] == pytest.approx(largest_displacement(solution, "beam"))
     assert told["relative_to_displacement"] == found.relative
     assert 0.1 < told["largest_rotation"]["value"] < 0.4  # of 1 rad at the tip some quarter

@@ -22,7 +22,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.cut_shape import cut_positions
 from toolkit.responses.stress.stress import stress_field
-from toolkit.scene.cut_scene import with_parts, written
+from toolkit.scene.resolution import resolve
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.differences import taylor_rates
 from toolkit.system.system import compile_scene
@@ -262,12 +262,12 @@ def test_elements_add_up_to_the_invariants_of_the_body(tmp_path):
 
 def test_to_the_scene_it_stays_one_body(tmp_path):
     scene = cantilever(tmp_path, STRAIGHT, 4, (0.0, EI))
-    cut = with_parts(scene)
+    cut = resolve(scene)
     assert list(cut.all_bodies()) == ["ground", "beam", "beam[1]", "beam[2]", "beam[3]", "beam[4]"]
     assert list(cut.joints) == [f"beam at node {k}" for k in (4, 8, 12, 0)]
-    assert written(cut) == scene
-    assert with_parts(cut) is cut
-    assert with_parts(written(scene)) == cut
+    assert cut.written == scene
+    assert resolve(cut) is cut
+    assert dict(resolve(cut.written)) == dict(cut)
     assert scene.available_paths() == cut.available_paths()
 
 

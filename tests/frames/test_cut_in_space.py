@@ -20,7 +20,7 @@ from toolkit.reduced_model.file import load
 from toolkit.render.space.body_shape import body_shape
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.symbols import spatial_symbols
-from toolkit.scene.cut_scene import with_parts, written
+from toolkit.scene.resolution import resolve
 from toolkit.system.system import compile_scene
 
 RADIUS, FORCE = 100.0, 600.0
@@ -223,11 +223,11 @@ pull = {{ type = "point-force", body = "beam", point = "tip", force = [0.0, 0.3,
 
 
 def test_to_the_scene_it_stays_one_body(beam):
-    cut = with_parts(beam)
+    cut = resolve(beam)
     assert list(cut.all_bodies()) == ["ground", "beam", "beam[1]", "beam[2]"]
     assert list(cut.joints) == ["beam at node 2", "beam at node 0"]
-    assert written(cut) == beam
-    assert with_parts(written(beam)) == cut
+    assert cut.written == beam
+    assert dict(resolve(cut.written)) == dict(cut)
     assert beam.available_paths() == cut.available_paths()
 
 

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 import ffrf
 from tests.models.spatial_chains import save_chain
 from toolkit.command_line.cli import app
-from toolkit.results.restore import restore_solution
 from toolkit.results.results_file import load_results
+from toolkit.sensitivity.run import restored
 from toolkit.validity.bodies.cut.places import node_places
 
 SCENE = """units = "m-kg-s"
@@ -73,7 +73,7 @@ def test_a_series_for_paraview_goes_through_the_nodes(folder):
     pyvista = pytest.importorskip("pyvista")
     asked("export", folder / "kept.h5", "--paraview", folder / "series")
     series = sorted((folder / "series").glob("beam_*.vtp"))
-    solution = restore_solution(load_results(folder / "kept.h5"))
+    solution = restored(load_results(folder / "kept.h5")).solution
     for instant in (0, -1):
         drawn = np.asarray(pyvista.read(series[instant]).points)[:, :2]
         for place in node_places(solution, "beam")[instant]:

@@ -25,7 +25,7 @@ from toolkit.reduced_model.parts.pieces import Pieces
 from toolkit.render.space.body_shape import body_shape
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.symbols import spatial_symbols
-from toolkit.scene.cut_scene import with_parts, written
+from toolkit.scene.resolution import resolve
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.bent_pieces import shortening
 from toolkit.validity.bodies.deformation import LIMIT
@@ -308,10 +308,10 @@ def bar(folder):
 
 
 def test_to_the_scene_it_stays_one_body(bar):
-    cut = with_parts(bar)
+    cut = resolve(bar)
     assert list(cut.all_bodies()) == ["ground", "bar", "bar[1]", "bar[2]"]
     assert list(cut.joints) == ["bar at node 2", "bar at node 0"]
-    assert written(cut) == bar
+    assert cut.written == bar
 
 
 def test_parts_of_several_pieces_are_reduced_without_loss_under_forces_at_points(folder, bar):
@@ -367,7 +367,7 @@ def test_what_makes_the_numbers_doubtful_is_said(folder, tmp_path):
     assert turn == pytest.approx(5.5 / 4 / 2, rel=0.1)  # of 5.5 rad in all
     away = np.hypot(rolled.values["x"], rolled.values["z"])
     needed = 5.5 / np.sqrt(24 * LIMIT * away)  # n pieces of an arc of 1 m shorten by 5.5^2 / (24 n^2)
-    assert f"Cut it into some {int(np.ceil(needed))} pieces" in said
+    assert f"cut it into some {int(np.ceil(needed))} pieces" in said
     assert not short.verdict.trusted
     assert not rolled.verdict.trusted
 

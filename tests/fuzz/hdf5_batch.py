@@ -23,8 +23,8 @@ from toolkit.command_line.commands.inspection import describe_results
 from toolkit.door.describe import describe
 from toolkit.foundation.errors import ToolkitError
 from toolkit.reduced_model.file import is_reduced_model
+from toolkit.results.collect import restore_scene
 from toolkit.results.csv_tables import export_csv
-from toolkit.results.restore import restore_scene
 from toolkit.results.results_file import load_results, refuse_foreign
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_responses

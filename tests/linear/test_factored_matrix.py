@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from toolkit.foundation.compiled.calls import call
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import kernel, plain
-from toolkit.foundation.vectors.rows import filled_up
 from toolkit.linear.factored_matrix import (
     Factored,
     FactoredChanges,

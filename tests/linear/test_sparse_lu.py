@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from toolkit.foundation.compiled.calls import call
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
-from toolkit.foundation.vectors.rows import filled_up
 from toolkit.linear import dense_lu, sparse_lu
 from toolkit.linear.elimination_order import minimum_degree
 from toolkit.linear.linear_solver import linear_solver, solve_block, solve_once, updates_of

@@ -86,14 +86,14 @@ def test_a_pushed_block_creeps_with_the_speed_that_is_told(dimension):
     said = next(each for each in run.warnings if each.code == "friction-width")
     assert not said.doubt
     assert "loads.friction is friction regularised by velocity, with a width of 0.02 m/s" in said.text
-    assert f"100% of the time, by {run.values['way']:.3g} m" in said.text
+    assert f"100% of the time, it lets creep: by {run.values['way']:.3g} m." in said.text
     assert run.verdict.trusted
 
 
 def test_friction_that_is_never_slow_says_its_width_alone():
     run = ffrf.compile(block(2, 0.1, end_time=0.5)).simulate()
     said = next(each for each in run.warnings if each.code == "friction-width")
-    assert said.text.endswith("with a width of 0.1 m/s, and nothing was slower than that at any time.")
+    assert said.text.endswith("with a width of 0.1 m/s. Nothing was slower than that at any time.")
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -136,7 +136,7 @@ def test_an_equilibrium_says_that_friction_holds_nothing_there():
 def test_a_block_at_rest_creeps_by_nothing_and_no_round_off_is_told():
     run = ffrf.compile(block(2, 0.1, speed=0.0, end_time=0.5)).simulate()
     said = next(each for each in run.warnings if each.code == "friction-width")
-    assert "100% of the time, by 0 m." in said.text
+    assert "100% of the time, it lets creep: by 0 m." in said.text
 
 
 def test_friction_without_a_width_is_refused():

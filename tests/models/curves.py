@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 from toolkit.curves.catalogue import Curve
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.cycloid import Cycloid
-from toolkit.curves.kinds.harmonic import Harmonic
-from toolkit.curves.kinds.polynomial import Polynomial
-from toolkit.curves.kinds.product import Product
-from toolkit.curves.kinds.ramp import Ramp
-from toolkit.curves.kinds.sequence import Sequence
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
-from toolkit.curves.kinds.sum import Sum
-from toolkit.curves.kinds.table import Table
+from toolkit.curves.combined import Product, Sequence, Sum
+from toolkit.curves.oscillation import Harmonic, Sine
+from toolkit.curves.polynomial import Constant, Polynomial
+from toolkit.curves.rise import Cycloid, Ramp, SmoothStep
+from toolkit.curves.table import Table
 
 ROWS, VALUES = (0.0, 0.5, 1.1, 2.0), (0.0, 1.0, -2.0, 0.5)
 RISING = (0.1, 0.4, 1.7, 1.9)

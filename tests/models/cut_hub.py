@@ -12,16 +12,12 @@ from tests.models import cases, spatial_cases
 from tests.models.every_number import LEAD, SOLVER
 from tests.models.spatial_chains import save_chain
 from tests.models.spatial_every_number import TENSOR
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.description.point import BodyPoint, Point
 from toolkit.joints.joint import Joint
-from toolkit.loads.planar.bushing import Bushing
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.spatial.bushing import SpatialBushing
-from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.bushing import Bushing, SpatialBushing
+from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement

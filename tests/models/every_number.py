@@ -7,36 +7,30 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.cycloid import Cycloid
-from toolkit.curves.kinds.harmonic import Harmonic
-from toolkit.curves.kinds.polynomial import Polynomial
-from toolkit.curves.kinds.product import Product
-from toolkit.curves.kinds.ramp import Ramp
-from toolkit.curves.kinds.sequence import Sequence
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
-from toolkit.curves.kinds.sum import Sum
-from toolkit.curves.kinds.table import Table
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.combined import Product, Sequence, Sum
+from toolkit.curves.oscillation import Harmonic, Sine
+from toolkit.curves.polynomial import Constant, Polynomial
+from toolkit.curves.rise import Cycloid, Ramp, SmoothStep
+from toolkit.curves.table import Table
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.cam import Cam, SwingCam
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.driver import AngleDriver, PositionDriver
-from toolkit.joints.both.gear import Gear
-from toolkit.joints.both.rack import Rack, RollingDisc
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.bushing import Bushing
-from toolkit.loads.planar.controllers import AngleController, DistanceController, PositionController
-from toolkit.loads.planar.friction import PlanarSlidingFriction, PlanarTurningFriction
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.joints.cam import Cam, SwingCam
+from toolkit.joints.distance import Distance
+from toolkit.joints.driver import AngleDriver, PositionDriver
+from toolkit.joints.gear import Gear
+from toolkit.joints.rack import Rack, RollingDisc
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
+from toolkit.loads.bushing import Bushing
+from toolkit.loads.controllers import AngleController, DistanceController, PositionController
+from toolkit.loads.friction import PlanarSlidingFriction, PlanarTurningFriction
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.responses.balance.power import Power
 from toolkit.responses.balance.work import Work
 from toolkit.responses.energy import KineticEnergy, StrainEnergy

@@ -33,7 +33,7 @@ class Outcome:
 
 
 class FinePath:
-    """Arc-length steps `length` long, where a path that moves by `size` (parts of the scene's size) to full load has length 1."""
+    """Arc-length steps `length` long, where a path that moves by `size` (parts of the model size) to full load has length 1."""
 
     def __init__(self, system: System, size: float, length: float) -> None:
         self.system, self.options, self.length = system, system.scene.solver, length

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.description.point import Point
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 
 

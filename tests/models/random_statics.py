@@ -9,23 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.joints.slider import Slider
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
+from toolkit.loads.point_force import PointForce, SpatialPointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
+from toolkit.loads.torque import SpatialTorque, Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 

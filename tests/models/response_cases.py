@@ -6,22 +6,15 @@ from pathlib import Path
 
 from tests.models import cases, spatial_cases
 from tests.models.every_number import LEAD, SOLVER
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rod, SpatialRod
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.loads.gravity import Gravity, SpatialGravity
+from toolkit.loads.springs import RotationalSpringDamper, SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
+from toolkit.loads.torque import SpatialTorque, Torque
 from toolkit.responses.balance.mass import CentreOfMass, Mass
 from toolkit.responses.balance.power import Power
 from toolkit.responses.balance.work import Work

@@ -10,32 +10,31 @@ from preprocessing import build
 from tests.models.cases import GAINS, LIFT, LINEAR, PROFILE, SINE, SUM, TABLE
 from tests.models.kept_files import write_once
 from tests.models.solid_bodies import box, write_body
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import BodyPoint, Point
-from toolkit.joints.both.cam import SpatialCam, SpatialSwingCam
-from toolkit.joints.both.distance import SpatialDistance
-from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
-from toolkit.joints.both.gear import SpatialGear
-from toolkit.joints.both.rack import SpatialRack
-from toolkit.joints.both.rigid_joint import SpatialRigidJoint
+from toolkit.joints.cam import SpatialCam, SpatialSwingCam
+from toolkit.joints.cylindrical import Cylindrical
+from toolkit.joints.distance import SpatialDistance
+from toolkit.joints.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.gear import SpatialGear
 from toolkit.joints.joint import Joint
-from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.point_on_plane import PointOnPlane
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.screw import Screw
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.spatial.bushing import SpatialBushing
-from toolkit.loads.spatial.controllers import SpatialAngleController, SpatialDistanceController, SpatialPositionController
-from toolkit.loads.spatial.friction import SpatialSlidingFriction, SpatialTurningFriction
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.joints.point_on_plane import PointOnPlane
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.rack import SpatialRack
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.rigid_joint import SpatialRigidJoint
+from toolkit.joints.screw import Screw
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
+from toolkit.loads.bushing import SpatialBushing
+from toolkit.loads.controllers import SpatialAngleController, SpatialDistanceController, SpatialPositionController
+from toolkit.loads.friction import SpatialSlidingFriction, SpatialTurningFriction
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component, Place, on_both
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene

@@ -421,7 +421,6 @@ def test_what_memory_does_not_hold_is_said_without_a_traceback(program, monkeypa
 
     if program == "toolkit":
         monkeypatch.setattr("toolkit.command_line.commands.inspection.describe", exhausted)
-        monkeypatch.setattr("toolkit.command_line.cli.describe", exhausted)
         done = CliRunner().invoke(app, ["inspect", str(WING / "skin.h5")])
         code, said = done.exit_code, done.stderr
     else:

@@ -22,9 +22,9 @@ from preprocessing.recipes.skin.droop import drooped
 from preprocessing.recipes.skin.geometry import read_geometry
 from toolkit.command_line.cli import app
 from toolkit.door.model import compile_model
-from toolkit.door.run import Run
 from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.run import Run
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.search_options import Search

@@ -7,11 +7,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
-from toolkit.curves.kinds.sum import Sum
-from toolkit.curves.kinds.table import Table
+from toolkit.curves.combined import Sum
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.polynomial import Constant
+from toolkit.curves.rise import SmoothStep
+from toolkit.curves.table import Table
 
 T = TypeVar("T")
 

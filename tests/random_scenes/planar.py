@@ -9,17 +9,17 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
 from tests.random_scenes.planar_links import Link, answers, hinge, link, pushes, whirl
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.driver import AngleDriver, PositionDriver
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid
+from toolkit.joints.distance import Distance
+from toolkit.joints.driver import AngleDriver, PositionDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 
 SWING = 1.3
 """Period of a hanging link, s."""

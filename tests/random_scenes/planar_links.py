@@ -9,15 +9,15 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.draw import rounded
 from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.joints.distance import Distance
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

@@ -13,6 +13,7 @@ from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.instant import Instant
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.over_time.means import TimeIntegral
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
 from toolkit.sensitivity.preparation import prepare, responses_of, solve
@@ -30,7 +31,7 @@ NO_FORCE = 1e-9
 SAMPLES = 48
 """Times at which an answer's size during the motion is looked for."""
 STILL = 1e-6
-"""Angle in rad, and displacement in parts of the scene's size, below which nothing moves."""
+"""Angle in rad, and displacement in parts of the model size, below which nothing moves."""
 ELASTICITY = 0.02
 """A gradient is compared with the largest it has during the motion, and at least with this part of answer over variable."""
 
@@ -104,7 +105,9 @@ def _least(scene: Scene, name: str) -> float:
     response = scene.responses[name]
     if isinstance(response, JointForce):
         return NO_FORCE
-    return STILL * (1.0 if isinstance(response, Rotation) else scene.size if isinstance(response, Displacement) else 1e-300)
+    return STILL * (
+        1.0 if isinstance(response, Rotation) else loaded(scene).size if isinstance(response, Displacement) else 1e-300
+    )
 
 
 def _difference(scene: Scene, name: str, found: Answers, true: Answers) -> float:

@@ -10,20 +10,19 @@ from tests.random_scenes.draft import Draft
 from tests.random_scenes.planar import SWING
 from tests.random_scenes.planar_links import Link
 from tests.random_scenes.spatial_links import answers, flexible, inertia, link, pushes, tie, weight, whirl
-from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.joints.both.distance import SpatialDistance
-from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
-from toolkit.joints.both.rigid_joint import SpatialRigidJoint
-from toolkit.joints.spatial.point_on_plane import PointOnPlane
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.bodies.rigid import SpatialRigid
+from toolkit.joints.distance import SpatialDistance
+from toolkit.joints.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.point_on_plane import PointOnPlane
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.rigid_joint import SpatialRigidJoint
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.forces.joint_force import JointForce
 
 

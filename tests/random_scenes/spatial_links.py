@@ -9,21 +9,20 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.models import PERIODS, SPATIAL, local_places, model_file
 from tests.random_scenes.planar_links import Link
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.joints.both.distance import SpatialDistance
-from toolkit.joints.both.rigid_joint import SpatialRigidJoint
-from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigid, SpatialRod
+from toolkit.joints.cylindrical import Cylindrical
+from toolkit.joints.distance import SpatialDistance
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.rigid_joint import SpatialRigidJoint
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

@@ -23,13 +23,13 @@ from tests.models.cases import CASES, write_models
 from tests.models.pictures import distinct_colors, image, rest
 from tests.models.scenes import hanging_skin
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.files.own_files import OWN, list_own
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.loads.gravity import Gravity
 from toolkit.reduced_model.file import load, save
 from toolkit.render.body_places import body_places
 from toolkit.render.colors import ROD, TARGET, UNDEFORMED

@@ -19,32 +19,33 @@ from typer.testing import CliRunner
 
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.command_line.cli import app
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.own_files import OWN, list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import replaced
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.foundation.verdict import Verdict
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
+from toolkit.render.packages import RenderError
 from toolkit.render.pictures import file_names
-from toolkit.report.figures.catalogue import _scale, monitor_curves
-from toolkit.report.figures.stress_sensitivity import color_range, stress_sensitivity
+from toolkit.report.answer import Answer, Table, write
+from toolkit.report.figures import _scale, color_range, monitor_curves, stress_sensitivity
 from toolkit.report.material import JUDGES, PATIENCE, Material, judge
-from toolkit.report.own_folder import begin, refuse_foreign_files
 from toolkit.report.page import typeset
 from toolkit.report.sections import viewer_data
 from toolkit.report.tables import cost_table, gradient_table
-from toolkit.report.write import write_report
-from toolkit.results.collect import collect
-from toolkit.results.restore import restore_scene, restore_solution
+from toolkit.report.write import begin, refuse_foreign_files, write_report
+from toolkit.results.collect import collect, restore_scene
 from toolkit.results.results_file import load_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import per, variable_unit
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.direct import direct, evaluated
 from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.run import restored
 
 FIGURES = {
     "load_curves",
@@ -204,7 +205,7 @@ def test_the_monitored_drift_is_that_of_the_run(wing):
 
 def test_the_view_shows_every_step(wing):
     results = load_results(wing / "results.h5")
-    data = viewer_data(Material(restore_solution(results, MODELS), results))
+    data = viewer_data(Material(restored(results, MODELS).solution, results))
     assert [frame["time"] for frame in data["frames"]] == pytest.approx(results.times.tolist(), abs=1e-6)  # rounded for display
     assert data["limit"] == np.abs(results.bodies["skin"].stress).max()
     assert len(data["frames"][0]["rods"]) == 4
@@ -212,7 +213,7 @@ def test_the_view_shows_every_step(wing):
 
 def test_a_long_motion_is_shown_in_few_frames():
     solution = solve(prepare(pendulum(0.005)), "transient")
-    steps = Material(solution, collect(solution)).shown
+    steps = Material(solution, collect(evaluated(solution, gradients=False))).shown
     assert (steps[0], steps[-1]) == (0, 200)
     assert len(steps) <= 60
 
@@ -316,7 +317,8 @@ from toolkit.sensitivity import direct, preparation
 def forbidden(*_, **__):
     raise AssertionError("the run was repeated")
 
-preparation.simulate = preparation.solve_statics = direct.simulate = forbidden
+preparation.ANALYSES.update(transient=forbidden, static=forbidden)
+direct.simulate = forbidden
 app(sys.argv[1:])
 """
 
@@ -411,7 +413,7 @@ def test_the_browser_test_would_notice_an_error(tmp_path):
 
 def test_the_settings_kept_are_those_of_the_run():
     options = RunOptions(end_time=0.05, step=0.005, scheme="paper", rho_inf=0.9)
-    results = collect(simulate(prepare(pendulum(0.02)), options))
+    results = collect(evaluated(simulate(prepare(pendulum(0.02)), options), gradients=False))
     assert results.settings == options.model_dump()
     assert restore_scene(results).solver == options
 
@@ -469,3 +471,29 @@ def test_a_variable_without_influence_has_no_colours_of_round_off():
     found = direct(read_scene(WING), ["bodies.body2.density"], "static")
     (drawing,) = stress_sensitivity(Material(found.solution, collect(found)))
     assert drawing.figure.axes[0].get_title("left") == "at the end; no influence"
+
+
+def test_an_answer_holds_without_pictures_where_they_are_not_what_was_asked_for(tmp_path, monkeypatch):
+    """Tables with names are files, numbers that do not exist are null; without matplotlib that is said, or an error of a report."""
+
+    class Few(Answer):
+        name = "few"
+
+        def record(self):
+            return {"x": float("nan"), "y": [1.0, (float("inf"), "z")]}
+
+        def tables(self):
+            return [Table(["a"], [(1 / 3,)], "rows"), Table(["b"], [(2,)]), "said"]
+
+    def missing(*_):
+        raise RenderError("pictures need matplotlib")
+
+    monkeypatch.setattr("toolkit.report.answer.require", missing)
+    answer, told = Few(None, Verdict()), []
+    files = write(answer, tmp_path, note=told.append)
+    assert [file.name for file in files] == ["rows.csv", "few.json"]
+    assert json.loads(files[1].read_text()) == {"x": None, "y": [1.0, [None, "z"]]}
+    assert files[0].read_text() == "a\n0.3333333333333333\n"
+    assert told == ["no pictures: pictures need matplotlib"]
+    with pytest.raises(RenderError, match="need matplotlib"):
+        write(answer, tmp_path)

@@ -64,9 +64,8 @@ COMPONENTS = ("toolkit.bodies", "toolkit.joints", "toolkit.loads")
 
 
 def spaces(name: str) -> set[str]:
-    """Of the plane and space, those that a module's name names as a room of components; a room for `both` names both."""
-    named = {"planar", "spatial"} if "both" in name.split(".") else {"planar", "spatial"} & set(name.split("."))
-    return named if belongs(name, COMPONENTS) else set()
+    """Of the plane and space, the one that the name of a module of components names: what is there for it alone."""
+    return {"planar", "spatial"} & set(re.split("[._]", name)) if belongs(name, COMPONENTS) else set()
 
 
 def test_components_of_the_plane_and_of_space_do_not_know_each_other_and_what_they_share_knows_neither():
@@ -94,7 +93,7 @@ SMALL = 80
 ONE_EACH = (
     "toolkit.joints.",
     "toolkit.loads.",
-    "toolkit.curves.kinds.",
+    "toolkit.curves.",
     "toolkit.responses.",
     "toolkit.command_line.commands.",
     "preprocessing.elements.solids.",
@@ -102,12 +101,9 @@ ONE_EACH = (
 """Rooms of kinds that users name: each kind has a file of its own, however small."""
 APART = {
     "toolkit.command_line.completion",
-    "toolkit.command_line.printed.deformation",
-    "toolkit.command_line.printed.remarks",
     "toolkit.compilation.arrays.strain_arrays",
     "toolkit.linear.elimination_order",
     "toolkit.render.paraview.spatial_meshes",
-    "toolkit.report.figures.skin_error",
     "toolkit.studies.optimization.search.cuts",
     "toolkit.system.evaluation_memory",
     "toolkit.system.handed_records",

@@ -11,8 +11,7 @@ from tests.scene_file.test_schemas import complaints
 from toolkit.analyses.statics import solve_statics
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.loads.springs import SpatialSpringDamper, SpringDamper
 from toolkit.responses.vibrations.least_frequency import LeastFrequency
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene

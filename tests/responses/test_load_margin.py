@@ -7,18 +7,15 @@ import pytest
 
 from tests.models.scenes import WING
 from tests.scene_file.test_schemas import complaints
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.curves.kinds.constant import Constant
+from toolkit.bodies.rigid import Rigid, SpatialRigid
+from toolkit.curves.polynomial import Constant
 from toolkit.description.point import Point
 from toolkit.foundation.errors import BifurcationError, ConvergenceError
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.slider import Slider
+from toolkit.loads.point_force import PointForce, SpatialPointForce
+from toolkit.loads.springs import SpatialSpringDamper, SpringDamper
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

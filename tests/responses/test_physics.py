@@ -11,19 +11,17 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.response_cases import CASES, TIP, write_models
 from tests.models.scenes import WING
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.rigid import SpatialRod
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod, SpatialRod
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
 from toolkit.responses.balance.mass import CentreOfMass, Mass
 from toolkit.responses.balance.power import Power
 from toolkit.responses.balance.work import Work
@@ -40,6 +38,7 @@ from toolkit.responses.over_time.means import TimeMean, TimeMeanSquare
 from toolkit.responses.stress.local_stress import StressAlongLine, StressAtPoint
 from toolkit.responses.stress.stress import stress_field
 from toolkit.responses.stress.stress_places import stress_places
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_responses
@@ -219,7 +218,9 @@ def test_energies_of_bodies_add_up_and_masses_too(where, tmp_path):
         parts = [kind(body=name).value(solution) for name in scene.bodies]
         assert sum(parts) == pytest.approx(kind().value(solution), rel=1e-12)
     masses = {name: Mass(bodies=(name,)).value(solution) for name in scene.bodies}
-    assert masses["crank"] == pytest.approx(1.2 * 0.8 * np.linalg.norm(scene.position("A") - scene.position("O")), rel=1e-14)
+    assert masses["crank"] == pytest.approx(
+        1.2 * 0.8 * np.linalg.norm(loaded(scene).position("A") - loaded(scene).position("O")), rel=1e-14
+    )
     assert Mass().value(solution) == pytest.approx(sum(masses.values()), rel=1e-14)
     for component in scene.space.axes:
         places = [masses[name] * CentreOfMass(bodies=(name,), component=component).value(solution) for name in scene.bodies]
@@ -426,7 +427,7 @@ def test_the_stress_of_a_bent_cantilever_is_that_of_the_moment(tmp_path):
 
 def test_a_place_far_from_the_body_and_a_wrong_fibre_are_refused(tmp_path):
     write_models(tmp_path)
-    scene = CASES["plane"][0](tmp_path)
+    scene = loaded(CASES["plane"][0](tmp_path))
     with pytest.raises(InputError, match=r"no stress point near \[5, 5\]; the nearest is at \[1.1, 1.2\]"):
         StressAtPoint(body="strip", place=(5.0, 5.0)).check(scene)
     with pytest.raises(InputError, match=r"a place in a scene of dimension 2 has 2 numbers, not 3"):

@@ -10,16 +10,16 @@ import ffrf
 from tests.models.directions import along, derivative_along
 from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.curves.kinds.ramp import Ramp
+from toolkit.bodies.rigid import Rigid
+from toolkit.curves.rise import Ramp
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by

@@ -16,15 +16,15 @@ from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.kept_run.layout import BODY, STATES, ResultsFileError
 from toolkit.responses.shape_error import shape_error, shape_error_history
 from toolkit.responses.stress.stress import stress_field
-from toolkit.results.collect import table_of
+from toolkit.results.collect import restore_scene, table_of
 from toolkit.results.csv_tables import export_csv, safe_name
-from toolkit.results.restore import restore_scene, restore_solution
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene_file.reader import read_scene, scene_from_table
-from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.direct import direct, evaluated
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.numerical import numerical
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.preparation import ANALYSES, prepare, solve
+from toolkit.sensitivity.run import restored
 
 
 @pytest.fixture(scope="module")
@@ -83,9 +83,9 @@ def test_saving_what_was_read_changes_nothing(kind, tmp_path):
     assert again.scene.models == first.scene.models
 
 
-def test_a_solution_without_a_file_is_kept_too(tmp_path):
-    solution = solve(prepare(read_scene(WING)), "transient")
-    read = load_results(save_results(solution, tmp_path / "run.h5").path)
+def test_a_run_without_a_file_is_kept_too(tmp_path):
+    found = evaluated(solve(prepare(read_scene(WING)), "transient"), gradients=False)
+    read = load_results(save_results(found, tmp_path / "run.h5").path)
     assert read.gradients == {}
     assert read.dq.shape == (25, 102, 0)
     assert read.responses["max_stress"] == pytest.approx(56.78, abs=5e-3)  # the reference value's digits
@@ -98,7 +98,7 @@ def test_gradients_by_differences_are_kept_without_derivatives_of_the_states(tmp
     assert (read.method, read.design, read.gradients) == ("forward-difference", [], found.gradients)
     assert read.bodies["skin"].dstress.shape == (25, 120, 0)
     assert list(read.variables) == ["t_w"]
-    assert restore_solution(read).system.n_x == 0
+    assert restored(read).solution.system.n_x == 0
 
 
 def test_the_error_along_the_skin_at_any_time_is_that_of_a_run_that_ends_there(wing):
@@ -129,7 +129,7 @@ def test_the_restored_scene_is_the_changed_one(tmp_path):
 
 def test_the_restored_solution_has_all_that_the_first_had(wing):
     found, path = wing
-    again = restore_solution(load_results(path))
+    again = restored(load_results(path)).solution
     assert again.system.design == found.solution.system.design
     # nothing is solved again: the responses of the stored states are the stored ones to the last bit
     assert evaluate_responses(again) == found.values
@@ -157,7 +157,7 @@ def test_a_model_that_changed_or_vanished_is_refused(copy):
 def test_a_complex_run_is_refused(tmp_path):
     scene = read_scene(WING, {"solver.end_time": "0.05"}).with_number("bodies.skin.thickness", 1.5 + 1e-30j)
     with pytest.raises(InputError, match="complex"):
-        save_results(solve(prepare(scene), "transient"), tmp_path / "run.h5")
+        save_results(evaluated(solve(prepare(scene), "transient"), gradients=False), tmp_path / "run.h5")
     with pytest.raises(InputError, match="complex"):
         table_of(scene)
     assert list(tmp_path.iterdir()) == []
@@ -328,7 +328,7 @@ def test_paraview_reads_the_deformed_skin_with_stress_and_its_derivatives(wing, 
     from toolkit.render.paraview.export import export_paraview
 
     results = load_results(wing[1])
-    reader = pyvista.get_reader(export_paraview(restore_solution(results), tmp_path / "series"))
+    reader = pyvista.get_reader(export_paraview(restored(results).solution, tmp_path / "series"))
     assert reader.time_values == results.times.tolist()
     shapes = []
     for step in (0, 24):
@@ -368,7 +368,8 @@ def test_commands_keep_results_that_inspect_render_and_export_take(tmp_path, mon
         raise AssertionError("the run was repeated")
 
     drawn = []
-    monkeypatch.setattr("toolkit.sensitivity.preparation.solve", forbidden)
+    for kind in ANALYSES:
+        monkeypatch.setitem(ANALYSES, kind, forbidden)
     monkeypatch.setattr("toolkit.render.pictures.render_solution", lambda solution, *_: drawn.append(solution) or [])
     assert run("render", path, "--output", tmp_path / "pictures").exit_code == 0
     assert same(drawn[0].q, load_results(path).q)
@@ -394,4 +395,4 @@ def test_every_error_of_a_results_file_is_one_of_the_program():
 def test_results_of_another_numbering_are_refused(wing):
     results = load_results(wing[1])
     with pytest.raises(ResultsFileError, match="other unknowns"):
-        restore_solution(replace(results, coordinates=results.coordinates[::-1]))
+        restored(replace(results, coordinates=results.coordinates[::-1]))

@@ -14,22 +14,19 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rigid, SpatialRigid
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.both.rigid_joint import RigidJoint, SpatialRigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.spatial.point_force import SpatialPointForce
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.joints.spherical import Spherical
+from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.reduced_model.file import save
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 from toolkit.validity.description.scene_cautions import cautions_of_scene
@@ -126,7 +123,7 @@ def deflection(of: Scene, kinds: Kinds) -> float:
     found = solve_statics(system, RunOptions(load_steps=1))
     two = of.bodies["two"]
     at = solution_part(found, "two")
-    place, elastic = two.point(of, "twotip", "two")[0], at[two.frame_size :]
+    place, elastic = two.point(loaded(of), "twotip", "two")[0], at[two.frame_size :]
     if not two.has_frame:
         return float(place[1] @ [1, *elastic])
     turn = at[2] if kinds.dimension == 2 else 2 * at[6]  # small

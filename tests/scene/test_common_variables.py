@@ -16,7 +16,6 @@ from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.description.design import CommonVariable
 from toolkit.foundation.errors import InputError
 from toolkit.results.collect import collect
-from toolkit.results.restore import restore_solution
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import gradient_unit
@@ -25,6 +24,7 @@ from toolkit.sensitivity.certificate.differences import taylor_rates
 from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
+from toolkit.sensitivity.run import restored
 from toolkit.studies.stability.study import stability
 from toolkit.studies.tradeoff.tradeoff import plan, tradeoff
 
@@ -240,7 +240,7 @@ def test_a_results_file_keeps_what_it_drives_and_brings_its_derivatives_back(win
         "factors": [1.0, 0.5, -2.0],
     }
     assert results.variables["t_w"] == {"path": "bodies.skin.thickness", "value": 1.5}
-    solution = restore_solution(results)
+    solution = restored(results).solution
     for name, response in scene.responses.items():
         assert response.gradient(solution) == pytest.approx(list(found.gradients[name].values()), rel=1e-12), name
     assert gradient_unit(scene, "drive_angle", "beside") == "rad / mm"

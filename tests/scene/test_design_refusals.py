@@ -9,6 +9,7 @@ from preprocessing import build
 from tests.reduced_model.test_element_variables import WING, write_wing
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save
+from toolkit.scene.resolution import loaded
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.system import compile_scene
@@ -56,7 +57,7 @@ def test_a_differentiated_basis_is_fixed_at_its_design_unless_the_tangent_is_wan
     with pytest.raises(InputError, match=r"'thickness' .* is fixed at 1\.5"):
         compile_scene(read_scene(following, {"bodies.skin.thickness": "1.6"}))
     scene = read_scene(following, {"bodies.skin.thickness": "1.6", "bodies.skin.extrapolation": "first-order"})
-    assert scene.extrapolated() == {"skin": ["thickness"]}
+    assert loaded(scene).extrapolated() == {"skin": ["thickness"]}
     compile_scene(scene)
 
 

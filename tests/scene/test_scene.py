@@ -5,25 +5,20 @@ import pytest
 
 from tests.models.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.body import Body
-from toolkit.bodies.planar.body import PlanarBody
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.body import SpatialBody
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.body import Body, PlanarBody, SpatialBody
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.joint import Joint
-from toolkit.joints.planar.joint import PlanarJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.joint import SpatialJoint
-from toolkit.loads.load import AnyLoad, Load
-from toolkit.loads.planar.load import AnyPlanarLoad
-from toolkit.loads.planar.torque import Torque
-from toolkit.loads.spatial.load import AnySpatialLoad
+from toolkit.joints.joint import Joint, PlanarJoint, SpatialJoint
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
+from toolkit.loads.load import AnyLoad, AnyPlanarLoad, AnySpatialLoad, Load
+from toolkit.loads.torque import Torque
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.scene_file.reader import read_scene
@@ -86,7 +81,7 @@ def test_a_scene_in_toml_is_the_same_object_as_in_python():
 
 
 def test_a_rod_has_the_mass_properties_of_its_end_points():
-    scene = wing_in_python()
+    scene = loaded(wing_in_python())
     mass, center, inertia = scene.bodies["body2"].mass_properties(scene)
     length = np.hypot(75.3 - 72.5, -13.4 - 1.3)
     assert mass == pytest.approx(2.7e-9 * 100 * length, rel=1e-15)
@@ -95,9 +90,10 @@ def test_a_rod_has_the_mass_properties_of_its_end_points():
 
 
 def test_moving_a_point_moves_everything_that_hangs_on_it():
-    moved = wing_in_python().with_number("points.B.x", 80.0)
+    scene = loaded(wing_in_python())
+    moved = scene.with_number("points.B.x", 80.0)
     for body in ("body2", "body3", "body4"):
-        assert moved.bodies[body].mass_properties(moved)[0] != wing_in_python().bodies[body].mass_properties(wing_in_python())[0]
+        assert moved.bodies[body].mass_properties(moved)[0] != scene.bodies[body].mass_properties(scene)[0]
 
 
 def test_paths_reach_every_number_also_those_of_the_reduced_model():
@@ -178,10 +174,11 @@ def test_the_position_of_a_moving_body_places_its_interface_points():
     scene = hanging_skin()
     local = scene.model("skin.h5").interfaces["C"].position[0, :, 0]
     A = np.array([[np.cos(0.1), -np.sin(0.1)], [np.sin(0.1), np.cos(0.1)]])
-    np.testing.assert_allclose(scene.position("C"), A @ local + [3.0, 5.0], rtol=1e-14)
+    np.testing.assert_allclose(loaded(scene).position("C"), A @ local + [3.0, 5.0], rtol=1e-14)
 
 
 def test_the_size_of_a_scene_without_points_is_that_of_its_bodies():
     """Displacements need a length to be compared with, in any unit: sqrt(I / m)."""
     block = Rigid(mass=2.0, inertia=18.0, center="P")
-    assert Scene(units="m-kg-s", points={"P": Point(x=7.0, y=1.0)}, bodies={"block": block}).size == pytest.approx(3.0)
+    scene = Scene(units="m-kg-s", points={"P": Point(x=7.0, y=1.0)}, bodies={"block": block})
+    assert loaded(scene).size == pytest.approx(3.0)

@@ -14,23 +14,23 @@ from pydantic import ValidationError
 from toolkit.analyses.free_motion import farthest, free_motion_states
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
-from toolkit.curves.kinds.sum import Sum
-from toolkit.curves.kinds.table import Table
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.combined import Sum
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.polynomial import Constant
+from toolkit.curves.rise import SmoothStep
+from toolkit.curves.table import Table
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, ModelFileError, SingularSystemError
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.driver import AngleDriver, PositionDriver
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.bushing import Bushing
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.joints.distance import Distance
+from toolkit.joints.driver import AngleDriver, PositionDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.loads.bushing import Bushing
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare

@@ -15,15 +15,15 @@ from tests.models.cases import write_models
 from tests.models.every_number import SCENES
 from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.oscillation import Sine
 from toolkit.description.description import Description, Number
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.dimensions import LABELLED, Dimension, factor
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import UNIT_SYSTEMS
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.load import PlanarLoad
-from toolkit.loads.planar.point_force import point_force
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.load import PlanarLoad
+from toolkit.loads.point_force import point_force
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load
@@ -108,7 +108,7 @@ def test_scenes_with_every_kind_of_component_do_not_depend_on_the_units(name, tm
     write_models(tmp_path)
     scene = SCENES[name](tmp_path)
     values, slopes = differences(scene, scene.available_paths(), tmp_path)
-    # both runs round differently; Newton leaves 1e-10 of the scene's size, and squares that error in the step it stops at
+    # both runs round differently; Newton leaves 1e-10 of the model size, and squares that error in the step it stops at
     assert values < 1e-9
     # each derivative beside the largest of its response; a skin is 1e9 times stiffer in tension than in bending
     assert slopes < 1e-8
@@ -117,7 +117,7 @@ def test_scenes_with_every_kind_of_component_do_not_depend_on_the_units(name, tm
 @pytest.mark.parametrize("scene", [read_scene(WING), hanging_skin()], ids=["wing", "hanging skin"])
 def test_scenes_with_a_meshed_skin_do_not_depend_on_the_units(scene, tmp_path):
     values, slopes = differences(scene, list(scene.design) or HANGING_DESIGN, tmp_path)
-    # both runs round differently; Newton leaves 1e-10 of the scene's size, and squares that error in the step it stops at
+    # both runs round differently; Newton leaves 1e-10 of the model size, and squares that error in the step it stops at
     assert values < 1e-9
     # each derivative beside the largest of its response; a skin is 1e9 times stiffer in tension than in bending
     assert slopes < 1e-8

@@ -14,10 +14,10 @@ from jsonschema import Draft7Validator
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from tests.models.cases import KINDS, Case
 from tests.models.scenes import hanging_skin
-from toolkit.bodies.planar.body import PlanarBody
+from toolkit.bodies.body import PlanarBody
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.gravity import Gravity
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene_file.reader import read_scene, scene_from_table
 
@@ -41,6 +41,13 @@ def test_the_shipped_schema_is_valid_and_freshly_written(name):
     texts = runpy.run_path(str(ROOT / "schemas" / "write_schemas.py"))["texts"]
     assert (ROOT / "schemas" / f"{name}.json").read_text() == texts[name], "run: python schemas/write_schemas.py"
     Draft7Validator.check_schema(schema(name))
+
+
+@pytest.mark.parametrize("name", ["plane", "space"])
+def test_type_checkers_see_the_names_that_scenes_in_python_are_made_of(name):
+    stub = runpy.run_path(str(ROOT / "schemas" / "write_schemas.py"))["stubs"][name]
+    assert (ROOT / "toolkit" / "door" / f"{name}.pyi").read_text() == stub, "run: python schemas/write_schemas.py"
+    assert f"import {'Spatial' * (name == 'space')}Revolute as Revolute" in stub
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.name}")

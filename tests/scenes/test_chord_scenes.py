@@ -23,10 +23,10 @@ from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.commands.inspection import describe_scene
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
+from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

@@ -21,14 +21,15 @@ from tests.models import directions
 from tests.models.solid_bodies import compliance, frequencies
 from toolkit.analyses.run_start import start_at_rest
 from toolkit.analyses.transient import simulate
-from toolkit.curves.kinds.cycloid import Cycloid
+from toolkit.curves.rise import Cycloid
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import LimitPointError, SingularSystemError
 from toolkit.reduced_model.file import load
+from toolkit.scene.resolution import loaded
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.preparation import prepare
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.studies.designs.evaluator import Evaluator
 from toolkit.studies.engine.store import DesignStore
 from toolkit.studies.optimization.program import Program
@@ -47,7 +48,7 @@ def published(name: str) -> dict:
     return json.loads((ROOT / "tests" / "data" / "benchmarks" / f"{name}.json").read_text())
 
 
-def run(name: str, changes: dict[str, str] | None = None) -> Result:
+def run(name: str, changes: dict[str, str] | None = None) -> Run:
     """Responses of a model with gradients by all variables that it declares."""
     scene = read_scene(MODELS / name / "scene.toml", changes)
     return direct(scene, list(scene.design), "transient")
@@ -86,7 +87,9 @@ def test_gradients_of_every_model_are_those_of_the_complex_step(name):
         slopes = ours[response]
         largest = max(abs(slope * factors[x]) for x, slope in slopes.items())
         # both are exact up to the Newton tolerance of 1e-10, relative to moves and forces that have just begun to grow from zero
-        assert directions.along(slopes, factors) == pytest.approx(judge, rel=0, abs=1e-6 * largest + 1e-15 * scene.size), response
+        assert directions.along(slopes, factors) == pytest.approx(
+            judge, rel=0, abs=1e-6 * largest + 1e-15 * loaded(scene).size
+        ), response
 
 
 def test_wing_meets_the_values_stated_with_the_scene():

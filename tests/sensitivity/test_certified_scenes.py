@@ -12,18 +12,18 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.directions import along, derivative_along, direction
 from tests.scenes.test_benchmarks import CHAIN, slider_crank
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.compilation.quantities import STEP
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
@@ -35,7 +35,7 @@ from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.preparation import Kind
 
 AGREEMENT = 1e-9
-"""All methods are exact for the discrete equations. What differs is round-off of the state, 1e-16 of the scene's size, times the
+"""All methods are exact for the discrete equations. What differs is round-off of the state, 1e-16 of the model size, times the
 condition of the equations: up to 1e6, the ratio of a thin rod's stretching to its bending stiffness."""
 METHODS = ("direct", "adjoint", "complex-step")
 

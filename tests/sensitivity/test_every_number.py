@@ -11,7 +11,7 @@ from tests.models.cases import write_models
 from tests.models.curves import built_in_curves
 from tests.models.directions import along, derivative_along, direction, felt_direction
 from tests.models.every_number import SCENES, rods
-from toolkit.bodies.planar.ground import Ground
+from toolkit.bodies.ground import Ground
 from toolkit.curves.catalogue import Curve
 from toolkit.description.description import Description
 from toolkit.foundation.errors import InputError

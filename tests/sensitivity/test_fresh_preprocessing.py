@@ -18,7 +18,7 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import values_of
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 CHANGES = {
@@ -107,7 +107,7 @@ def extrapolated(folder: Path, nominal: dict[str, float], steps: dict[str, float
     return {name: (4 * fine[name] - coarse[name]) / 3 for name in fine}
 
 
-def compare(folder: Path, found: Result, kind: str, group: list[str]) -> None:
+def compare(folder: Path, found: Run, kind: str, group: list[str]) -> None:
     """The directional derivative, along the parameters of a group together, against differences of fresh models."""
     nominal = {p: float(found.solution.system.scene.number(path_of(p))) for p in VARIABLES}
     expected = extrapolated(folder, nominal, {p: VARIABLES[p] for p in group}, kind)
@@ -127,7 +127,7 @@ def test_gradients_are_those_of_fresh_models_in_every_basis(tmp_path, basis):
 
 
 @pytest.fixture(scope="module")
-def equilibrium(tmp_path_factory) -> tuple[Path, Result]:
+def equilibrium(tmp_path_factory) -> tuple[Path, Run]:
     """A folder of the project with few modes, and its equilibrium with gradients by all parameters."""
     folder = tmp_path_factory.mktemp("wing")
     return folder, direct(project(folder, "craig-bampton"), [path_of(p) for p in VARIABLES], "static")

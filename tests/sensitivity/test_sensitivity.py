@@ -8,12 +8,12 @@ from preprocessing import build
 from tests.models.directions import along, derivative_along, direction
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.rigid import Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, NoDerivativeError
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.distance import Distance
+from toolkit.joints.revolute import Revolute
 from toolkit.reduced_model.file import save
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene

@@ -129,7 +129,7 @@ def test_the_scenes_set_every_optional_number_of_every_kind(folder):
 def test_scenes_with_every_kind_of_component_do_not_depend_on_the_units(name, folder, tmp_path):
     scene = SCENES[name](folder)
     values, slopes = differences(scene, scene.available_paths(), tmp_path)
-    # both runs round differently; Newton leaves 1e-10 of the scene's size, and squares that error in the step it stops at
+    # both runs round differently; Newton leaves 1e-10 of the model size, and squares that error in the step it stops at
     assert values < 1e-9
     # each derivative beside the largest of its response
     assert slopes < 1e-8

@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.sum import Sum
+from toolkit.bodies.rigid import Rod
+from toolkit.curves.combined import Sum
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.polynomial import Constant
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.joints.distance import Distance
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct

@@ -12,18 +12,16 @@ import scipy
 from tests.spatial.scenes import at
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.bodies.spatial.rigid import SpatialRod
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.rigid import Rod, SpatialRod
+from toolkit.curves.polynomial import Constant
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, LimitPointError
-from toolkit.joints.both.distance import Distance, SpatialDistance
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.joints.distance import Distance, SpatialDistance
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 

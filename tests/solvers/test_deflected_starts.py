@@ -21,6 +21,7 @@ from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.responses.kinematics.deflection import Deflection
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.studies.stability.physics_maps import speed_map
@@ -78,7 +79,7 @@ def test_the_shape_is_that_of_forces_at_the_written_points(folder, dimension):
     arm: Any = held.system.scene.bodies["arm"]
     found = {point: arm.point(held.system.scene, point, "arm")[0][:, 1:] @ held.q[-1] for point in forces}
     bent = compile_scene(alone(folder, dimension, deflection={point: tuple(map(float, u)) for point, u in found.items()}))
-    # statics stops at 1e-10 of the scene's size
+    # statics stops at 1e-10 of the model size
     np.testing.assert_allclose(bent.start()[0], held.q[-1], rtol=0, atol=1e-9 * np.abs(held.q[-1]).max())
 
 
@@ -91,7 +92,7 @@ def test_a_body_that_is_let_go_vibrates_as_its_matrices_say(folder, dimension):
     n = len(M)
     A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, D)]])
     arm: Any = scene.bodies["arm"]
-    Z_T, Z_U = (arm.point(scene, point, "arm")[0][:, 1:] for point in "TU")
+    Z_T, Z_U = (arm.point(loaded(scene), point, "arm")[0][:, 1:] for point in "TU")
     np.testing.assert_allclose(Z_U @ run.q[0], BENT[dimension], rtol=1e-12)
     np.testing.assert_allclose(Z_T @ run.v[0], RATE[dimension], rtol=1e-12)
     exact = (expm(A * END) @ np.concatenate([run.q[0], run.v[0]]))[:n]
@@ -109,7 +110,7 @@ def test_a_plucked_cantilever_has_the_cubic_of_its_tip_force(folder):
     scene = cantilever(folder, deflection={"T": (0.0, 0.01)}, frame="grounded")
     run = simulate(compile_scene(scene))
     beam: Any = scene.bodies["beam"]
-    middle = beam.point(scene, "M", "beam")[0][:, 1:] @ run.q[0]
+    middle = beam.point(loaded(scene), "M", "beam")[0][:, 1:] @ run.q[0]
     assert middle[1] == pytest.approx(0.01 * (3 / 4 - 1 / 8) / 2, rel=1e-9)
     K = scene.model("steel.h5").invariants.stiffness
     assert run.q[0] @ K @ run.q[0] / 2 == pytest.approx(1.5 * 2e11 * 0.02 * 0.01**3 / 12 * 0.01**2, rel=1e-9)
@@ -186,7 +187,7 @@ def test_a_written_rate_of_bending_holds_beside_what_the_joints_find(folder):
     run = simulate(compile_scene(scene))
     beam: Any = scene.bodies["beam"]
     assert not np.any(run.v[0, :3])
-    assert (beam.point(scene, "T", "beam")[0][:, 1:] @ run.v[0, 3:])[1] == pytest.approx(0.2, rel=1e-12)
+    assert (beam.point(loaded(scene), "T", "beam")[0][:, 1:] @ run.v[0, 3:])[1] == pytest.approx(0.2, rel=1e-12)
     assert not list(cautions_of_start(run))  # it begins to vibrate because it is told to
 
 

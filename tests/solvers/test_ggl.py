@@ -17,7 +17,7 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.linear.sparse_analysis import analyse
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.gravity import Gravity
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
@@ -46,7 +46,7 @@ def uneven(steps: int, end: float = 0.8) -> tuple[float, ...]:
 
 
 def largest_rate(run: Solution) -> float:
-    """Largest violation of a joint by velocities, |phi_q v + phi_t|, relative to the scene's size."""
+    """Largest violation of a joint by velocities, |phi_q v + phi_t|, relative to the model size."""
     system, n_q = run.system, run.system.n_q
     pad = np.zeros(system.n - n_q)
     rates = []

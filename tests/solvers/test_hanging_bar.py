@@ -10,12 +10,12 @@ import pytest
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.evaluation import evaluate_responses

@@ -18,7 +18,7 @@ from toolkit.system.system import compile_scene
 
 FOUR_BARS = Path(__file__).parents[2] / "models" / "four_bar_chain" / "scene.toml"
 ALLOWED = 1e-7
-"""Of the scene's size, or rad: a hundred default tolerances, and ten times as much for the singular positions that the bars pass."""
+"""Of the model size, or rad: a hundred default tolerances, and ten times as much for the singular positions that the bars pass."""
 
 
 def both(scene: Scene, design: tuple[str, ...] = (), **options) -> tuple[Solution, Solution]:
@@ -30,7 +30,7 @@ def both(scene: Scene, design: tuple[str, ...] = (), **options) -> tuple[Solutio
 
 
 def apart(full: Solution, modified: Solution) -> float:
-    """Largest difference at any time, of the scene's size or in rad."""
+    """Largest difference at any time, of the model size or in rad."""
     return float(np.abs(full.system.weights[: full.system.n_q] * (modified.q - full.q)).max())
 
 

@@ -16,13 +16,13 @@ from tests.models.cases import write_models
 from tests.models.spatial_cases import write_models as write_spatial_models
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
-from toolkit.curves.kinds.cycloid import Cycloid
+from toolkit.curves.rise import Cycloid
 from toolkit.description.description import Description
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.kept_run.layout import ResultsFileError
-from toolkit.results.restore import restore_scene
+from toolkit.results.collect import restore_scene
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

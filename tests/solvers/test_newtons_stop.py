@@ -14,21 +14,21 @@ from tests.benchmarks.space import hanging
 from tests.models.scenes import WING
 from toolkit.analyses.run_start import run_start
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.curves.kinds.table import Table
+from toolkit.bodies.rigid import Rod
+from toolkit.curves.table import Table
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.compiled.rows import LANES
 from toolkit.foundation.kernel import plain
-from toolkit.foundation.vectors.rows import LANES
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.torque import Torque
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
 from toolkit.solvers.transient.fitted_trend import HIGHEST, fit_trend
 from toolkit.solvers.transient.newton import SINGULAR
-from toolkit.solvers.transient.run import Run, allocate_history, failure_of_step, prepare_run, take_steps
+from toolkit.solvers.transient.run import Integration, allocate_history, failure_of_step, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.solvers.transient.step_memory import ITERATIONS, LAST
 from toolkit.system.solution import Solution
@@ -36,7 +36,7 @@ from toolkit.system.system import compile_scene
 
 FOUR_BARS = Path(__file__).parents[2] / "models" / "four_bar_chain" / "scene.toml"
 LEFT = 1e-15
-"""What a step may leave, a part of the scene's size or in rad, as docs/theory.md promises."""
+"""What a step may leave, a part of the model size or in rad, as docs/theory.md promises."""
 
 
 def jerked(**solver) -> Scene:
@@ -58,7 +58,7 @@ def jerked(**solver) -> Scene:
 def with_and_without(monkeypatch) -> Callable[[Scene], tuple[Solution, Solution]]:
     """A run that stops by what it estimates to be left, and one that never stops before its second correction, which is exact."""
 
-    def thorough(*given) -> Run:
+    def thorough(*given) -> Integration:
         run = prepare_run(*given)
         return run._replace(control=run.control._replace(thorough=True))
 
@@ -73,7 +73,7 @@ def with_and_without(monkeypatch) -> Callable[[Scene], tuple[Solution, Solution]
 
 
 def apart(one: Solution, other: Solution) -> float:
-    """Largest difference at any time, of the scene's size or in rad."""
+    """Largest difference at any time, of the model size or in rad."""
     return float(np.abs(one.system.weights[: one.system.n_q] * (other.q - one.q)).max())
 
 
@@ -128,7 +128,7 @@ def test_a_complex_step_never_stops_after_its_first_correction():
 
 
 def learnt_from(values: list[float], h: float = 1e-3) -> SimpleNamespace:
-    """Memory after steps through these accelerations of one coordinate, in the scene's size."""
+    """Memory after steps through these accelerations of one coordinate, in the model size."""
     memory, plan = (
         SimpleNamespace(trend=np.zeros((HIGHEST, 1)), guess=np.zeros(1), learnt=np.zeros(10)),
         SimpleNamespace(n=1, n_q=1),
@@ -213,7 +213,7 @@ def test_what_has_no_trend_is_guessed_as_it_was(values):
 
 
 def test_coarse_steps_begin_at_the_last_state():
-    """Where a guess of higher order misses by more than 1e-4 of the scene's size the equations may have a solution next to it, too."""
+    """Where a guess of higher order misses by more than 1e-4 of the model size the equations may have a solution next to it, too."""
     values = [float(n**3) for n in range(6)]
     assert learnt_from(values, h=1e-3).learnt[ORDER] == 3
     assert learnt_from(values, h=1e-1).learnt[ORDER] == 0

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.curves.kinds.sine import Sine
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.oscillation import Sine
 from toolkit.description.point import Point
 from toolkit.description.run_options import Baumgarte, RunOptions
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import RotationalSpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.solvers.transient.formulation import constraint_levels
 from toolkit.solvers.transient.scheme import generalized_alpha

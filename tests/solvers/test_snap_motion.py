@@ -76,7 +76,7 @@ def test_steps_that_fail_in_the_snap_are_halved_there_and_called_coarse(fine, st
 @pytest.mark.parametrize("changes", [{"step": "0.005"}, {"step": "0.01", "formulation": "index-3"}], ids=str)
 def test_steps_that_come_through_without_resolving_the_snap_are_called_coarse(changes):
     found = motion(**changes)
-    assert found.local_error > 1e-2  # 1 % of the scene's size in one step
+    assert found.local_error > 1e-2  # 1 % of the model size in one step
     assert any("steps are coarse" in reason for reason in found.verdict.reasons)
 
 

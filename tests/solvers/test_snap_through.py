@@ -13,15 +13,15 @@ from typer.testing import CliRunner
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, CriticalStateError, LimitPointError
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.methods import gradients_by
@@ -220,7 +220,7 @@ def test_the_wings_path_before_its_limit_point_is_that_of_load_stepping():
     for place in (2, 5, 7):
         torque = 4200.0 * path.load_factors[place]
         stepped = solve_statics(compile_scene(wing().with_number("loads.drive.torque", torque)))
-        # Newton's tolerance of 1e-10 of the scene's size of some 200 mm, met quadratically
+        # Newton's tolerance of 1e-10 of the model size of some 200 mm, met quadratically
         np.testing.assert_allclose(path.q[place], stepped.q[0], rtol=0, atol=1e-8)
 
 

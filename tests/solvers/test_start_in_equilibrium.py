@@ -16,8 +16,8 @@ from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.analyses.run_start import start_at_rest
 from toolkit.cost_summary.cost_summary import cost_summary
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.harmonic import Harmonic
+from toolkit.curves.oscillation import Harmonic
+from toolkit.curves.polynomial import Constant
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.scene.scene import Scene

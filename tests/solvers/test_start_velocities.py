@@ -14,16 +14,16 @@ from tests.models.starts import derivatives_agree, started
 from toolkit.analyses.modes import undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.curves.kinds.sine import Sine
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.oscillation import Sine
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.distance import Distance
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import scene_from_table
@@ -275,7 +275,7 @@ def test_a_body_that_can_only_start_by_deforming_is_told(folder):
     assert run.v[0, 2] == pytest.approx(0.3, abs=EXACT)
     (caution,) = cautions_of_start(run)
     assert (caution.code, caution.doubt) == ("starts-deforming", False)
-    assert "'beam' starts with a velocity of deformation" in caution.text
+    assert "'beam' starts deforming with" in caution.text
 
 
 def test_statics_and_modes_about_the_given_positions_do_not_ask_for_velocities(folder):

@@ -12,21 +12,21 @@ from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
 from tests.solvers.test_orders import DESIGN, driven_pendulum
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.sine import Sine
-from toolkit.curves.kinds.smooth_step import SmoothStep
-from toolkit.curves.kinds.sum import Sum
-from toolkit.curves.kinds.table import Table
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.combined import Sum
+from toolkit.curves.oscillation import Sine
+from toolkit.curves.polynomial import Constant
+from toolkit.curves.rise import SmoothStep
+from toolkit.curves.table import Table
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.springs import SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -169,7 +169,7 @@ def test_kept_factors_lead_to_the_same_motion_in_fewer_factorizations():
     full, modified = (
         solve(prepare(read_scene(WING, {**WING_CHANGES, "solver.newton": kind})), "transient") for kind in ("full", "modified")
     )
-    # Newton's tolerance is 1e-10 of the scene's size, which is 80 mm
+    # Newton's tolerance is 1e-10 of the model size, which is 80 mm
     np.testing.assert_allclose(modified.q, full.q, atol=1e-7)
     assert modified.newton_iterations > full.newton_iterations  # linear instead of quadratic convergence: it did keep them
 

@@ -5,20 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.spatial.scenes import at, save_frame
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigid
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import SpatialAngleDriver
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.joints.driver import SpatialAngleDriver
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.springs import SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

@@ -11,31 +11,23 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.body import Body, Placed
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.planar.start_velocity import StartVelocity
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRigidBody
+from toolkit.bodies.body import Body, Placed, StartVelocity
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRigidBody
 from toolkit.description.description import Positive
 from toolkit.description.point import Point
-from toolkit.joints.both.distance import Distance, SpatialDistance
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.both.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.joints.distance import Distance, SpatialDistance
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.joint import Joint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.point_on_plane import PointOnPlane
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.planar.torque import Torque
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.joints.point_on_plane import PointOnPlane
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity, SpatialGravity
+from toolkit.loads.point_force import PointForce, SpatialPointForce
+from toolkit.loads.springs import SpatialSpringDamper, SpringDamper
+from toolkit.loads.torque import SpatialTorque, Torque
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 

@@ -12,21 +12,21 @@ from tests.spatial.scenes import at, save_frame
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.curves.kinds.constant import Constant
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigid
+from toolkit.curves.polynomial import Constant
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import SpatialAngleDriver
-from toolkit.joints.both.rigid_joint import SpatialRigidJoint
+from toolkit.joints.driver import SpatialAngleDriver
+from toolkit.joints.joint import SpatialPointJoint
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.rigid_joint import SpatialRigidJoint
 from toolkit.joints.rows import Row
-from toolkit.joints.spatial.joint import SpatialPointJoint
-from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.springs import SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Skeleton
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene

@@ -11,16 +11,17 @@ from tests.models.solid_bodies import MODULUS, box, cantilever
 from tests.spatial.scenes import at
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.pressure import Pressure
 from toolkit.reduced_model.file import save
 from toolkit.responses.motion import Displacement
 from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.marker_states import MarkerStates
@@ -80,7 +81,7 @@ def test_a_cantilever_bends_as_a_beam_does_wherever_it_points(folder, orientatio
     expected = PRESSURE * (WIDTH * LENGTH**4 / (8 * MODULUS * inertia) + WIDTH * LENGTH**2 / (2 * 5 / 6 * shear * WIDTH * HEIGHT))
     body = scene.bodies["beam"]
     pose, _, _ = Displacement(body="beam", point="tip", component="z").pose(MarkerStates(solution.system), solution.q[0])
-    moved = body.placement.T @ (pose[:3] - scene.position("tip"))  # type: ignore[attr-defined]
+    moved = body.placement.T @ (pose[:3] - loaded(scene).position("tip"))  # type: ignore[attr-defined]
     np.testing.assert_allclose(moved, [0, 0, -expected], atol=5e-3 * expected)
 
 

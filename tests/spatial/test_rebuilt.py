@@ -17,9 +17,9 @@ from tests.spatial.rebuilt import angle, angle_rates, force, in_space, place
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver
+from toolkit.joints.driver import AngleDriver
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

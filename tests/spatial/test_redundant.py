@@ -11,16 +11,16 @@ from scipy.linalg import null_space
 from tests.models.directions import along, derivative_along, direction
 from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.rigid import SpatialRigid, SpatialRod
 from toolkit.compilation.redundant_rows import independent_rows
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, SingularSystemError
-from toolkit.joints.both.driver import SpatialAngleDriver
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.joints.driver import SpatialAngleDriver
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.spherical import Spherical
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.forces.joint_wrenches import JointWrenches
 from toolkit.responses.forces.spatial_joint_force import SpatialJointForce

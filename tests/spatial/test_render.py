@@ -11,33 +11,32 @@ from preprocessing import build
 from tests.models.cases import PROFILE
 from tests.models.pictures import distinct_colors, image, rest, skip_where_nothing_draws
 from tests.models.solid_bodies import box, cantilever
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import Rod, SpatialRigid, SpatialRod
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.own_files import OWN
-from toolkit.joints.both.cam import SpatialSwingCam
-from toolkit.joints.both.distance import SpatialDistance
-from toolkit.joints.both.gear import SpatialGear
-from toolkit.joints.both.rack import SpatialRack
-from toolkit.joints.both.rigid_joint import SpatialRigidJoint
-from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.point_on_plane import PointOnPlane
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.screw import Screw
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
+from toolkit.joints.cam import SpatialSwingCam
+from toolkit.joints.cylindrical import Cylindrical
+from toolkit.joints.distance import SpatialDistance
+from toolkit.joints.gear import SpatialGear
+from toolkit.joints.point_on_plane import PointOnPlane
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.rack import SpatialRack
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.rigid_joint import SpatialRigidJoint
+from toolkit.joints.screw import Screw
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
-from toolkit.loads.spatial.bushing import SpatialBushing
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.bushing import SpatialBushing
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.springs import SpatialSpringDamper
+from toolkit.loads.torque import SpatialTorque
 from toolkit.reduced_model.file import save
 from toolkit.render.pictures import render_solution
 from toolkit.render.space.arrows import arrows
@@ -53,6 +52,7 @@ from toolkit.report.material import Material
 from toolkit.report.write import write_report
 from toolkit.responses.stress.stress import MaxStress, stress_field
 from toolkit.results.collect import collect
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
@@ -278,7 +278,7 @@ def test_axes_of_a_joint_turn_with_the_body_that_carries_them(folder):
     solution.q[0, where + 3 : where + 7] = quaternion_of(TURN)
     (slider,) = (symbol for symbol in spatial_symbols(SpatialConfiguration(solution, 0)) if symbol.kind == "slider")
     np.testing.assert_allclose(slider.axes[:, 2], matrix_of(quaternion_of(TURN))[:, 2], atol=1e-15)  # round-off
-    np.testing.assert_array_equal(slider.point, scene.position("E"))  # where the ground has it
+    np.testing.assert_array_equal(slider.point, loaded(scene).position("E"))  # where the ground has it
 
 
 class Drawer(Prismatic):

@@ -11,11 +11,11 @@ import pytest
 
 from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import SpatialRigid
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.spatial.spherical import Spherical
+from toolkit.joints.spherical import Spherical
 from toolkit.kinematics.spatial import angular_velocity
-from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.gravity import SpatialGravity
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

@@ -12,7 +12,7 @@ from tests.spatial.momenta import kinetic_energy, momenta, spin, strain_energy
 from tests.spatial.quadrature import Motion, raw_frame, total
 from tests.spatial.scenes import save_frame
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.description.run_options import RunOptions
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.scene.scene import Scene

@@ -6,8 +6,7 @@ import numpy as np
 
 from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.scene.scene import Scene

@@ -7,7 +7,7 @@ import pytest
 
 from tests.models.any_scene import test_state_derivatives_are_the_complex_step_of_the_residual as judge_state_derivatives
 from tests.models.spatial_cases import CASES, write_models
-from toolkit.bodies.spatial.body import SpatialFloatingNumbers
+from toolkit.bodies.body import SpatialFloatingNumbers
 from toolkit.compilation.patterns import common_pattern
 from toolkit.conformance.residual import design_paths, inputs, random_state
 from toolkit.system.system import System, compile_scene

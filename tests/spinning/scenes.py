@@ -10,24 +10,19 @@ import numpy as np
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.spatial.scenes import at, save_frame
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.curves.kinds.polynomial import Polynomial
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.bodies.rigid import Rigid, SpatialRigid
+from toolkit.curves.polynomial import Polynomial
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.both.rigid_joint import RigidJoint, SpatialRigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.prismatic import Prismatic
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.joints.slider import Slider
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
-from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.loads.gravity import SpatialGravity
+from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 

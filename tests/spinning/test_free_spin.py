@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.planar.rigid import Rigid
+from toolkit.bodies.rigid import Rigid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.springs import SpringDamper
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled

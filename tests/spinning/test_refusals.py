@@ -5,17 +5,16 @@ from __future__ import annotations
 import pytest
 
 from tests.spinning.scenes import governor, motor, table
-from toolkit.curves.kinds.constant import Constant
-from toolkit.curves.kinds.polynomial import Polynomial
+from toolkit.curves.polynomial import Constant, Polynomial
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import InputError, SingularSystemError
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import SpringDamper
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene

@@ -15,12 +15,12 @@ from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.preparation import Kind, prepare, solve
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 
 EXACT = 1e-10
 
 
-def same(scene: Scene, kind: Kind, names: list[str], close: float = EXACT) -> dict[str, Result]:
+def same(scene: Scene, kind: Kind, names: list[str], close: float = EXACT) -> dict[str, Run]:
     """Gradients by direct differentiation and by the adjoint, after a complex step of all numbers has judged both."""
     found = {method: gradients_by(method, scene, names, kind) for method in ("direct", "adjoint")}
     factors = {name: part * max(abs(scene.value_of(name)), 1e-3) for name, part in direction(names).items()}

@@ -11,7 +11,7 @@ import ffrf
 from tests.models.truss import force_slope, height, write_truss
 from tests.responses.test_vibration import MASS, STIFFNESS, blocks
 from toolkit.foundation.errors import InputError
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.springs import SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.optimization.optimize import optimized

@@ -15,18 +15,18 @@ from preprocessing.elements.section import Section
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.models.scenes import WING
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.description import Number
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.quantity import Quantity
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.point_force import PointForce
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import save
 from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.motion import Displacement, Rotation

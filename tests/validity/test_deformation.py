@@ -18,7 +18,7 @@ from tests.models.frames import SECTION, cantilever, ring
 from tests.models.rectangular_beams import linear_chain, points_of, rectangles
 from tests.models.scenes import hanging_skin
 from toolkit.command_line.cli import app
-from toolkit.command_line.printed.deformation import print_deformations, record_of_deformations
+from toolkit.command_line.run_answer import deformation_record, deformation_table
 from toolkit.foundation.processes import preprocessing_process
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
@@ -302,15 +302,14 @@ def test_scenes_without_flexible_bodies_print_nothing_of_it():
     assert "no body of the scene is flexible" in refused.stderr
 
 
-def test_a_model_without_mesh_has_no_number_and_says_so(tmp_path, capsys):
+def test_a_model_without_mesh_has_no_number_and_says_so(tmp_path):
     shutil.copytree(MODELS / "morphing_wing", tmp_path, dirs_exist_ok=True)
     save(replace(load(tmp_path / "skin.h5"), mesh=None), tmp_path / "skin.h5")
     scene = str(tmp_path / "scene.toml")
     solution = solve(prepare(read_scene(scene)), "static")
     found = deformations(solution)
-    assert record_of_deformations(solution, found) == {"skin": None}
-    print_deformations(solution, found)
-    assert "not available" in capsys.readouterr().out
+    assert deformation_record(solution, found) == {"skin": None}
+    assert deformation_table(solution, found).rows == [("skin", *["not available"] * 5)]
     refused = run("check-deformation", scene, "--static")
     assert refused.exit_code == 1
     assert "does not hold its mesh" in refused.stderr

@@ -7,15 +7,15 @@ import pytest
 
 from tests.models.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.rigid import Rod
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

@@ -14,7 +14,7 @@ from tests.random_scenes.reference import answers
 from tests.random_scenes.scene import named_scene
 from toolkit.sensitivity.direct import again
 from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.sensitivity.result import result
+from toolkit.sensitivity.run import run_of
 
 RIGHT = {
     5017: "a derivative that three runs with other chosen steps agree on to 3 %",
@@ -39,7 +39,7 @@ def doubts(seed: int, folder: Path) -> set[str]:
     system = prepare(scene, list(scene.design))
     solution = solve(system, "transient")
     found = answers(solution, sizes=False)
-    told = result(scene, solution, found.values, found.gradients, "direct", 0.0, 0.0, partial(again, system)).verdict
+    told = run_of(solution, found.values, found.gradients, "direct", 0.0, 0.0, partial(again, system)).verdict
     return {each.code for each in told.warnings if each.doubt}
 
 

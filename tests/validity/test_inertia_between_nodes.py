@@ -119,7 +119,7 @@ def test_accelerations_of_elements_in_space_are_second_differences_of_their_plac
 
     def middles(t: float) -> np.ndarray:
         at = (q + v * t + a * t * t / 2)[None]
-        behind = chain(scene, "beam")
+        behind = chain(system.scene, "beam")
         sides = element_accelerations.sides_of(behind)
         body = scene.bodies["beam"]
         origin, axes = body.poses(at)
@@ -129,9 +129,9 @@ def test_accelerations_of_elements_in_space_are_second_differences_of_their_plac
     h = 1e-3
     expected = np.array([0.5, -2.0, 1.0]) - (middles(h) - 2 * middles(0.0) + middles(-h)) / h**2
     axes = scene.bodies["beam"].poses(q[None])[1][0]
-    behind, body = chain(scene, "beam"), scene.bodies["beam"]
+    behind, body = chain(system.scene, "beam"), scene.bodies["beam"]
     tip = behind.nodes[-1] + behind.by_node(behind.displacements(q[None, body.frame_size :]))[0][0, -1]
     ends = poses_at(system, [q])[0, :, :3]  # of all markers, as the solver has them
     assert np.abs(ends - body.poses(q[None])[0][0] - axes @ tip).max(axis=1).min() < 1e-12
-    found = pull_on_elements(states(q, v, a), "beam", chain(scene, "beam"), np.array([0]))[0]
+    found = pull_on_elements(states(q, v, a), "beam", chain(system.scene, "beam"), np.array([0]))[0]
     np.testing.assert_allclose(found @ axes.T, expected, atol=1e-5)  # h^2 of fourth derivatives

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.both.distance import Distance, SpatialDistance
+from toolkit.joints.distance import Distance, SpatialDistance
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.responses.over_time.extremes import TimeMax, TimeMin

@@ -69,7 +69,7 @@ def test_an_edited_thickness_is_told_with_both_values_and_the_command(wing):
     text = said(wing)
     assert "the reduced model 'skin.h5' of skin is older than what it was built from" in text
     assert "skin.toml, where section.thickness is 3.0 and was 1.5." in text
-    assert text.endswith(f"Build it again: ffrf-preprocess {wing / 'skin.toml'}")
+    assert text.endswith(f"Fix: build it again, ffrf-preprocess {wing / 'skin.toml'}")
     save(build(wing / "skin.toml"), wing / "skin.h5")
     assert stale_models(read_scene(wing / "scene.toml")) == []
 

@@ -9,10 +9,10 @@ import pytest
 
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
-from toolkit.loads.planar.torque import Torque
+from toolkit.loads.torque import Torque
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled

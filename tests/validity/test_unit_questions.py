@@ -10,14 +10,12 @@ import pytest
 
 from preprocessing.commands.cli import main
 from tests.preprocessing.test_frame_models import BENT
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
 from toolkit.description.point import Point
 from toolkit.foundation.verdict import Verdict
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.spherical import Spherical
+from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.reduced_model.questions.material_questions import material_questions
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

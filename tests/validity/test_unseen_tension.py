@@ -13,6 +13,7 @@ from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from toolkit.reduced_model.file import save
+from toolkit.scene.resolution import loaded
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.compressed.unseen_tension import axial_forces
 
@@ -74,7 +75,7 @@ def test_deflections_are_off_by_as_much_as_the_force_along_the_body_makes_them(p
 def test_the_missed_part_is_all_of_it_without_stretch_and_nothing_with_it(angle, tmp_path):
     parts = []
     for basis in ({"kind": "eigenmodes", "count": 1}, {"kind": "craig-bampton", "count": 0}):
-        scene = strut(tmp_path, angle, **basis)
+        scene = loaded(strut(tmp_path, angle, **basis))
         behind = chain(scene, "strut")
         tip = np.zeros((2, len(behind.shapes)))
         tip[[0, 1], [-3, -2]] = 1.0

@@ -5,22 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.curves.rise import SmoothStep
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.both.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.friction import PlanarSlidingFriction
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.joints.driver import AngleDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.slider import Slider
+from toolkit.loads.friction import PlanarSlidingFriction
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.springs import SpringDamper
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import values_alone
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.validity.motion.created_energy import energy_defects
 
 SLOPE, WIDTH, LEVEL = np.deg2rad(20.0), 1e-3, 5.53091
@@ -76,7 +76,7 @@ def damped_away() -> Scene:
     )
 
 
-def run(scene: Scene) -> Result:
+def run(scene: Scene) -> Run:
     return values_alone(Compiled(scene, ()), "transient")
 
 

@@ -16,7 +16,7 @@ from toolkit.analyses.joint_drift import check_drift
 from toolkit.analyses.run_start import run_start
 from toolkit.analyses.transient import advance
 from toolkit.solvers.start.initial_conditions import State
-from toolkit.solvers.transient.run import Run, empty_history
+from toolkit.solvers.transient.run import Integration, empty_history
 from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, Memory
 from toolkit.system.solution import Solution
 from toolkit.validity.judge import judge
@@ -43,7 +43,7 @@ def window_bounds(n_t: int) -> list[int]:
     return [*range(0, steps, length), steps]
 
 
-def solve_windows(run: Run, bounds: list[int], kept: list[Checkpoint]) -> Iterator[Solution]:
+def solve_windows(run: Integration, bounds: list[int], kept: list[Checkpoint]) -> Iterator[Solution]:
     """States of a run without design variables, window by window; appends the checkpoints before each window and after the last.
 
     Raises
@@ -59,7 +59,7 @@ def solve_windows(run: Run, bounds: list[int], kept: list[Checkpoint]) -> Iterat
         yield window
 
 
-def solve_window(run: Run, checkpoint: Checkpoint, first: int, last: int) -> tuple[Solution, Checkpoint]:
+def solve_window(run: Integration, checkpoint: Checkpoint, first: int, last: int) -> tuple[Solution, Checkpoint]:
     """States of steps first + 1 ... last, and at the beginning of the run also the start; and the checkpoint behind them."""
     system, memory = run.system, run.memory
     memory.aux[:], memory.carried[:], memory.span[0] = checkpoint.aux, checkpoint.carried, run.lengths[first - 1]
@@ -80,14 +80,14 @@ def _guesses(memory: Memory) -> tuple[np.ndarray, ...]:
     return memory.trend.copy(), memory.fitted.copy(), memory.fit_sums.copy(), memory.learnt.copy()
 
 
-def checkpoint_states(run: Run, bounds: list[int], kept: list[Checkpoint], drift: float) -> Solution:
+def checkpoint_states(run: Integration, bounds: list[int], kept: list[Checkpoint], drift: float) -> Solution:
     """States at the checkpoints: all that is left of the run."""
     states = [np.stack([getattr(each, name) for each in kept]) for name in ("q", "v", "acc")]
     derivatives = [np.zeros((*states[0].shape, 0))] * 3
     return selected(run, (*states, *derivatives), bounds, drift)
 
 
-def selected(run: Run, states: tuple[np.ndarray, ...], steps: range | list[int], drift: float) -> Solution:
+def selected(run: Integration, states: tuple[np.ndarray, ...], steps: range | list[int], drift: float) -> Solution:
     """Solution that holds the states of some steps of a run."""
     return Solution.from_padded(
         run.system,

@@ -56,5 +56,5 @@ def farthest(solution: Solution, frames: int) -> list[float]:
 
 
 def _judged(_solution: Solution) -> Verdict:
-    text = "these are motions that nothing resists while there are no loads, each a tenth of the scene's size or rad far."
+    text = "these are motions that nothing resists while there are no loads, each a tenth of the model size or rad far."
     return Verdict.of([Caution("free-motions", text, doubt=False)])

@@ -19,7 +19,7 @@ from toolkit.solvers.transient.adaptive import MOST, attempt
 from toolkit.solvers.transient.formulation import relaxed
 from toolkit.solvers.transient.newton import CONVERGED, NOT_CONVERGED, NOT_FINITE, SINGULAR
 from toolkit.solvers.transient.prediction import STEEP
-from toolkit.solvers.transient.run import Run, at_limit_position, check_memory
+from toolkit.solvers.transient.run import Integration, at_limit_position, check_memory
 from toolkit.solvers.transient.step_memory import ITERATIONS, STATUS, STEP, History
 
 FEW, PART, MOST_IN_ALL = 6, 0.15, 200
@@ -55,7 +55,7 @@ def most_halvings(options: RunOptions) -> int:
     return options.halvings if options.formulation == "index-1" else min(options.halvings, int(np.log2(STEEPEST)))
 
 
-def can_be_halved(run: Run) -> bool:
+def can_be_halved(run: Integration) -> bool:
     """Whether the step at which a run stopped may be tried in halves."""
     status, step, iterations = (int(run.outcome.counts[place]) for place in (STATUS, STEP, ITERATIONS))
     thrown_out = status == SINGULAR and (step > 0 or iterations > 1)
@@ -64,8 +64,8 @@ def can_be_halved(run: Run) -> bool:
 
 
 def advance_in_halves(
-    run: Run, history: History, stopped: int, error: StepError, progress: Callable[[int, int], None] | None = None
-) -> tuple[Run, History, tuple[float, ...]]:
+    run: Integration, history: History, stopped: int, error: StepError, progress: Callable[[int, int], None] | None = None
+) -> tuple[Integration, History, tuple[float, ...]]:
     """Go on at the step for which a run stopped with an error, in halves of those that fail or open the joints.
 
     Returns
@@ -89,8 +89,8 @@ def advance_in_halves(
 
 
 def _in_halves(
-    run: Run, history: History, steps: tuple[int, int], error: StepError, progress: Callable[[int, int], None] | None
-) -> tuple[Run, History, tuple[float, ...]]:
+    run: Integration, history: History, steps: tuple[int, int], error: StepError, progress: Callable[[int, int], None] | None
+) -> tuple[Integration, History, tuple[float, ...]]:
     """Result of `advance_in_halves` for a given range of steps, the first and last of those halved from the beginning."""
     (thrown, stopped), grid = steps, run.times
     stands = thrown == stopped and run.outcome.counts[STATUS] != CONVERGED  # the memory, where the run stopped
@@ -121,7 +121,7 @@ def _in_halves(
     return (*_joined(run, times, chunks), tuple(sorted(begin for begin, depth in halvings if depth == 0)))
 
 
-def first_thrown(run: Run, history: History, stopped: int) -> int:
+def first_thrown(run: Integration, history: History, stopped: int) -> int:
     """First of the last `FEW` steps before one that were too long for their own errors, see `THROWN`; that one if none was."""
     first, weights, n_q = max(0, stopped - FEW), run.system.weights, run.system.n_q
     changes = weights[:n_q] * np.abs(np.diff(np.real(history.acc[first : stopped + 1, :n_q]), axis=0))
@@ -145,7 +145,7 @@ class Way(NamedTuple):
 
     done: int
     states: States  # that were reached
-    run: Run  # that the steps are of
+    run: Integration  # that the steps are of
 
     @property
     def failed(self) -> bool:
@@ -153,7 +153,7 @@ class Way(NamedTuple):
         return self.done < len(self.run.lengths)
 
 
-def _go_on(run: Run, state: States, time: float, ahead: list[Ahead]) -> Way:
+def _go_on(run: Integration, state: States, time: float, ahead: list[Ahead]) -> Way:
     """Next step to take, or the next ones that are equally long and were never halved."""
     count = 1
     if ahead[-1].depth == 0:
@@ -175,7 +175,7 @@ def _go_on(run: Run, state: States, time: float, ahead: list[Ahead]) -> Way:
     return Way(closed, states, piece)
 
 
-def _closed(run: Run, times: np.ndarray, q: np.ndarray) -> int:
+def _closed(run: Integration, times: np.ndarray, q: np.ndarray) -> int:
     """Number of these states with closed joints, up to the first whose joints are open."""
     allowed = run.options.drift_tolerance
     if not can_be_closed(run) or drift(run.system, times, q)[0] <= allowed:
@@ -198,7 +198,7 @@ def _not_helped(way: Way, last: States, error: StepError, everywhere: bool) -> E
     return told
 
 
-def _joined(run: Run, times: list[float], chunks: list[States]) -> tuple[Run, History]:
+def _joined(run: Integration, times: list[float], chunks: list[States]) -> tuple[Integration, History]:
     """All pieces of a run, joined to one run with its times and states."""
     states = [np.concatenate(parts) for parts in zip(*chunks, strict=True)]
     found = np.array(times)

@@ -84,7 +84,7 @@ def run_motion(
     if own:
         raise InputError("solver.quasi_static starts from the equilibrium at time 0, so that no other start can be given.")
     if options.start_file is not None:
-        return Motion(*kept_start(system, options))
+        return kept_start(system, options)
     if options.equilibrium == "spinning":
         return _spinning(system, options)
     found = start_at_rest(system, options) if beside is None else equilibrium_beside(system, beside)

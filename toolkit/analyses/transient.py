@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
-from toolkit.analyses.halved_steps import advance_in_halves, can_be_halved, first_thrown, most_halvings
+from toolkit.analyses.halved_steps import StepError, advance_in_halves, can_be_halved, first_thrown, most_halvings
 from toolkit.analyses.joint_drift import THROWN_OPEN, check_drift, first_opened
 from toolkit.analyses.run_start import accelerated_start, run_motion
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import ConvergenceError, LimitPositionError, SingularSystemError
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.half_turns import refuse_half_turns
@@ -19,7 +18,7 @@ from toolkit.solvers.start.initial_conditions import Motion, State
 from toolkit.solvers.static.passed_limits import refuse_passed_limits
 from toolkit.solvers.transient.adaptive import advance_adaptively
 from toolkit.solvers.transient.newton import CONVERGED
-from toolkit.solvers.transient.run import Run, allocate_history, failure, foreseen, prepare_run, take_steps
+from toolkit.solvers.transient.run import Integration, allocate_history, failure, foreseen, prepare_run, take_steps
 from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, STATUS, STEP, History, Memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -70,17 +69,19 @@ def simulate(
     ConvergenceError
         Newton failed, the joints drifted apart, or a spring in space turned too far: names time, equation and remedy.
     """
-    begun = clock.perf_counter()
-    with watched_compilation() as compiled:
-        run = prepare_run(system, options)
-        motion = run_motion(system, run.options, q, v, beside) if known is None else known
-        start = accelerated_start(system, run.options, motion)
-        try:
-            run, history, halved = _integrated(run, start, progress, along)
-        except LimitPositionError:
-            raise
-        except ConvergenceError as error:
-            raise ConvergenceError(" ".join(filter(None, [str(error), *_causes(run, error)]))) from error
+    run = prepare_run(system, options)
+    motion = run_motion(system, run.options, q, v, beside) if known is None else known
+    start, halved = accelerated_start(system, run.options, motion), tuple[float, ...]()
+    with _causes_told(run):
+        if run.options.local_error is not None:
+            run, history = advance_adaptively(run, start, progress)
+        else:
+            history = allocate_history(system, run.options, len(run.times), start)
+            run = foreseen(run, history, along) if along else run
+            try:
+                advance(run, history, 0, progress)
+            except (ConvergenceError, SingularSystemError) as error:
+                run, history, halved = _halved(run, history, error, progress)
     if run.options.quasi_static:
         history.acc[:, : system.n_q] = 0  # the loop's unknowns there are no accelerations
         history.dacc[:, : system.n_q] = 0
@@ -100,14 +101,24 @@ def simulate(
         own_start=q is not None or v is not None,
         newton_iterations=int(run.outcome.counts[ALL_ITERATIONS]),
         halved=halved,
-        wall={"run": clock.perf_counter() - begun - compiled.seconds},
         judge=judge,
     )
     found.known[Motion] = motion
     return found
 
 
-def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
+@contextmanager
+def _causes_told(run: Integration) -> Iterator[None]:
+    """Block in which an error of convergence is told with its further causes."""
+    try:
+        yield
+    except LimitPositionError:
+        raise
+    except ConvergenceError as error:
+        raise ConvergenceError(" ".join(filter(None, [str(error), *_causes(run, error)]))) from error
+
+
+def _causes(run: Integration, error: ConvergenceError) -> Iterator[str]:
     """Further causes of a failed run: frames that spin fast by then, or loads that act at once where it begins."""
     if error.state is None:
         return
@@ -120,24 +131,16 @@ def _causes(run: Run, error: ConvergenceError) -> Iterator[str]:
         yield told_loads(run.system.scene, run.options)
 
 
-def _integrated(
-    run: Run, start: State, progress: Callable[[int, int], None] | None, along: Solution | None
-) -> tuple[Run, History, tuple[float, ...]]:
-    """The run over the times that it chose or halved, all its states, and the times at which halved steps began."""
-    if run.options.local_error is not None:
-        return (*advance_adaptively(run, start, progress), ())
-    history = allocate_history(run.system, run.options, len(run.times), start)
-    run = foreseen(run, history, along) if along else run
-    try:
-        advance(run, history, 0, progress)
-    except (ConvergenceError, SingularSystemError) as error:
-        if isinstance(error, LimitPositionError) or not can_be_halved(run):
-            raise
-        return advance_in_halves(run, history, int(run.outcome.counts[STEP]), error, progress)
-    return run, history, ()
+def _halved(
+    run: Integration, history: History, error: StepError, progress: Callable[[int, int], None] | None
+) -> tuple[Integration, History, tuple[float, ...]]:
+    """The integration with halves of the steps that failed, all its states, and the times at which these began."""
+    if isinstance(error, LimitPositionError) or not can_be_halved(run):
+        raise error
+    return advance_in_halves(run, history, int(run.outcome.counts[STEP]), error, progress)
 
 
-def _thrown_open(run: Run, history: History) -> int | None:
+def _thrown_open(run: Integration, history: History) -> int | None:
     """First step that has thrown the joints open; None without any.
 
     Also a step counts that has opened the joints and followed upon one that was thrown out itself.
@@ -149,8 +152,8 @@ def _thrown_open(run: Run, history: History) -> int | None:
 
 
 def _with_closed_joints(
-    run: Run, history: History, halved: tuple[float, ...], progress: Callable[[int, int], None] | None
-) -> tuple[Run, History, tuple[float, ...], float]:
+    run: Integration, history: History, halved: tuple[float, ...], progress: Callable[[int, int], None] | None
+) -> tuple[Integration, History, tuple[float, ...], float]:
     """The run, or the run with halves of steps that threw its joints open, and the largest gap of its joints."""
     try:
         return run, history, halved, check_drift(run, history.q, 0)
@@ -162,7 +165,7 @@ def _with_closed_joints(
     return run, history, halved, check_drift(run, history.q, 0)
 
 
-def advance(run: Run, history: History, first: int, progress: Callable[[int, int], None] | None = None) -> None:
+def advance(run: Integration, history: History, first: int, progress: Callable[[int, int], None] | None = None) -> None:
     """Fill a history whose row 0 is the state at step `first`, where `run.memory` stands.
 
     Raises

@@ -1,1 +1,1 @@
-"""Bodies: what has mass and coordinates."""
+"""Bodies: what has mass and coordinates, in the plane and in space; one kind per file."""

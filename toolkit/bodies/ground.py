@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
-from toolkit.bodies.body import Body, ConstantNumbers, Placed, no_constants
+from toolkit.bodies.body import (
+    Body,
+    ConstantNumbers,
+    MarkerNumbers,
+    Placed,
+    PlanarBody,
+    SpatialBody,
+    SpatialMarkerNumbers,
+    no_constants,
+    pose_of,
+)
 
 
 class InertialFrame(Body):
@@ -38,3 +50,26 @@ class InertialFrame(Body):
     def constant(self, _scene: Placed, _gravity: np.ndarray) -> ConstantNumbers:
         """No constant terms, since the ground has no coordinates."""
         return no_constants(0)
+
+
+class Ground(InertialFrame, PlanarBody):
+    """The inertial frame; it is always there, under the name `ground`."""
+
+    kind = "ground"
+
+    def marker(self, scene: Placed, point: str, _name: str) -> MarkerNumbers:
+        """Marker at a point that is fixed to the ground."""
+        return MarkerNumbers(np.append(scene.position(point), 0.0), np.zeros(0, int), np.zeros((0, 3)))
+
+
+class SpatialGround(InertialFrame, SpatialBody):
+    """The inertial frame; it is always there, under the name `ground`."""
+
+    kind = "ground"
+
+    frame: Literal["grounded"] = "grounded"
+
+    def marker(self, scene: Placed, point: str, _name: str, axes: np.ndarray | None = None) -> SpatialMarkerNumbers:
+        """Marker at a point that is fixed to the ground."""
+        pose = pose_of(scene.position(point), np.eye(3) if axes is None else axes)
+        return SpatialMarkerNumbers(pose, np.zeros(0, int), np.zeros((0, 6)))

@@ -3,7 +3,7 @@
 # Without `from __future__ import annotations`: pydantic before 2.13 looks for the names of the type of extra keys in the modules of
 # subclasses.
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -11,9 +11,9 @@ from pydantic import ConfigDict
 
 from toolkit.bodies.body import CENTRE, Body, Placed
 from toolkit.bodies.start_shape import start_shape
-from toolkit.bodies.unknown_keys import refuse_unknown_keys
-from toolkit.description.description import FileName, Number
+from toolkit.description.description import FileName, Number, Scalar
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.design_point import DesignPoint, design_at
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
 from toolkit.reduced_model.parts.spin import SPIN_STIFFENING
@@ -41,6 +41,16 @@ class ModelBody(Body):
         Whether the centrifugal forces of its frame's spin stiffen the body: blades and discs that spin fast. It needs a reduced model that
         was built with `spin_stiffening = true` in `[basis]`, and a body of one frame, which turns. What accelerations of the frame, weight
         and forces at points of the body do to its stiffness is not in it.
+    position
+        Where the origin of the reduced model lies at the start, in units of length.
+    deflection
+        Point of the body -> its displacement at the start since the undeformed body, in the axes of the reduced model, in units of
+        length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
+        as if forces at these points had bent it and let go. Statics, and `solver.start = "equilibrium"`, find their own shape.
+    elastic_velocity
+        Point of the body -> velocity of that displacement at the start, in length/time; the rest of the body moves in the shape of least
+        strain energy. It holds, or is refused if the joints do not allow it; left out, the body starts with the velocities that the
+        joints ask for, and without deforming where it can.
     """
 
     model_config = ConfigDict(extra="allow")
@@ -61,9 +71,14 @@ class ModelBody(Body):
         return False
 
     @property
-    @abstractmethod
-    def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
+    def deflected(self) -> Mapping[str, Mapping[str, tuple[Scalar, ...]]]:
         """Written displacements at the start and their velocities: key of the table -> point -> numbers in the body's axes."""
+        written: Any = self
+        return {"deflection": written.deflection, "elastic_velocity": written.elastic_velocity}
+
+    def coordinate_names(self, scene: Placed) -> list[str]:
+        """Names of the frame's coordinates, and of the elastic ones by their numbers."""
+        return [*self.frame_names(), *(f"elastic coordinate {k}" for k in range(scene.model(self.model).n_f))]
 
     def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Elastic coordinates (n_f,) and their velocities at the start, see `start_shape`; zero where nothing is written."""
@@ -78,7 +93,7 @@ class ModelBody(Body):
         points = {point: (self.point(scene, point, name)[0][:, 1:], np.array(wish)) for point, wish in written.items()}
         return start_shape(self.invariants(scene).stiffness, points, f"bodies.{name}.{key}")
 
-    def model_values(self) -> Mapping[str, Any]:
+    def model_values(self) -> Mapping[str, Scalar]:
         """Parameters of the reduced model that the scene sets."""
         return self.model_extra or {}
 
@@ -144,7 +159,7 @@ class ModelBody(Body):
             )
         return design.value(SPIN_STIFFENING)
 
-    def mass_damping(self, scene: Placed) -> Any:
+    def mass_damping(self, scene: Placed) -> Scalar:
         """alpha of the damping D = alpha M + c K, in 1/time; 0 if elements have values of their own, see `damping_differs`."""
         design = self.design_point(scene)
         number = design.model.numbers.get(MASS_DAMPING)
@@ -170,7 +185,7 @@ class ModelBody(Body):
     def undamped(self, scene: Placed) -> Any:
         """Value of `drag` where the damping is zero: invariants without entries."""
 
-    def whole_mass(self, scene: Placed) -> Any:
+    def whole_mass(self, scene: Placed) -> Scalar:
         """Mass of the body by its reduced model."""
         return self.invariants(scene).mass
 
@@ -219,9 +234,35 @@ class ModelBody(Body):
     def spins(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Angular velocity of its frame in the axes of the reduced model, (n_t, 3), from its coordinates and velocities (n_t, size)."""
 
+    @property
     @abstractmethod
+    def placement(self) -> np.ndarray:
+        """Rotation matrix of the reduced model's axes at the start, (d, d)."""
+
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
         """Undeformed global position of an interface point, (d,)."""
+        written: Any = self
+        return np.array(written.position) + self.placement @ self.point(scene, point, name)[0][:, 0]
+
+
+def refuse_unknown_keys(body: Body, keys: Iterable[str], model: ReducedModel, scene: Placed) -> None:
+    """Refuse the first of these keys of a body that its reduced model has no parameter for.
+
+    Raises
+    ------
+    InputError
+        It names the body and the key, and lists its own keys and the parameters.
+    """
+    unknown = next((key for key in keys if key not in model.nominal), None)
+    if unknown is None:
+        return
+    name = next(name for name, other in scene.bodies.items() if other is body)
+    own = type(body).model_fields
+    raise InputError(
+        f"bodies.{name} has no key {unknown!r}{meant(unknown, [*own, *model.parameters])}, and its reduced model {model.label} has no "
+        f"parameter {unknown!r}. Keys: {listed(own)}; parameters: {listed(model.parameters)}. Use one of these names, or state the "
+        "parameter in the skin file and run preprocessing again."
+    )
 
 
 def refuse_unknown(model: ReducedModel, interface: str, body: str) -> None:
@@ -243,6 +284,6 @@ def _names(model: ReducedModel) -> str:
     return ", ".join(model.interfaces or {}) or "none"
 
 
-def is_zero(damping: Any) -> bool:
+def is_zero(damping: Scalar) -> bool:
     """Whether a number is zero, and not a complex step from zero."""
     return not isinstance(damping, complex) and damping == 0

@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.bridges.vector_function import VectorFunction
 from toolkit.door.model import Model
-from toolkit.door.run import Run
+from toolkit.sensitivity.run import Run
 
 
 class ScipyFunction:

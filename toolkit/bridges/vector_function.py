@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from toolkit.door.model import Model, compile_model, kind_of
-from toolkit.door.run import Run
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed, meant
 from toolkit.sensitivity.preparation import responses_of
+from toolkit.sensitivity.run import Run
 
 
 class VectorFunction:

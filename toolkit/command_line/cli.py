@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -17,7 +17,8 @@ from toolkit.command_line.commands.campbell_command import campbell
 from toolkit.command_line.commands.certification import certify
 from toolkit.command_line.commands.deformation_check import check_deformation
 from toolkit.command_line.commands.export import export
-from toolkit.command_line.commands.inspection import describe, describe_scene, print_file
+from toolkit.command_line.commands.inspection import inspect
+from toolkit.command_line.commands.modes_command import modes
 from toolkit.command_line.commands.new_project import app as new_project
 from toolkit.command_line.commands.optimize_command import optimize
 from toolkit.command_line.commands.report_command import report
@@ -38,14 +39,16 @@ from toolkit.command_line.keeping import (
     refuse_contrary,
     text_of,
 )
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.printed.cost_summary import compiled, cost_summary_of, print_cost_summary
-from toolkit.command_line.printed.printing import print_files, print_verdict, warn
-from toolkit.command_line.printed.report import print_frequencies, print_result
+from toolkit.command_line.printing import prepare_folder, print_files, tell
+from toolkit.command_line.run_answer import RunAnswer
 from toolkit.foundation.processes.one_thread import SINGLE
 from toolkit.foundation.rare_collections import last_work
-from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
+from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, usage_in_json
 from toolkit.sensitivity.method_names import Method
+
+if TYPE_CHECKING:
+    from toolkit.door.model import Model
+    from toolkit.scene.scene import Scene
 
 
 def in_words(shown: Callable[..., None]) -> Callable[..., None]:
@@ -103,9 +106,22 @@ def simulate(
     described, text = read(scene, changes, quiet), text_of(scene)
     check_output(output, described)
     with at_work("time steps", described, "transient", quiet=quiet) as progress:
-        found = compiled(described, keep_all).simulate(progress=progress, timed=True)
+        found = _compiled(described, keep_all).simulate(progress=progress, timed=True)
     keep(found, output, text, changes, quiet)
-    print_result(found, as_json, quiet)
+    tell(RunAnswer(found, found.verdict), as_json, quiet)
+
+
+def _compiled(scene: Scene, keep_all: bool) -> Model:
+    """Model of a scene with only what it needs, or with everything put back."""
+    from toolkit.door.model import Model, compile_model
+
+    if not keep_all:
+        return compile_model(scene)
+    from toolkit.cost_summary.everything import prepare_everything
+    from toolkit.sensitivity.compiled import Compiled
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+
+    return Model(Compiled.of(prepare_everything(with_chosen_frames(scene, "transient"))))
 
 
 @app.command()
@@ -129,7 +145,7 @@ def statics(
     with at_work("load steps", described, "static", names, quiet) as progress:
         found = compile_model(described, names).statics(gradients="direct" if names else False, progress=progress, timed=True)
     keep(found, output, text, changes, quiet)
-    print_result(found, as_json, quiet)
+    tell(RunAnswer(found, found.verdict), as_json, quiet)
 
 
 @app.command()
@@ -155,65 +171,8 @@ def sensitivity(
     with at_work("gradients", described, kind, names, quiet, method.value) as progress:
         model = compile_model(described, names)
         found = model.run(kind, gradients=method.value, progress=progress, timed=True, keep_states=output is not None)
-    print_result(found, as_json, quiet)
+    tell(RunAnswer(found, found.verdict), as_json, quiet)
     keep(found, output, text, changes, quiet)
-
-
-@app.command()
-def modes(
-    scene: SceneFile,
-    count: Annotated[int, typer.Option(min=1, help="How many, from the lowest.")] = 10,
-    about_start: Annotated[
-        bool, typer.Option("--undeformed", help="About the given positions, e.g. of a free body, not the equilibrium.")
-    ] = False,
-    spinning: Annotated[
-        bool, typer.Option("--spinning", help="About the steady state of a scene that its driver spins, in the frame that spins.")
-    ] = False,
-    changes: Changes = None,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-) -> None:
-    """Print the eigenfrequencies about the equilibrium under the loads at the end time, or about a steady spin."""
-    from toolkit.door.model import compile_model
-
-    described = read(scene, changes, quiet)
-    with at_work("load steps", described, "static", quiet=quiet) as progress:
-        found = compile_model(described).modes(count=count, undeformed=about_start, spinning=spinning, progress=progress)
-    frequencies, damping = found.frequencies.tolist(), None if found.damping is None else found.damping.tolist()
-    if as_json:
-        ratios = {} if damping is None else {"damping_ratios": {"value": damping, "unit": "1"}}
-        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **ratios, **found.verdict.record()})
-        warn(found.verdict, quiet)
-    else:
-        print_frequencies(frequencies, damping)
-        print_verdict(found.verdict)
-
-
-@app.command()
-def inspect(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A reduced model, results, or a scene.")],
-    variables: Variables = None,
-    keep_all: KeepAll = False,
-    measure: Annotated[bool, typer.Option(help="Measure the time of a step of a scene, by short runs.")] = True,
-    changes: Changes = None,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-) -> None:
-    """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the summary of what the scene costs and why."""
-    if file.suffix != ".toml":
-        (print_json if as_json else print_file)(describe(file))
-        return
-    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
-
-    scene = with_chosen_frames(read(file, changes, quiet), "transient")
-    record = describe_scene(scene)
-    names = list(scene.design) if variables is None else design_of(scene, variables)
-    found = cost_summary_of(scene, names, keep_all, measure, quiet)
-    if as_json:
-        print_json({**record, "cost_summary": found})
-    else:
-        print_file(record)
-        print_cost_summary(found)
 
 
 @app.command()
@@ -265,6 +224,8 @@ app.command()(campbell)
 app.command()(certify)
 app.command()(check_deformation)
 app.command()(export)
+app.command()(inspect)
+app.command()(modes)
 app.command()(optimize)
 app.command()(report)
 app.command()(stability)

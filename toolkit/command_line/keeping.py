@@ -15,7 +15,7 @@ from toolkit.foundation.errors import InputError
 
 if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
-    from toolkit.sensitivity.result import Result
+    from toolkit.sensitivity.run import Run
     from toolkit.system.solution import Solution
 
 Output = Annotated[
@@ -40,7 +40,7 @@ def check_output(path: Path | None, scene: Scene) -> None:
         refuse_own_start(path, scene.start_file)
 
 
-def keep(found: Result, path: Path | None, text: str, changes: list[str] | None, quiet: bool = False) -> None:
+def keep(found: Run, path: Path | None, text: str, changes: list[str] | None, quiet: bool = False) -> None:
     """Write the results file, if one was asked for, and report where it is."""
     if path is None:
         return
@@ -95,10 +95,9 @@ def motion_of(
     if static and is_results(file):
         raise InputError(f"{str(file)!r} holds the results of a finished run: leave --static out, or give the scene.")
     if is_results(file):
-        from toolkit.results.restore import restore_solution
-        from toolkit.results.results_file import load_results
+        from toolkit.sensitivity.run import load
 
-        solution = restore_solution(load_results(file), models)
+        solution = load(file, models).solution
         check(solution.system.scene)
         return lambda: solution
     scene = read(file, changes, quiet)

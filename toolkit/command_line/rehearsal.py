@@ -10,22 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.bodies.rigid import Rod, SpatialRod
 from toolkit.description.point import Point
 from toolkit.description.run_options import Formulation, RunOptions
 from toolkit.foundation.kernel import first_class
 from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
-from toolkit.joints.kernels.turn_laws import teeth_law, turn_law
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.kernels.laws import teeth_law, turn_law
+from toolkit.joints.revolute import Revolute, SpatialRevolute
+from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.load import Load
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
+from toolkit.loads.springs import SpatialRotationalSpringDamper
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE, Space
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
@@ -39,7 +37,7 @@ from toolkit.validity.motion.energy_balance import energy_balance
 
 def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
     """Call everything compiled that an analysis of the scene calls, with `backwards` its adjoint too."""
-    formulas_of(scene)
+    formulas_of(loaded(scene))
     small = pendulum_like(scene)
     system = prepare(small, ["points.P.x"] if backwards else [])
     solution = solve(system, kind)

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
-from toolkit.joints.places import BetweenPoints
+from toolkit.joints.joint import BetweenPoints
 from toolkit.loads.springs import PointSpring
 from toolkit.reduced_model.parameter_checks import check_parameters
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
 
 SAME_PLACE = 1e-12
 """Distance of two points, relative to the model size, below which no direction leads from one to the other."""
 
 
-def check_numbers(scene: Scene, placed: Remembered | None = None) -> None:
+def check_numbers(scene: ResolvedScene) -> None:
     """Refuse scenes without a moving body, parameters that no body has, and pairs of points without a direction.
 
     Raises
@@ -29,10 +29,9 @@ def check_numbers(scene: Scene, placed: Remembered | None = None) -> None:
     for name, body in scene.bodies.items():
         if isinstance(body, ModelBody):
             check_parameters(body.model_values(), scene.model(body.model).nominal, f"bodies.{name}", scene.dimension)
-    placed = placed or Remembered(scene)
     for user, pair in pairs(scene).items():
-        first, second = (np.real(placed.position(point)) for point in pair)
-        if np.abs(first - second).max() <= SAME_PLACE * placed.size:
+        first, second = (np.real(scene.position(point)) for point in pair)
+        if np.abs(first - second).max() <= SAME_PLACE * scene.size:
             raise InputError(
                 f"{user} leads from point {pair[0]!r} to point {pair[1]!r}, which are at the same place, so it has no direction. "
                 "Move one of them."

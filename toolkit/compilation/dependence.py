@@ -1,4 +1,5 @@
-"""Dependence on a number of a scene: it can change only the items that name its owner, directly or through others.
+"""Dependence on a number of a scene: it can change only the items that name its owner, directly or through others, and of these only
+those whose numbers were made with an answer of the scene that it changes.
 
 A joint finds its bodies, a rod its points, a point its body by name; gravity alone acts on all without being named, and a body alone
 depends on points that name it. So a step in one number needs to evaluate those items only, which keeps the compilation of hundreds of
@@ -7,14 +8,20 @@ variables short.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
 
 from toolkit.description.description import Description
-from toolkit.description.point import BodyPoint
+from toolkit.description.point import BodyPoint, Point
+from toolkit.foundation.itself import Itself
 from toolkit.loads.gravity import UniformGravity
+from toolkit.reduced_model.model import ReducedModel
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
 
+T = TypeVar("T")
 Item = tuple[str, str]
 """Group and name, for example ("points", "A")."""
 GROUPS = ("points", "bodies", "joints", "loads")
@@ -31,7 +38,9 @@ class Affected(NamedTuple):
         return Affected(self.items & other.items, self.markers & other.markers)
 
 
-def affected_by(scene: Scene, markers: Sequence[tuple[str, ...]], paths: list[str], users: dict[str, list[Item]]) -> Affected:
+def affected_by(
+    scene: ResolvedScene, markers: Sequence[tuple[str, ...]], paths: list[str], users: dict[str, list[Item]]
+) -> Affected:
     """Items and markers that the numbers at some paths may change.
 
     `users` are those of `users_by_name`, `markers` those of the numbering.
@@ -44,7 +53,7 @@ def affected_by(scene: Scene, markers: Sequence[tuple[str, ...]], paths: list[st
     return Affected(items, frozenset(m for m, grip in enumerate(markers) if not items.isdisjoint(_behind(grip))))
 
 
-def _names(scene: Scene, group: str) -> list[str]:
+def _names(scene: ResolvedScene, group: str) -> list[str]:
     return list(scene.all_bodies() if group == "bodies" else getattr(scene, group))
 
 
@@ -54,7 +63,7 @@ def _behind(grip: tuple[str, ...]) -> list[Item]:
     return [("bodies", body), ("points", point), *((owner.partition(".")[0], owner.partition(".")[2]) for owner in component)]
 
 
-def users_by_name(scene: Scene) -> dict[str, list[Item]]:
+def users_by_name(scene: ResolvedScene) -> dict[str, list[Item]]:
     """Name -> items that name it, whatever they mean by it."""
     found: dict[str, list[Item]] = {}
     for group in GROUPS:
@@ -97,3 +106,87 @@ def _words(value: Any) -> Iterator[str]:
     elif isinstance(value, (tuple, list)):
         for below in value:
             yield from _words(below)
+
+
+class AskedScene:
+    """A scene as bodies, joints and loads ask it (`bodies.body.Placed`), which notes what is asked.
+
+    Parameters
+    ----------
+    scene
+        The scene, which has the answers.
+    """
+
+    def __init__(self, scene: ResolvedScene) -> None:
+        self._scene = scene
+        self._asked: set[Any] = set()
+        self._made: dict[Any, tuple[Any, set[Any]]] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        self._asked.add(("attribute", name))
+        return getattr(self._scene, name)
+
+    def watched(self, make: Callable[[AskedScene], T]) -> tuple[T, frozenset[Any]]:
+        """Result of `make` for this scene, and all questions that were asked for it."""
+        self._asked = set()
+        return make(self), frozenset(self._asked)
+
+    def interface(self, point: str) -> Any:
+        """Description of a point as it was written."""
+        self._asked.add(("interface", point))
+        return self._scene.interface(point)
+
+    def position(self, point: str) -> np.ndarray:
+        """Undeformed global position of a point, (d,)."""
+        self._asked.add(("position", point))
+        return self._scene.position(point)
+
+    def model(self, path: str, *parts: str) -> ReducedModel:
+        """Parts of the reduced model in a file."""
+        self._asked.add(("model", path, *parts))
+        return self._scene.model(path, *parts)
+
+    def arc_lengths(self, body: Any) -> dict[str, Any]:
+        """Interface points of a body that the scene puts elsewhere along it."""
+        self._asked.add(("arc lengths", Itself(body)))
+        return self._scene.arc_lengths(body)
+
+    @property
+    def size(self) -> float:
+        """Model size."""
+        self._asked.add(("size",))
+        return self._scene.size
+
+    def of_body(self, body: Any, what: Hashable, make: Callable[[], T]) -> T:
+        """Result of a computation for one body, made once; its questions count each time, as if it were made each time."""
+        key, outer = (what, Itself(body)), self._asked
+        if key not in self._made:
+            self._asked = set()
+            try:
+                self._made[key] = make(), self._asked
+            finally:
+                self._asked = outer
+        found, asked = self._made[key]
+        outer |= asked
+        made: T = found
+        return made
+
+
+def answers_alike(scene: ResolvedScene, other: ResolvedScene, question: Any) -> bool:
+    """Whether another scene, which differs in numbers alone, has the answer to a question that `AskedScene` has noted of this one.
+
+    Of things without a value of their own it has that only if it holds the very same. A position is the same if no complex number
+    has met it: so that what one step in a scene's numbers leaves alone it leaves alone at all of them.
+    """
+    kind, *about = question
+    if kind == "attribute":
+        return getattr(scene, about[0]) is getattr(other, about[0])
+    if kind == "interface":
+        return scene.points.get(about[0]) is other.points.get(about[0])
+    if kind == "position":
+        written = scene.points.get(about[0])
+        alike = isinstance(written, Point) and other.points.get(about[0]) is written  # and a point depends on nothing else
+        return alike or not np.iscomplexobj(other.position(about[0]))
+    if kind == "arc lengths":
+        return bool(other.arc_lengths(about[0].item) == scene.arc_lengths(about[0].item))
+    return scene.size == other.size if kind == "size" else scene.model(*about) is other.model(*about)

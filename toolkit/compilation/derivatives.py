@@ -11,16 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.compilation.dependence import Affected
+from toolkit.compilation.dependence import Affected, answers_alike
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.quantities import GROUPS, OPEN, STEP, Part, Quantities, Seen, made_of, owners_of, parts_of
-from toolkit.compilation.remembered import Remembered
 from toolkit.curves.curve import Curve
 from toolkit.description.design import Design
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 
 
-def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen) -> list[Quantities]:
+def derivatives(scene: ResolvedScene, numbering: Numbering, design: Design, seen: Seen) -> list[Quantities]:
     """Derivative of all numbers by each design variable; curves stay complex, they are differentiated where they are evaluated.
 
     Only what is written otherwise, or is told something else by the scene, can have a derivative: the other formulas are left out. So are
@@ -30,25 +29,21 @@ def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen) 
     for variable in design:
         moved = scene.moved(variable, 1j * STEP)
         parts = parts_of(moved, numbering, owners_of(moved, numbering, numbering.affected_by(scene, variable.paths)))
-        placed = Remembered(moved, seen.placed)
-        stirred = _stirred(seen, placed)
+        stirred = _stirred(seen, moved)
         groups = {group: {k: part for k, part in owners.items() if stirred(group, k, part)} for group, owners in parts.items()}
-        found.append(_rates(made_of(groups, placed, moved), _is_reached))
+        found.append(_rates(made_of(groups, moved), _is_reached))
     return found
 
 
 def renewed_derivatives(
-    scene: Scene, numbering: Numbering, design: Design, placed: Remembered, known: Sequence[Quantities], among: Affected
+    scene: ResolvedScene, numbering: Numbering, design: Design, known: Sequence[Quantities], among: Affected
 ) -> list[Quantities]:
-    """Derivatives by each design variable at other numbers of the scene, for the same owners as far as these affect them.
-
-    `placed` has answered for the scene's values.
-    """
+    """Derivatives by each design variable at other numbers of the scene, for the same owners as far as these affect them."""
     found, affected = [], {group: set(owners) for group, owners in owners_of(scene, numbering, among).items()}
     for variable, before in zip(design, known, strict=True):
         moved = scene.moved(variable, 1j * STEP)
         reached = {group: getattr(before, group).keys() & owners for group, owners in affected.items()}
-        found.append(_rates(made_of(parts_of(moved, numbering, reached), Remembered(moved, placed), moved)))
+        found.append(_rates(made_of(parts_of(moved, numbering, reached), moved)))
     return found
 
 
@@ -69,13 +64,13 @@ def _is_reached(group: str, part: Any) -> bool:
     return group in OPEN or isinstance(part, Curve) or np.iscomplexobj(part)
 
 
-def _stirred(seen: Seen, moved: Remembered) -> Callable[[str, int, Part], bool]:
+def _stirred(seen: Seen, moved: ResolvedScene) -> Callable[[str, int, Part], bool]:
     """Test whether the numbers of an item can be others in a scene of which other numbers are `moved`."""
     same: dict[Any, bool] = {}
 
     def unchanged(question: Any) -> bool:
         if question not in same:
-            same[question] = seen.placed.answers_as(moved, question)
+            same[question] = answers_alike(seen.scene, moved, question)
         return same[question]
 
     def stirred(group: str, owner: int, part: Part) -> bool:

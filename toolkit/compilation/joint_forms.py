@@ -32,7 +32,7 @@ def spatial_terms(form: Form) -> Terms:
 def planar_terms(form: Form) -> Terms:
     """Structure of a form in the plane.
 
-    Products with both axes of a marker are one pair with two values, see `joints.kernels.planar.joint_kernel`.
+    Products with both axes of a marker are one pair with two values, see `joints.kernels.planar_joint`.
     """
     found = [_planar_pair(*sorted((i, k))) for i, k, _ in form.pairs]
     pairs = list(dict.fromkeys(pair for pair, _, _ in found))

@@ -12,12 +12,12 @@ import numpy as np
 from toolkit.bodies.body import QUATERNION
 from toolkit.compilation.dependence import Affected, Item, affected_by, users_by_name
 from toolkit.compilation.joint_forms import JointForms, joint_forms
-from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
 from toolkit.joints.rows import ROW_QUANTITIES
 from toolkit.loads.load import Load
 from toolkit.markers.component import Component
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
 
 
@@ -60,7 +60,7 @@ class Numbering:
         """Forms of all joints of the scene."""
         return joint_forms(self.joints)
 
-    def affected_by(self, scene: Scene, paths: Sequence[str]) -> Affected:
+    def affected_by(self, scene: ResolvedScene, paths: Sequence[str]) -> Affected:
         """Items and markers that the numbers at some paths may change, in this scene at any numbers."""
         if (key := tuple(paths)) not in self._affected:
             self._affected[key] = affected_by(scene, self.markers, list(paths), self.users)
@@ -127,7 +127,7 @@ def grips_of(path: str, component: Component) -> list[tuple[str, ...]]:
     return [(*grip, *own) for grip in component.grips]
 
 
-def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Numbering:
+def number(scene: ResolvedScene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Numbering:
     """Number the unknowns: bodies as in the scene, rows of joints, lengths of quaternions; `extra_markers` carry no component.
 
     Raises
@@ -175,14 +175,13 @@ def _with_state(scene: Scene) -> dict[str, Load]:
     return {f"loads.{name}": load for name, load in scene.loads.items() if isinstance(load, Load) and load.state is not None}
 
 
-def weights(scene: Scene, numbering: Numbering, remembered: Remembered | None = None) -> np.ndarray:
+def weights(scene: ResolvedScene, numbering: Numbering) -> np.ndarray:
     """Weights that make the unknowns comparable, (n,): displacement over the model size, or angle; free of units.
 
     For a coordinate it scales its change, for a multiplier the violation of its constraint row; states of loads are integrals over time,
     which all systems of units count in seconds.
     """
-    placed: Any = remembered or Remembered(scene)
     states = [np.nan if load.state == "angle" else 1.0 for load in _with_state(scene).values()]
-    bodies = [np.real(body.coordinate_lengths(placed)) for body in scene.all_bodies().values()]
+    bodies = [np.real(body.coordinate_lengths(scene)) for body in scene.all_bodies().values()]
     lengths = np.concatenate([*bodies, states, numbering.row_lengths])
-    return np.where(np.isnan(lengths), 1.0, lengths / placed.size)
+    return np.where(np.isnan(lengths), 1.0, lengths / scene.size)

@@ -22,7 +22,7 @@ from toolkit.compilation.patterns.pattern import Pattern, block, build_pattern
 from toolkit.compilation.patterns.touched import touched, touched_alike
 from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.equations.equations import Plan
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.space import PLANE, SPACE
 
 NEEDS = {
@@ -47,7 +47,7 @@ class Kept(NamedTuple):
 
 
 def build_plan(
-    scene: Scene,
+    scene: ResolvedScene,
     numbering: Numbering,
     values: Quantities,
     derivatives: list[Quantities],
@@ -141,7 +141,9 @@ _PARTS = {PLANE: _planar_parts, SPACE: _spatial_parts}
 """Functions for the parts of a plan: bodies, markers and pressures."""
 
 
-def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_rows: list, columns: list[np.ndarray]) -> Pattern:
+def _pattern(
+    scene: ResolvedScene, numbering: Numbering, values: Quantities, constant_rows: list, columns: list[np.ndarray]
+) -> Pattern:
     """Sparsity pattern of the scene: the union of what all its parts fill."""
     entries = list(constant_rows)
     everybody = scene.all_bodies()

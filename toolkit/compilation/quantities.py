@@ -10,16 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers
-from toolkit.compilation.dependence import Affected, Item
+from toolkit.compilation.dependence import Affected, AskedScene, Item
 from toolkit.compilation.numbering import Numbering
-from toolkit.compilation.remembered import Remembered
 from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import Load
-from toolkit.loads.spatial.pressure import Pressure, PressureNumbers
+from toolkit.loads.pressure import Pressure, PressureNumbers
 from toolkit.markers.component import Component
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 
 STEP = 1e-30
 """Complex step: far below round-off, so that nothing but the first derivative is left."""
@@ -62,7 +61,7 @@ OPEN = ("joints", "loads")
 class Seen(NamedTuple):
     """Record of how some numbers of a scene came about."""
 
-    placed: Remembered
+    scene: ResolvedScene
     parts: dict[str, dict[int, Part]]
     asked: Asked  # of the scene, for the numbers of an item
 
@@ -79,46 +78,42 @@ Owners = Mapping[str, Collection[int]]
 """Group of `Quantities` -> some of those who have numbers in it."""
 
 
-def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Quantities:
+def evaluate_quantities(scene: ResolvedScene, numbering: Numbering, affected: Affected | None = None) -> Quantities:
     """Quantities of a scene, of all or of some items and markers."""
-    return made_of(parts_of(scene, numbering, owners_of(scene, numbering, affected)), Remembered(scene), scene)
+    return made_of(parts_of(scene, numbering, owners_of(scene, numbering, affected)), scene)
 
 
 def seen_quantities(
-    scene: Scene,
-    numbering: Numbering,
-    affected: Affected | None = None,
-    remembered: Remembered | None = None,
-    watched: Collection[str] | None = None,
+    scene: ResolvedScene, numbering: Numbering, affected: Affected | None = None, watched: Collection[str] | None = None
 ) -> tuple[Quantities, Seen]:
     """Quantities of a scene and how they came about.
 
     What is asked for them is noted only in groups that are `watched`, by default in all.
     """
-    placed, parts = remembered or Remembered(scene), parts_of(scene, numbering, owners_of(scene, numbering, affected))
+    notes, parts = AskedScene(scene), parts_of(scene, numbering, owners_of(scene, numbering, affected))
     asked: Asked = {}
     groups: dict[str, dict[int, Any]] = {group: {} for group in parts}
     for group, owners in parts.items():
         for owner, part in owners.items():
             if watched is None or group in watched:
-                groups[group][owner], asked[group, owner] = placed.watched(part.make)
+                groups[group][owner], asked[group, owner] = notes.watched(part.make)
             else:
-                groups[group][owner] = part.make(placed)
-    return _quantities(groups, scene), Seen(placed, parts, asked)
+                groups[group][owner] = part.make(scene)
+    return _quantities(groups, scene), Seen(scene, parts, asked)
 
 
-def made_of(parts: Mapping[str, Mapping[int, Part]], placed: Remembered, scene: Scene) -> Quantities:
+def made_of(parts: Mapping[str, Mapping[int, Part]], scene: ResolvedScene) -> Quantities:
     """Quantities from the parts of a scene."""
-    return _quantities({group: {k: part.make(placed) for k, part in owners.items()} for group, owners in parts.items()}, scene)
+    return _quantities({group: {k: part.make(scene) for k, part in owners.items()} for group, owners in parts.items()}, scene)
 
 
-def _quantities(groups: dict[str, dict[int, Any]], scene: Scene) -> Quantities:
+def _quantities(groups: dict[str, dict[int, Any]], scene: ResolvedScene) -> Quantities:
     """Quantities from groups of numbers, where only bodies with a moving frame have the invariants of such a frame."""
     moving = {of: {b: block for b, block in groups[of].items() if block is not None} for of in ("floating", "drag")}
     return Quantities(**{**groups, **moving}, gravity=np.asarray(scene.gravity))
 
 
-def owners_of(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Owners:
+def owners_of(scene: ResolvedScene, numbering: Numbering, affected: Affected | None = None) -> Owners:
     """Owners of a scene's numbers, all or those among some items and markers; looked up once for all numbers of the scene."""
     known = numbering.owners
     if affected not in known:
@@ -127,7 +122,7 @@ def owners_of(scene: Scene, numbering: Numbering, affected: Affected | None = No
     return found
 
 
-def _owners_of(scene: Scene, numbering: Numbering, affected: Affected | None) -> Owners:
+def _owners_of(scene: ResolvedScene, numbering: Numbering, affected: Affected | None) -> Owners:
     def chosen(items: Iterable[Item]) -> list[int]:
         return [k for k, item in enumerate(items) if affected is None or item in affected.items]
 
@@ -145,7 +140,7 @@ def _owners_of(scene: Scene, numbering: Numbering, affected: Affected | None) ->
     }
 
 
-def parts_of(scene: Scene, numbering: Numbering, owners: Owners) -> dict[str, dict[int, Part]]:
+def parts_of(scene: ResolvedScene, numbering: Numbering, owners: Owners) -> dict[str, dict[int, Part]]:
     """Parts that some owners have numbers from, by group and number."""
     everybody: Mapping[str, Any] = scene.all_bodies()
     bodies, joints = list(everybody.values()), list(scene.joints.values())
@@ -190,7 +185,7 @@ def _itself(curve: Curve, _: Any) -> Curve:
     return curve
 
 
-def _marker(scene: Scene, everybody: Mapping[str, Any], grip: tuple[str, ...]) -> Part:
+def _marker(scene: ResolvedScene, everybody: Mapping[str, Any], grip: tuple[str, ...]) -> Part:
     """Part of one marker, in space with the axes of its component if it has some."""
     body, point = grip[:2]
     if len(grip) == 2:
@@ -210,22 +205,22 @@ def _owner(grip: tuple[str, ...]) -> Item:
     return group, name
 
 
-def loads_of(scene: Scene) -> list[Load]:
+def loads_of(scene: ResolvedScene) -> list[Load]:
     """Loads of a scene that grip markers, which gravity does not."""
     return list(named_loads(scene).values())
 
 
-def named_loads(scene: Scene) -> dict[str, Load]:
+def named_loads(scene: ResolvedScene) -> dict[str, Load]:
     """Loads of a scene that grip markers, by their names."""
     return {name: load for name, load in scene.loads.items() if isinstance(load, Load)}
 
 
-def pressures_of(scene: Scene) -> dict[str, Pressure]:
+def pressures_of(scene: ResolvedScene) -> dict[str, Pressure]:
     """Loads on surfaces of flexible bodies, by their names."""
     return {name: load for name, load in scene.loads.items() if isinstance(load, Pressure)}
 
 
-def pressures_on_pieces(scene: Scene) -> list[tuple[str, Pressure]]:
+def pressures_on_pieces(scene: ResolvedScene) -> list[tuple[str, Pressure]]:
     """Pressures as the equations have them: one on every part of a cut body, with the name of the load."""
     return [
         (name, load if piece == load.body else load.model_copy(update={"body": piece}))
@@ -234,7 +229,7 @@ def pressures_on_pieces(scene: Scene) -> list[tuple[str, Pressure]]:
     ]
 
 
-def curves_of(scene: Scene) -> list[tuple[Item, Curve]]:
+def curves_of(scene: ResolvedScene) -> list[tuple[Item, Curve]]:
     """Time curves of joints, then of loads, then of pressures, each with its owner."""
     components: list[tuple[str, Mapping[str, Component]]] = [("joints", scene.joints), ("loads", named_loads(scene))]
     found = [((group, name), component.time_curve) for group, items in components for name, component in items.items()]

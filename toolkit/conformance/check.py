@@ -11,12 +11,12 @@ from toolkit.conformance.formula import check_load_formula, moved_numbers, stepp
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
 from toolkit.conformance.response import check_partials
 from toolkit.foundation.kernel import plain
-from toolkit.joints.joint import Joint
+from toolkit.joints.joint import Joint, check_rows
 from toolkit.joints.kernels.profile import profile_law
-from toolkit.joints.row_checks import check_rows
 from toolkit.joints.rows import Row
 from toolkit.loads.load import Load
 from toolkit.responses.response import Response
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 
 
@@ -26,7 +26,7 @@ def check_laws(joint: Joint, scene: Scene, rng: np.random.Generator) -> None:
     A constant that no number of the scene moves, a switch, has no derivative that anyone could use.
     """
     moved, before = moved_numbers("joints", joint, scene), 0
-    for row in joint.constraint(scene):
+    for row in joint.constraint(loaded(scene)):
         used = []
         for f, form in enumerate(row.forms):
             last = before + len(form.numbers)
@@ -77,7 +77,7 @@ def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:
         The joint names a body or a point that the scene does not have; or a row of it is invalid.
     """
     alone = _alone(scene, joints={"joint": joint})
-    check_rows(joint, alone)
+    check_rows(joint, loaded(alone))
     check_laws(joint, alone, np.random.default_rng(seed))
     check_scene(alone, seed)
 

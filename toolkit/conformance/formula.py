@@ -14,6 +14,7 @@ from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
 from toolkit.loads.load import Load
 from toolkit.markers.component import Component
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 
 VECTORS = ("position", "axis 1", "axis 2", "axis 3")
@@ -89,7 +90,7 @@ def arguments(load: Load, scene: Scene, size: int, rng: np.random.Generator) -> 
     A parameter that no number of the scene moves, a switch, has no derivative that anyone could use.
     """
     n = len(POSES[load.dimension])
-    parameters = np.array(load.parameters(scene), float)
+    parameters = np.array(load.parameters(loaded(scene)), float)
     z, w = np.zeros((2, size))
     z[:n], w[:n] = rng.normal(size=(2, n))
     z[n : n + len(parameters)] = parameters
@@ -99,8 +100,8 @@ def arguments(load: Load, scene: Scene, size: int, rng: np.random.Generator) -> 
 
 def moved_numbers(group: str, component: Component, scene: Scene) -> np.ndarray:
     """Which parameters of a component some number of the scene moves, if it is the only one of its group."""
-    moved = np.zeros(len(component.parameters(scene)), bool)
-    alone = scene.model_copy(update={"joints": {}, "loads": {}} | {group: {"component": component}})
+    moved = np.zeros(len(component.parameters(loaded(scene))), bool)
+    alone = loaded(scene).model_copy(update={"joints": {}, "loads": {}} | {group: {"component": component}})
     for path in design_paths(alone):
         other = alone.with_number(path, alone.number(path) + 1j * STEP)
         moved |= np.imag(getattr(other, group)["component"].parameters(other)) != 0

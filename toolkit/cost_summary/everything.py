@@ -8,7 +8,7 @@ from toolkit.foundation.errors import NoDerivativeError
 from toolkit.reduced_model.file import PARTS
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare
-from toolkit.solvers.start.initial_conditions import closed_positions
+from toolkit.solvers.start.initial_conditions import closed
 from toolkit.system.system import System
 
 
@@ -50,7 +50,7 @@ def prepare_everything(scene: Scene) -> System:
     while True:
         try:
             system = prepare(whole, paths)
-            closed_positions(system, None, 0.0)
+            closed(system, *system.start()[::2], 0.0)
         except NoDerivativeError as error:
             paths = [path for path in paths if path not in error.variables]
         else:

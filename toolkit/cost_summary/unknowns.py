@@ -8,8 +8,8 @@ from toolkit.bodies.body import Body
 from toolkit.cost_summary.everything import grounded_bodies
 from toolkit.cost_summary.line import Line
 from toolkit.cost_summary.terms import frame_of, rigid_bodies
-from toolkit.joints.both.tie import Tie
 from toolkit.joints.joint import Joint
+from toolkit.joints.rigid_joint import Tie
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.scene.space import SPACES
 from toolkit.system.flexible_bodies import deforming

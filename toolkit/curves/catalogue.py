@@ -5,4 +5,4 @@ from toolkit.description.registration import import_room
 
 __all__ = ["Curve"]
 
-import_room("toolkit.curves.kinds")
+import_room("toolkit.curves")

@@ -13,11 +13,13 @@ import numpy as np
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, SerializerFunctionWrapHandler, model_serializer
 from pydantic_core import core_schema
 
-from toolkit.description.description import Registered
+from toolkit.description.description import Registered, Scalar
 from toolkit.foundation.listed_names import SHORT, meant
 
 PLACEHOLDER = "any time curve"
 """Comment in a JSON schema of one class that stands for a curve of any kind."""
+Rates = tuple[Scalar, Scalar, Scalar]
+"""Values f of a curve, and its derivatives f', f'' by time."""
 
 
 def _any_curve(value: Any) -> Curve:
@@ -59,13 +61,13 @@ class Curve(Registered):
     """Base of all time curves; a new one is one subclass with `rates`, and with `corners` if it has some."""
 
     @abstractmethod
-    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+    def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times, each (n_t,) or one number for all; complex-safe in the curve's numbers and in time.
 
         At a corner it may be those of either side.
         """
 
-    def corners(self) -> tuple[Any, ...]:
+    def corners(self) -> tuple[Scalar, ...]:
         """Times where f, f', f'' or the third derivative jumps."""
         return ()
 

@@ -24,6 +24,8 @@ def _ordinary(value: float) -> float:
 _NUMBER: dict[str, Any] = {"strict": True, "allow_inf_nan": False}
 Number = Annotated[float, Field(**_NUMBER), AfterValidator(_ordinary)]
 """A finite number of a size that a unit system can bring about; no text and no truth value passes for one."""
+Scalar = Any
+"""A number that may be complex, or an array of such: complex steps run through the same formulas."""
 Positive = Annotated[float, Field(gt=0, **_NUMBER), AfterValidator(_ordinary)]
 NotNegative = Annotated[float, Field(ge=0, **_NUMBER), AfterValidator(_ordinary)]
 FileName = Annotated[str, AfterValidator(file_name)]

@@ -53,7 +53,7 @@ class RunOptions(Description):
     baumgarte
         Stabilization of the joints in index 1. The defaults let a gap die out within a few steps, whatever the step.
     tolerance
-        Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad), or before if by what
+        Newton stops when a correction moves nothing by more than this part of the model size (or this angle in rad), or before if by what
         its last corrections have left no more than 1e-15 of the size is left.
     newton
         "full" makes a new Jacobian in every step, and for every further correction unless the last one has hardly changed it; "modified"
@@ -79,7 +79,7 @@ class RunOptions(Description):
         the design, and how a kept state does if the file holds its derivatives (`ffrf sensitivity --method direct --output`); without
         them, gradients by numbers that the kept run had too are refused.
     local_error
-        Error that a step may make, a part of the scene's size (or rad): the run then chooses its steps, at most `step`, hits every corner
+        Error that a step may make, a part of the model size (or rad): the run then chooses its steps, at most `step`, hits every corner
         of a load curve and every time that a response names, and gradients are those of the steps that it chose.
     times
         Times of the run, instead of equal steps: from 0 to `end_time`. An adaptive run can be repeated with the times it chose.
@@ -87,7 +87,7 @@ class RunOptions(Description):
         How many steps of the load a static analysis takes where its path is straight. Where it bends, or nearly loses its stability, steps
         are shortened until nothing can hide between them.
     drift_tolerance
-        A run whose joints open by more than this part of the scene's size (or rad) is refused.
+        A run whose joints open by more than this part of the model size (or rad) is refused.
     assemble
         Whether a transient run first closes joints that are open in the given positions, by moving the bodies as little as possible
         (measured by the mass matrix). Without it they are an error. With it lengths, offsets and start values of drivers can be

@@ -9,16 +9,17 @@ from typing import NoReturn
 from toolkit.analyses.run_start import known_start
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.door.run import Run
+from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes.one_thread import one_thread
-from toolkit.sensitivity.clock import Progress, once, repeated
+from toolkit.sensitivity.clock import Progress, price
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import again, by_direct, enriched, evaluated, values_alone
+from toolkit.sensitivity.direct import again, by_direct, enriched, evaluated, values_alone, with_values
 from toolkit.sensitivity.frames_for_gradients import more_frames
 from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method
-from toolkit.sensitivity.preparation import Kind, check_kind
+from toolkit.sensitivity.preparation import ANALYSES, Kind, solve
+from toolkit.sensitivity.run import Run
 from toolkit.solvers.start.continued import continued_start
 from toolkit.solvers.start.kept_scene import refuse_other_run
 from toolkit.system.model_files import refuse_changed
@@ -39,9 +40,8 @@ def analysed(
     Raises
     ------
     InputError
-        There is no such analysis or method, or nothing to differentiate by; and all that the analysis raises.
+        There is no such method, or nothing to differentiate by; and all that the analysis raises.
     """
-    check_kind(kind)
     check_method(gradients)
     if gradients and not compiled.names:
         raise InputError("gradients of what? The model has no design variables. Name some: compile(scene, variables=[...]).")
@@ -51,10 +51,11 @@ def analysed(
         if timed:
             raise InputError("the price of a run with a start is not measured. Leave out one of timed and start.")
         return _from_start(compiled, kind, gradients, start, progress)
-    clock = repeated if timed else once
-    if not gradients:
-        return Run.of(values_alone(compiled, kind, progress, clock))
-    return Run.of(by_method("auto" if gradients is True else str(gradients), compiled, kind, progress, keep_states, clock))
+    if gradients:
+        return by_method("auto" if gradients is True else str(gradients), compiled, kind, progress, keep_states, timed)
+    with watched_compilation() as watch:
+        solution = ANALYSES[kind](compiled.primal, progress=progress)
+    return with_values(compiled, kind, solution, price(watch, timed, partial(solve, compiled.primal, kind)))
 
 
 def check_method(gradients: bool | str) -> None:
@@ -84,13 +85,13 @@ def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Ru
     if kind == "static":
         found = evaluated(solve_statics(system, progress=progress, start=known), bool(gradients))
         method = by_direct if gradients else values_alone
-        return Run.of(replace(found, enriched=partial(enriched, compiled, kind, found.solution, method)))
+        return replace(found, enriched=partial(enriched, compiled, kind, found.solution, method))
     options = compiled.scene.solver.model_copy(update={"start": "given"})
     q, v, moved = continued_start(system, known.q[-1], known.v[-1], options)
     motion = simulate(system, options, q=q, v=v, progress=progress)
     repeat = partial(again, system, q=q, v=v, known=known_start(motion))
     solution = replace(motion, start_moved=moved)
-    return Run.of(replace(evaluated(solution, bool(gradients), repeat), enriched=_not_in_more_shapes))
+    return replace(evaluated(solution, bool(gradients), repeat), enriched=_not_in_more_shapes)
 
 
 def _not_in_more_shapes() -> NoReturn:

@@ -8,16 +8,12 @@ from toolkit.curves.catalogue import Curve
 from toolkit.description.description import NotNegative, Number, Positive
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
-from toolkit.joints.planar.joint import PlanarJoint
+from toolkit.joints.joint import PlanarJoint, SpatialJoint
 from toolkit.joints.rows import Row
-from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.loads.kernels.along import act_along, add_parameter, add_state, rate_along, scale_force
 from toolkit.loads.kernels.measured import distance, plane_angle, plane_offset, space_angle, space_offset
-from toolkit.loads.places import BetweenBodies, BetweenPoints
-from toolkit.loads.planar.along_axis import AlongAxisLoad
-from toolkit.loads.planar.load import PlanarLoad
-from toolkit.loads.spatial.load import SpatialLoad
-from toolkit.markers.about_axis import AboutAxis
+from toolkit.loads.load import AlongAxisLoad, BetweenBodies, BetweenPoints, PlanarLoad, SpatialLoad
+from toolkit.markers.component import AboutAxis
 from toolkit.responses.instant import Instant
 from toolkit.responses.kinematics.marker_formula import MarkerFormula, MarkerVector
 from toolkit.responses.kinematics.marker_motion import Motion

@@ -1,19 +1,68 @@
-"""Many designs of a study, as functions: a sweep, and what follows from uncertain numbers."""
+"""Functions of a study: its best design, a sweep, and what follows from uncertain numbers."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from toolkit.door.study_and_folder import made_folder, study_of
+from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.studies.engine.executor import Executor
+from toolkit.studies.optimization.optimize import optimized
+from toolkit.studies.optimization.optimum import Optimum
+from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.study_file import Study
+from toolkit.studies.study.study_reader import naming_study_lines, read_study
 from toolkit.studies.sweep.sweep import run_sweep, sweep_problem
 from toolkit.studies.sweep.swept import Swept
 from toolkit.studies.uncertainty.find_uncertainty import find_uncertainty
 from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 from toolkit.studies.uncertainty.uncertain_study import uncertain_study
+
+
+def optimize(
+    study: Study | str | Path,
+    *,
+    scene: Scene | None = None,
+    output: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Optimum:
+    """Find the best design of a study.
+
+    Parameters
+    ----------
+    study
+        A study file, what `read_study` has made of one, or a Study made in Python.
+    scene
+        A scene made in Python, instead of the one that the study names.
+    output
+        Folder in which all designs are kept. A study that was interrupted, even killed, goes on there to the same bits.
+    progress
+        Called with the designs solved and the most that may be.
+
+    Returns
+    -------
+    optimum
+        Variables, values, multipliers and verdict of the best design; `optimum.success` tells whether it is an optimum, and
+        `optimum.check()` raises what is missing.
+
+    Raises
+    ------
+    InputError
+        The study or its scene is invalid; or the folder holds another study, or another run works in it.
+    NoOptimumError
+        Not one design could be solved.
+
+    Examples
+    --------
+    >>> found = ffrf.optimize("study.toml", output="optimum")
+    >>> found.variables, found.optimality, found.verdict
+    """
+    folder = made_folder(output)
+    with study_of(study) as described:
+        return optimized(problem_of(described, scene), folder, progress)
 
 
 def sweep(
@@ -122,3 +171,28 @@ def uncertainty(
     executor, folder = Executor(processes, threads, dask), made_folder(output)
     with study_of(study) as described:
         return find_uncertainty(uncertain_study(described, scene), folder, executor, progress)
+
+
+@contextmanager
+def study_of(study: Study | str | Path) -> Iterator[Study]:
+    """Study, read from its file unless it is one already; errors about keys of the file name their line."""
+    described = study if isinstance(study, Study) else read_study(study)
+    with naming_study_lines(study):
+        yield described
+
+
+def made_folder(path: str | Path | None) -> Path | None:
+    """Folder, which is made unless it is there; None stays None.
+
+    Raises
+    ------
+    InputError
+        It cannot be made.
+    """
+    folder = None if path is None else Path(path)
+    if folder is not None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{str(folder)!r} cannot be made a folder ({error.strerror}). Give another output.") from error
+    return folder

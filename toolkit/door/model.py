@@ -15,7 +15,6 @@ from toolkit.analyses.modes import undeformed as at_rest
 from toolkit.analyses.modes_found import Modes
 from toolkit.door.analysed import analysed, check_method
 from toolkit.door.outcome import Outcome, outcomes
-from toolkit.door.run import Run
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.loads.gravity import UniformGravity
@@ -25,6 +24,7 @@ from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.basis_errors import cautions_of_frozen, frequency_errors
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
+from toolkit.sensitivity.run import Run
 from toolkit.studies.engine.executor import Executor
 from toolkit.system.model_files import refuse_changed
 from toolkit.system.solution import Solution
@@ -160,7 +160,7 @@ class Model:
         ConvergenceError, SingularSystemError
             The motion cannot be integrated; names time, equation and remedy.
         """
-        return self.run("transient", numbers, gradients=gradients, start=start, progress=progress, timed=timed)
+        return analysed(self._at(numbers), "transient", gradients, start, progress, timed)
 
     def statics(
         self,
@@ -195,7 +195,7 @@ class Model:
         ConvergenceError, SingularSystemError
             There is no equilibrium, or something is free to move.
         """
-        return self.run("static", numbers, gradients=gradients, start=start, progress=progress, timed=timed)
+        return analysed(self._at(numbers), "static", gradients, start, progress, timed)
 
     def modes(
         self,
@@ -240,7 +240,7 @@ class Model:
             raise InputError(
                 "modes are about the given positions or about a steady spin. Leave out one of undeformed and spinning."
             )
-        compiled = self.at({} if numbers is None else numbers)._compiled
+        compiled = self._at(numbers)
         found = self._modes_of(compiled, count, undeformed, spinning, progress)
 
         def enriched() -> dict[str, float]:
@@ -305,7 +305,7 @@ class Model:
         if isinstance(count, bool) or not isinstance(count, int) or count < 1:
             raise InputError(f"count = {count!r}: give a whole number of modes, at least one.")
         refuse_changed(self._compiled.files)
-        compiled = self.at({} if numbers is None else numbers)._compiled.analysed_by("static")
+        compiled = self._at(numbers).analysed_by("static")
         found = campbell_of(compiled.primal, speeds, count, progress)
 
         def enriched() -> dict[str, float]:
@@ -401,9 +401,12 @@ class Model:
         InputError
             There is no such analysis; and all that `simulate` and `statics` raise.
         """
-        return analysed(
-            self.at({} if numbers is None else numbers)._compiled, analysis, gradients, start, progress, timed, keep_states
-        )
+        check_kind(analysis)
+        return analysed(self._at(numbers), analysis, gradients, start, progress, timed, keep_states)
+
+    def _at(self, numbers: Mapping[str, float] | None) -> Compiled:
+        """Compiled scene at other numbers, or at its own."""
+        return self._compiled if numbers is None else self.at(numbers)._compiled
 
     def __reduce__(self) -> tuple[Any, ...]:
         return compile_model, (self.scene, self._compiled.names)

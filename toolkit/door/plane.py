@@ -1,58 +1,38 @@
-"""What a scene in the plane is made of: points, bodies, joints, loads, curves over time, responses."""
+"""What a scene in the plane is made of: points, bodies, joints, loads, curves over time, responses.
+
+The names are those of the classes of all kinds that a scene file can name, without `Planar`, in space without `Spatial`.
+"""
 
 from __future__ import annotations
 
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.description.point import BodyPoint, Point
-from toolkit.door import curves, responses
-from toolkit.door.curves import *  # noqa: F403
-from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
-from toolkit.joints.both.cam import Cam, SwingCam
-from toolkit.joints.both.distance import Distance
-from toolkit.joints.both.driver import AngleDriver, PositionDriver
-from toolkit.joints.both.gear import Gear
-from toolkit.joints.both.rack import Rack, RollingDisc
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
-from toolkit.loads.planar.bushing import Bushing
-from toolkit.loads.planar.controllers import AngleController, DistanceController, PositionController
-from toolkit.loads.planar.friction import PlanarSlidingFriction as SlidingFriction
-from toolkit.loads.planar.friction import PlanarTurningFriction as TurningFriction
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.point_force import PointForce
-from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.planar.torque import Torque
+from typing import Any
 
-__all__ = [
-    *curves.__all__,
-    *responses.__all__,
-    "AngleController",
-    "AngleDriver",
-    "BodyPoint",
-    "Bushing",
-    "Cam",
-    "Distance",
-    "DistanceController",
-    "Flexible",
-    "Gear",
-    "Gravity",
-    "Point",
-    "PointForce",
-    "PositionController",
-    "PositionDriver",
-    "Rack",
-    "Revolute",
-    "Rigid",
-    "RigidJoint",
-    "Rod",
-    "RollingDisc",
-    "RotationalSpringDamper",
-    "Slider",
-    "SlidingFriction",
-    "SpringDamper",
-    "SwingCam",
-    "Torque",
-    "TurningFriction",
-]
+from toolkit.curves.catalogue import Curve
+from toolkit.description.point import BodyPoint, Point
+from toolkit.responses.catalogue import Response
+from toolkit.scene.kinds import kinds_of
+
+
+def parts_of_scenes(dimension: int) -> dict[str, type]:
+    """Public name -> class, of all that a scene in the plane (2) or in space (3) can be made of and that the toolkit brings."""
+    found: dict[str, type] = {"BodyPoint": BodyPoint, "Point": Point}
+    for group in (*kinds_of(dimension).values(), Response.kinds, Curve.kinds):
+        own = (kind for name, kind in group.items() if name != "ground" and kind.__module__.startswith("toolkit."))
+        found |= {kind.__name__.removeprefix("Planar").removeprefix("Spatial"): kind for kind in own}
+    return dict(sorted(found.items()))
+
+
+def missing(place: str, name: str, parts: dict[str, type]) -> AttributeError:
+    """Error for a name that is not there, which lists those that are."""
+    return AttributeError(f"{place} has no {name!r}; it has: {', '.join(parts)}")
+
+
+_PARTS = parts_of_scenes(2)
+__all__ = list(_PARTS)
+
+
+def __getattr__(name: str) -> Any:
+    """Class of a part of a scene, by its public name."""
+    if name in _PARTS:
+        return _PARTS[name]
+    raise missing("ffrf.plane", name, _PARTS)

@@ -1,75 +1,17 @@
-"""What a scene in space is made of: points, bodies, joints, loads, curves over time, responses."""
+"""What a scene in space is made of: points, bodies, joints, loads, curves over time, responses; see `ffrf.plane`."""
 
 from __future__ import annotations
 
-from toolkit.bodies.spatial.flexible import SpatialFlexible as Flexible
-from toolkit.bodies.spatial.rigid import SpatialRigid as Rigid
-from toolkit.bodies.spatial.rigid import SpatialRod as Rod
-from toolkit.description.point import BodyPoint, Point
-from toolkit.door import curves, responses
-from toolkit.door.curves import *  # noqa: F403
-from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
-from toolkit.joints.both.cam import SpatialCam as Cam
-from toolkit.joints.both.cam import SpatialSwingCam as SwingCam
-from toolkit.joints.both.distance import SpatialDistance as Distance
-from toolkit.joints.both.driver import SpatialAngleDriver as AngleDriver
-from toolkit.joints.both.driver import SpatialPositionDriver as PositionDriver
-from toolkit.joints.both.gear import SpatialGear as Gear
-from toolkit.joints.both.rack import SpatialRack as Rack
-from toolkit.joints.both.rigid_joint import SpatialRigidJoint as RigidJoint
-from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.point_on_plane import PointOnPlane
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute as Revolute
-from toolkit.joints.spatial.screw import Screw
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.spatial.bushing import SpatialBushing as Bushing
-from toolkit.loads.spatial.controllers import SpatialAngleController as AngleController
-from toolkit.loads.spatial.controllers import SpatialDistanceController as DistanceController
-from toolkit.loads.spatial.controllers import SpatialPositionController as PositionController
-from toolkit.loads.spatial.friction import SpatialSlidingFriction as SlidingFriction
-from toolkit.loads.spatial.friction import SpatialTurningFriction as TurningFriction
-from toolkit.loads.spatial.gravity import SpatialGravity as Gravity
-from toolkit.loads.spatial.point_force import SpatialPointForce as PointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper as RotationalSpringDamper
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper as SpringDamper
-from toolkit.loads.spatial.torque import SpatialTorque as Torque
+from typing import Any
 
-__all__ = [
-    *curves.__all__,
-    *responses.__all__,
-    "AngleController",
-    "AngleDriver",
-    "BodyPoint",
-    "Bushing",
-    "Cam",
-    "Cylindrical",
-    "Distance",
-    "DistanceController",
-    "Flexible",
-    "Gear",
-    "Gravity",
-    "Point",
-    "PointForce",
-    "PointOnPlane",
-    "PositionController",
-    "PositionDriver",
-    "Pressure",
-    "Prismatic",
-    "Rack",
-    "Revolute",
-    "Rigid",
-    "RigidJoint",
-    "Rod",
-    "RotationalSpringDamper",
-    "Screw",
-    "Spherical",
-    "SlidingFriction",
-    "SpringDamper",
-    "SwingCam",
-    "Torque",
-    "TurningFriction",
-    "Universal",
-]
+from toolkit.door.plane import missing, parts_of_scenes
+
+_PARTS = parts_of_scenes(3)
+__all__ = list(_PARTS)
+
+
+def __getattr__(name: str) -> Any:
+    """Class of a part of a scene, by its public name."""
+    if name in _PARTS:
+        return _PARTS[name]
+    raise missing("ffrf.space", name, _PARTS)

@@ -3,7 +3,7 @@
 With the multiplier mu of a step its gradient grows by mu^T (f_I I_x + f_A A_x). Some of that changes by the design, and not with time:
 
     matrices   mu^T (f_I dM a + f_A (dD v + dK q)), row by row, for TOGETHER steps at once: their states and multipliers are kept until then
-    points     of pins, z0 and Z of `marker_kernel`: mu^T (...) is linear in their derivatives, and what it multiplies them by is summed
+    points     of pins, z0 and Z of `markers.planar`: mu^T (...) is linear in their derivatives, and what it multiplies them by is summed
                over all steps, whatever the number of variables that move the point
 
 All else is summed up step by step and variable by variable.
@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import Changes
+from toolkit.foundation.compiled.rows import add_rows, filled_up
 from toolkit.foundation.kernel import copy, inlined, inner
-from toolkit.foundation.vectors.rows import add_rows, filled_up
-from toolkit.joints.kernels.planar.pin_kernel import pull_pin
+from toolkit.joints.kernels.planar_pin import pull_pin
 
 TOGETHER = 16
 """Steps whose changes of matrices are summed up at once: two vectors of numbers."""

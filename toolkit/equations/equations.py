@@ -14,17 +14,17 @@ import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import Constant, constant_design, constant_jacobian, constant_residual
 from toolkit.bodies.kernels.inertia import add_drag, add_drag_design, moving_design, moving_linearized, moving_residual
-from toolkit.bodies.kernels.planar.floating_kernel import Floating
-from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating, is_mixed, parts_of
+from toolkit.bodies.kernels.planar_floating import Floating
+from toolkit.bodies.kernels.spatial_floating import SpatialFloating, is_mixed, parts_of
 from toolkit.foundation.compiled.calls import by_value
 from toolkit.foundation.kernel import copy, inlined, kernel
 from toolkit.joints.kernels.all_joints import add_joint_designs, add_joints
 from toolkit.joints.kernels.records import Joints
 from toolkit.loads.kernels.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
 from toolkit.loads.kernels.pressure_kernel import Pressures, add_pressure_designs, add_pressures
-from toolkit.markers.planar.marker_kernel import Markers
+from toolkit.markers.planar import Markers
 from toolkit.markers.poses import set_frames, update_pose_designs, update_poses
-from toolkit.markers.spatial.marker_kernel import SpatialMarkers
+from toolkit.markers.spatial import SpatialMarkers
 
 
 class Plan(NamedTuple):
@@ -88,7 +88,7 @@ class Inputs(NamedTuple):
     curves: np.ndarray  # (n_curves, 3)
     curves_x: np.ndarray  # (n_d, 3)
     scale: float
-    levels: np.ndarray  # (k_2, k_1, k_0), see `joints.kernels.planar.joint_kernel`
+    levels: np.ndarray  # (k_2, k_1, k_0), see `joints.kernels.planar_joint`
     inertia: bool
     joints_only: bool
 

@@ -7,52 +7,54 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from types import FunctionType
 from typing import Any
 
 import numba
-from numba import config
-from numba.core.errors import NumbaExperimentalFeatureWarning
-from numba.core.registry import CPUDispatcher
+from numba import NumbaExperimentalFeatureWarning, config
+from numba.extending import is_jitted
 
+from toolkit.foundation.compiled import public_parts
 from toolkit.foundation.compiled.compiled_code import CompiledCode
-from toolkit.foundation.compiled.formula_compiler import FormulaCompiler
-from toolkit.foundation.compiled.inner_formula import InnerFormula
 from toolkit.foundation.compiled.packed import Formula
+from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.rare_collections import rare_collections
 
-SETTINGS = {"error_model": "numpy", "_nrt": False, "forceinline": False}
+if not PUBLIC_ONLY:
+    from toolkit.foundation.compiled.numba_parts import FormulaCompiler, InnerFormula
+
+SETTINGS = {"error_model": "numpy", "_nrt": False, "forceinline": False, "no_cfunc_wrapper": True}
 """Settings of numba for all formulas; one that did not say whether it becomes part of its callers would take that from the first
 of them."""
 
 
-def kernel(function: Callable) -> CPUDispatcher:
+def kernel(function: Callable) -> Callable:
     """Decorator of a formula that Python calls: compiled on first use, kept on disk, callable by other kernels too.
 
     Kernels allocate nothing, so they are compiled without numba's reference counting (`_nrt`): measured, that doubles the speed of
     the step loop and halves the time to compile it. Other kernels take it as an inner formula: code that Python can enter is made for
     those alone that Python enters.
     """
-    entrance = _compiled(function, no_cfunc_wrapper=True)
-    if isinstance(entrance, CPUDispatcher):
+    entrance = _compiled(function)
+    if is_jitted(entrance) and not PUBLIC_ONLY:
         within: Any = _inner(function)
         entrance.__dict__.update(get_call_template=within.get_call_template, get_overload=within.get_overload)
     return entrance
 
 
-def loop(function: Callable) -> CPUDispatcher:
+def loop(function: Callable) -> Callable:
     """Decorator of a kernel that runs for long: other threads of Python go on meanwhile, as its arrays belong to one run alone."""
-    return _compiled(function, nogil=True, no_cfunc_wrapper=True)
+    return _compiled(function, nogil=True)
 
 
-def inner(function: Callable) -> CPUDispatcher:
+def inner(function: Callable) -> Callable:
     """Decorator of a formula that only other kernels call; without an entrance from Python it compiles faster."""
     return _inner(function)
 
 
-def inlined(function: Callable) -> CPUDispatcher:
+def inlined(function: Callable) -> Callable:
     """Decorator of an inner formula that becomes part of its callers, where passing on many arguments would cost more than it does.
 
     Measured, it doubles the speed of small mechanisms, and takes a third more time to compile; so it is kept to what runs most.
@@ -60,14 +62,19 @@ def inlined(function: Callable) -> CPUDispatcher:
     return _inner(function, forceinline=True)
 
 
-def _inner(function: Callable, **options: bool) -> CPUDispatcher:
-    made: Any = function if config.DISABLE_JIT else InnerFormula(function, SETTINGS | options)  # type: ignore[attr-defined]
-    return made
+def _inner(function: Callable, **options: bool) -> Callable:
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return function
+    if PUBLIC_ONLY:
+        return public_parts.compiled(function)
+    return InnerFormula(function, SETTINGS | options, partial(CompiledCode, inner=True))
 
 
-def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
+def _compiled(function: Callable, **options: bool) -> Callable:
+    if PUBLIC_ONLY:
+        return public_parts.compiled(function, **options)
     dispatcher: Any = numba.njit(function, pipeline_class=FormulaCompiler, **SETTINGS | options)  # type: ignore[call-overload]
-    if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
+    if is_jitted(dispatcher):  # not where numba is switched off
         dispatcher._cache = CompiledCode(dispatcher)  # type: ignore[attr-defined]
     return dispatcher
 
@@ -83,7 +90,7 @@ def copy(source, target):
         target[i] = source[i]
 
 
-def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
+def slots(functions: list[Callable], signature: Any) -> tuple:
     """Functions as the fixed-length tuple of one type that the compiled loop accepts.
 
     Raises
@@ -100,24 +107,28 @@ def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
 
 
 @cache
-def first_class(function: CPUDispatcher, signature: Any) -> Any:
+def first_class(function: Callable, signature: Any) -> Any:
     """A kernel compiled for one signature, as an argument for other kernels, compiled without its code."""
-    if not isinstance(function, CPUDispatcher):
+    if not is_jitted(function):
         return function
+    if PUBLIC_ONLY:
+        return public_parts.first_class(function, signature)
+    kernel: Any = function
     with warnings.catch_warnings(), rare_collections():
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-        function.compile(signature)
-        return Formula(function.get_compile_result(signature))
+        kernel.compile(signature)
+        return Formula(kernel.get_compile_result(signature))
 
 
 @cache
-def plain(function: CPUDispatcher) -> FunctionType:
+def plain(function: Callable) -> Callable:
     """Formula as plain Python, together with every kernel that it calls; it takes complex arrays."""
-    if not isinstance(function, CPUDispatcher):
+    if not is_jitted(function):
         return function
-    source = function.py_func
+    kernel: Any = function
+    source: FunctionType = kernel.py_func
     names = {name: value for name, value in source.__globals__.items() if name in source.__code__.co_names}
-    called = {name: plain(value) for name, value in names.items() if isinstance(value, CPUDispatcher) and value is not function}
+    called = {name: plain(value) for name, value in names.items() if is_jitted(value) and value is not function}
     result = FunctionType(source.__code__, {**source.__globals__, **called}, source.__name__, source.__defaults__)
     result.__doc__ = source.__doc__
     return result

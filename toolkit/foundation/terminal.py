@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import errno
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
 
 from toolkit.foundation.errors import ToolkitError, out_of_memory, refusal
+from toolkit.foundation.verdict import finite
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""
@@ -30,9 +31,9 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no r
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 
 
-def print_json(record: dict[str, Any]) -> None:
-    """Print one JSON object; everything in it is finite or null."""
-    typer.echo(json.dumps(record, indent=2, allow_nan=False))
+def print_json(record: Mapping[str, Any]) -> None:
+    """Print one JSON object; numbers in it that are not finite become null."""
+    typer.echo(json.dumps(finite(record), indent=2, allow_nan=False))
 
 
 UsageError: Any = typer.BadParameter.__base__

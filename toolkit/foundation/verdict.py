@@ -2,44 +2,29 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from pkgutil import walk_packages
+from typing import Any, Generic, ParamSpec
 
 PAGE = "docs/doubts.md"
 """The page with all codes of cautions."""
 REGISTRY = Path(__file__).with_name("codes.toml")
-"""File that the page is made from: one line for each code."""
+"""File with the codes that studies and commands tell: one line for each."""
+ROOM = "toolkit.validity"
+"""Room whose modules hold the checks of scenes and runs; a new file there is enough."""
+MOTION, REST, SPIN, SCENE = "motion", "equilibrium at rest", "steady spin", "scene"
+"""What a check can apply to: a kind of solution, or what is written."""
+STATES = (MOTION, REST, SPIN)
+"""All kinds of solutions."""
 
-
-@dataclass(frozen=True)
-class Code:
-    """Meaning of one code of cautions.
-
-    Attributes
-    ----------
-    means
-        What was found where a caution has this code.
-    limit
-        From which size on it is said.
-    remedy
-        What helps.
-    """
-
-    means: str
-    limit: str
-    remedy: str
-
-
-@cache
-def codes() -> Mapping[str, Code]:
-    """All codes that cautions can have, and the meaning of each."""
-    import tomllib
-
-    return {code: Code(**row) for code, row in tomllib.loads(REGISTRY.read_text(encoding="utf-8")).items()}
+P = ParamSpec("P")
 
 
 @dataclass(frozen=True)
@@ -65,6 +50,101 @@ class Caution:
     doubt: bool = True
     body: str = field(default="", compare=False)
     part: float = field(default=math.inf, compare=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Check(Generic[P]):
+    """One kind of caution: what it means, from which size on it is said, what helps, and the function that measures it.
+
+    Attributes
+    ----------
+    code
+        Code of its cautions.
+    means
+        What was found where a caution has this code.
+    limit
+        From which size on it is said, and why.
+    remedy
+        What helps.
+    applies_to
+        Which of `STATES` are checked, or `SCENE`; empty of a check that others call.
+    measure
+        Function that yields cautions: of a solution, or of a scene. None of codes in `REGISTRY`.
+    each_design
+        Whether every design of a map is checked by itself: of what grows exponentially, designs nearby say nothing.
+    by_result
+        Whether a result checks it by its responses, so that it is not asked of the states beside them.
+    """
+
+    code: str
+    means: str
+    limit: str
+    remedy: str
+    applies_to: Sequence[str] = ()
+    measure: Callable[P, Iterable[Caution]] | None = None
+    each_design: bool = False
+    by_result: bool = False
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Iterable[Caution]:
+        """Cautions that the check's function finds."""
+        assert self.measure is not None
+        return self.measure(*args, **kwargs)
+
+    def caution(self, text: str, doubt: bool = True, body: str = "", part: float = math.inf) -> Caution:
+        """A caution of this kind, see `Caution`."""
+        return Caution(self.code, text, doubt, body, part)
+
+    @property
+    def fix(self) -> str:
+        """Sentence with the remedy, for messages."""
+        return f"Fix: {self.remedy[:1].lower()}{self.remedy[1:]}".replace("`", "")
+
+
+_CHECKS: list[Check[Any]] = []
+
+
+def check(
+    code: str, applies_to: Sequence[str] = (), each_design: bool = False, by_result: bool = False
+) -> Callable[[Callable[P, Iterable[Caution]]], Check[P]]:
+    """Make a check of a function that yields cautions, and register it.
+
+    Its docstring begins with what was found. Paragraphs that begin with `Limit:` and `Fix:` say from which size on it is said, and what
+    helps. They stand once for every code: a second function with the same code leaves them out.
+    """
+
+    def register(measure: Callable[P, Iterable[Caution]]) -> Check[P]:
+        text = inspect.cleandoc(measure.__doc__ or "")
+        said = dict(re.findall(r"^(Limit|Fix): (.*?)(?=\n\n|\nFix: |\Z)", text, re.MULTILINE | re.DOTALL))
+        means, limit, fix = (
+            " ".join(each.split()) for each in (text.partition("\n\n")[0], said.get("Limit", ""), said.get("Fix", ""))
+        )
+        remedy = f"{fix[:1].upper()}{fix[1:]}"
+        found = Check(code, means, limit.removesuffix("."), remedy, applies_to, measure, each_design, by_result)
+        _CHECKS.append(found)
+        return found
+
+    return register
+
+
+@cache
+def _discover() -> None:
+    for found in walk_packages(import_module(ROOM).__path__, f"{ROOM}."):
+        import_module(found.name)
+
+
+def checks() -> list[Check[Any]]:
+    """All checks of scenes and runs: those of one kind of solution before those of all, then in the order of their modules."""
+    _discover()
+    return sorted(_CHECKS, key=lambda each: (len(each.applies_to), str(each.measure.__module__)))
+
+
+def codes() -> Mapping[str, Check[Any]]:
+    """All codes that cautions can have in the order of the alphabet, and the meaning of each."""
+    import tomllib
+
+    told = {code: Check(code, **row) for code, row in tomllib.loads(REGISTRY.read_text(encoding="utf-8")).items()}
+    told |= {each.code: each for each in checks() if each.limit}
+    return dict(sorted(told.items()))
 
 
 @dataclass(frozen=True)
@@ -118,9 +198,10 @@ class Verdict:
         return tuple(dict.fromkeys(each.code for each in self.warnings))
 
     @property
-    def explained(self) -> dict[str, Code]:
+    def explained(self) -> dict[str, Check[Any]]:
         """Code of each caution -> what it means, from which size on it is said, and what helps."""
-        return {code: codes()[code] for code in self.codes if code in codes()}
+        known = codes()
+        return {code: known[code] for code in self.codes if code in known}
 
     def record(self) -> dict[str, Any]:
         """Keys of a JSON object: what was measured, `verdict` and `warnings`; a number that does not exist is None."""
@@ -135,4 +216,6 @@ def finite(value: Any) -> Any:
     """The same value, with None for numbers that JSON does not know."""
     if isinstance(value, Mapping):
         return {key: finite(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(each) for each in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -6,8 +6,10 @@ from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
+import numpy as np
+
+from toolkit.description.description import Scalar
 from toolkit.joints.rows import Form, Row, Vector, angle
 
 
@@ -67,11 +69,11 @@ class Poses:
     def turned(self) -> Row:
         """Row of the rotation of marker a against marker b, in space about the joint's axis."""
 
-    def on_axis(self, j: int, name: str, offset: Any = 0.0) -> Row:
+    def on_axis(self, j: int, name: str, offset: Scalar = 0.0) -> Row:
         """Axis e_j of marker b . (r_a - r_b) - offset = 0."""
         return Row(name, "length", (self.a.r - self.b.r) @ self.b.e(j) - offset)
 
-    def apart(self, length: Any) -> Row:
+    def apart(self, length: Scalar) -> Row:
         """(d . d / L - L) / 2 = 0 with d = r_a - r_b: its multiplier is the force of a rod of length L."""
         d = self.a.r - self.b.r
         return Row("distance", "length", d @ d * (0.5 / length) - length / 2)
@@ -132,7 +134,7 @@ class SpacePoses(Poses):
         return angle(name, cosine=a.e(1) @ b.e(1), sine=a.e(1) @ b.e(2))
 
 
-def plane_poses(axes: Any = None) -> PlanePoses:
+def plane_poses(axes: np.ndarray | None = None) -> PlanePoses:
     """Poses in the plane: vectors 0 to 5 are r, e_1, e_2 of a and of b, 6 is r_a - r_b, numbers 0 to 5 are x, y, angle of a and of b.
 
     `axes` (2, 2) has the axes of both markers in the undeformed configuration as columns.

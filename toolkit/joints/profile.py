@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache, wraps
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from toolkit.curves.curve import Curve
+from toolkit.description.description import Scalar
 from toolkit.foundation.errors import InputError
 from toolkit.joints.kernels.profile import DEGREE, PIECE
 from toolkit.joints.rows import Form
@@ -66,7 +67,7 @@ def profile_form(curve: Curve) -> Form:
     """
     start = curve.evaluate(np.zeros(1))[0, 0]
     largest = np.abs(np.real(curve.evaluate(np.linspace(0, TURN, 721))[:, 0] - start)).max()
-    widest, numbers = min((WIDEST, *(OF_PERIOD * period for period in curve.periods()))), list[Any]()
+    widest, numbers = min((WIDEST, *(OF_PERIOD * period for period in curve.periods()))), list[Scalar]()
     for begin, end in pairwise(_bounds(curve)):
         count = max(1, int(np.ceil(np.real(end - begin) / widest - CLOSE)))
         while (found := _pieces(curve, start, begin, end, count))[1] > ERROR * largest:
@@ -78,7 +79,7 @@ def profile_form(curve: Curve) -> Form:
     return Form(linear=tuple((0, number) for number in numbers))
 
 
-def _pieces(curve: Curve, start: Any, begin: Any, end: Any, count: int) -> tuple[list[Any], float]:
+def _pieces(curve: Curve, start: Scalar, begin: Scalar, end: Scalar, count: int) -> tuple[list[Scalar], float]:
     """Numbers of `count` pieces of equal length, and their largest error."""
     half = (end - begin) / count / 2
     middles = begin + half * (2 * np.arange(count) + 1)
@@ -115,10 +116,10 @@ def _turn(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
     return np.real(curve.evaluate(np.array([0.0, TURN]))), largest
 
 
-def _bounds(curve: Curve) -> list[Any]:
+def _bounds(curve: Curve) -> list[Scalar]:
     """Beginning and end of one turn, and corners of the curve between them."""
     corners = sorted((c for c in curve.corners() if CLOSE < np.real(c) < TURN - CLOSE), key=np.real)
-    bounds: list[Any] = [0.0]
+    bounds: list[Scalar] = [0.0]
     for corner in corners:
         if np.real(corner - bounds[-1]) > CLOSE:
             bounds.append(corner)

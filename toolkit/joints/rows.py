@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
+from toolkit.description.description import Scalar
 from toolkit.joints.kernels.laws import angle_law
 
 BETWEEN = 6
@@ -22,13 +23,13 @@ class Form:
     Forms are added, subtracted, and multiplied by numbers; what is made that way has the same terms whatever the numbers are.
     """
 
-    constant: Any = 0.0
-    linear: tuple[tuple[int, Any], ...] = ()
-    pairs: tuple[tuple[int, int, Any], ...] = ()
+    constant: Scalar = 0.0
+    linear: tuple[tuple[int, Scalar], ...] = ()
+    pairs: tuple[tuple[int, int, Scalar], ...] = ()
 
     __array_ufunc__ = None  # numbers of numpy leave the arithmetic to the form
 
-    def __add__(self, other: Any) -> Form:
+    def __add__(self, other: Form | Scalar) -> Form:
         if not isinstance(other, Form):
             return Form(self.constant + other, self.linear, self.pairs)
         return Form(
@@ -42,23 +43,23 @@ class Form:
     def __neg__(self) -> Form:
         return self * -1.0
 
-    def __sub__(self, other: Any) -> Form:
+    def __sub__(self, other: Form | Scalar) -> Form:
         return self + -other
 
-    def __rsub__(self, other: Any) -> Form:
+    def __rsub__(self, other: Form | Scalar) -> Form:
         return -self + other
 
-    def __mul__(self, factor: Any) -> Form:
+    def __mul__(self, factor: Scalar) -> Form:
         linear = tuple((place, value * factor) for place, value in self.linear)
         return Form(self.constant * factor, linear, tuple((i, j, value * factor) for i, j, value in self.pairs))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, divisor: Any) -> Form:
+    def __truediv__(self, divisor: Scalar) -> Form:
         return self * (1 / divisor)
 
     @property
-    def numbers(self) -> list[Any]:
+    def numbers(self) -> list[Scalar]:
         """Numbers of the form: its constant, the values of its linear terms and those of its pairs."""
         return [self.constant, *(value for *_, value in self.linear), *(value for *_, value in self.pairs)]
 
@@ -71,7 +72,7 @@ class Vector:
     the origin. `position` marks what it is made of.
     """
 
-    parts: tuple[tuple[int, int, Any], ...]
+    parts: tuple[tuple[int, int, Scalar], ...]
     size: int
     position: bool = False
 
@@ -86,7 +87,7 @@ class Vector:
             return Vector(((BETWEEN, BETWEEN, 1.0 if self.parts[0][0] == 0 else -1.0),), self.size)
         return self + other * -1.0
 
-    def __mul__(self, factor: Any) -> Vector:
+    def __mul__(self, factor: Scalar) -> Vector:
         return Vector(tuple((vector, place, value * factor) for vector, place, value in self.parts), self.size)
 
     __rmul__ = __mul__
@@ -98,12 +99,12 @@ class Vector:
         return Form(linear=tuple((place + c, factor) for _, place, factor in self._ends))
 
     @property
-    def _ends(self) -> tuple[tuple[int, int, Any], ...]:
+    def _ends(self) -> tuple[tuple[int, int, Scalar], ...]:
         """Parts of the vector, with both positions in the place of their difference."""
         found = [[part] if part[0] != BETWEEN or self.size > 2 else [(0, 0, part[2]), (3, 3, -part[2])] for part in self.parts]
         return tuple(part for each in found for part in each)
 
-    def __matmul__(self, other: Any) -> Form:
+    def __matmul__(self, other: Vector | Scalar) -> Form:
         """Scalar product with a vector of the poses or with numbers, as a form."""
         if not isinstance(other, Vector):
             return sum((self[c] * other[c] for c in range(self.size)), Form())
@@ -113,9 +114,9 @@ class Vector:
         return Form(pairs=tuple((i, j, value) for (i, j), value in _united(pairs)))
 
 
-def _united(terms: Iterable[tuple]) -> list[tuple[tuple, Any]]:
+def _united(terms: Iterable[tuple]) -> list[tuple[tuple, Scalar]]:
     """Terms with those of the same places united to one, in the order in which they come up first."""
-    found: dict[tuple, Any] = {}
+    found: dict[tuple, Scalar] = {}
     for *places, value in terms:
         found[tuple(places)] = found[tuple(places)] + value if tuple(places) in found else value
     return list(found.items())
@@ -137,7 +138,7 @@ class Row:
 
     name: str
     quantity: RowQuantity
-    form: Form | tuple[Any, ...]
+    form: Form | tuple[Scalar, ...]
     law: Any = None
 
     @property
@@ -157,6 +158,6 @@ def forms_of(rows: Iterable[Row]) -> list[Form]:
     return [form for row in rows for form in row.forms]
 
 
-def row_numbers(rows: Iterable[Row]) -> list[Any]:
+def row_numbers(rows: Iterable[Row]) -> list[Scalar]:
     """Numbers of all forms of all rows, in order."""
     return [number for form in forms_of(rows) for number in form.numbers]

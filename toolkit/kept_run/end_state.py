@@ -15,8 +15,7 @@ from toolkit.description.description import numbers_below
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.hdf5 import Content, reading
 from toolkit.kept_run import layout
-from toolkit.kept_run.about import About
-from toolkit.kept_run.layout import READABLE, SCHEMA, STATES, ResultsFileError, damaged
+from toolkit.kept_run.layout import READABLE, SCHEMA, STATES, About, ResultsFileError, damaged
 
 GROUPS = ("points", "bodies", "joints", "loads")
 """Tables of a scene whose numbers can be design variables."""

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from toolkit.foundation.compiled.rows import add_rows
 from toolkit.foundation.kernel import inner
-from toolkit.foundation.vectors.rows import add_rows
 
 
 class Factored(NamedTuple):

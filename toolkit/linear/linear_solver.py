@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.foundation.compiled.rows import add_rows, filled_up
 from toolkit.foundation.kernel import copy, inner, kernel
-from toolkit.foundation.vectors.rows import add_rows, filled_up
 from toolkit.linear.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
 from toolkit.linear.factored_matrix import add_factored_block
 from toolkit.linear.sparse_analysis import LUPlan

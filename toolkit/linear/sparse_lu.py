@@ -26,8 +26,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.foundation.compiled.rows import subtract_multiples
 from toolkit.foundation.kernel import inlined, inner, kernel
-from toolkit.foundation.vectors.rows import subtract_multiples
 from toolkit.linear.sparse_analysis import TOGETHER, LUPlan
 
 

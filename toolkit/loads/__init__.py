@@ -1,1 +1,1 @@
-"""Loads: forces between two markers, and the time curves that scale them."""
+"""Loads: forces and torques between two markers, weight, and pressure; one kind per file, in the plane and in space."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
-from toolkit.description.description import Number
+from toolkit.description.description import Description, Number, Pair, Triple
 from toolkit.description.quantity import Quantity
-from toolkit.loads.load import AnyLoad
+from toolkit.loads.load import AnyPlanarLoad, AnySpatialLoad
 
 
-class UniformGravity(AnyLoad):
+class UniformGravity(Description):
     """Acceleration of gravity on all bodies; part of the constant forces, so it costs nothing where a scene has none.
 
     Attributes
@@ -18,6 +18,19 @@ class UniformGravity(AnyLoad):
         g_x, g_y, in space g_z, in length/time^2.
     """
 
-    proportional = ("acceleration",)
+    kind: ClassVar[str] = "gravity"
+    proportional: ClassVar[tuple[str, ...]] = ("acceleration",)
 
     acceleration: Annotated[tuple[Number, ...], Quantity("length/time^2")]
+
+
+class Gravity(UniformGravity, AnyPlanarLoad):
+    __doc__ = UniformGravity.__doc__
+
+    acceleration: Annotated[Pair, Quantity("length/time^2")]
+
+
+class SpatialGravity(UniformGravity, AnySpatialLoad):
+    __doc__ = UniformGravity.__doc__
+
+    acceleration: Annotated[Triple, Quantity("length/time^2")]

@@ -1,15 +1,18 @@
-"""The one protocol of joints and loads: which bodies they grip where, their parameters, and their compiled formula."""
+"""Components between two bodies: which bodies joints and loads grip where, their parameters, their axes, and their compiled formula."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any, ClassVar, Protocol
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar, Protocol
 
 import numpy as np
-from numba.core.registry import CPUDispatcher
+from pydantic import field_validator
 
 from toolkit.curves.curve import Curve
-from toolkit.description.description import InSpace
+from toolkit.description.description import Description, InSpace, Pair, Scalar, Triple
+from toolkit.description.quantity import Quantity
+from toolkit.kinematics.spatial import axes_along
 
 Place = str | tuple[str, str]
 """A point that both bodies share, or each body's own point, where two flexible bodies meet."""
@@ -34,12 +37,12 @@ class Component(InSpace):
     enter the formula as arguments behind the two poses, so that their design derivatives come with the formula's. Joints state rows.
     """
 
-    formula: ClassVar[CPUDispatcher]
+    formula: ClassVar[Callable]
     stated_by: ClassVar[str] = "formula"
     """Name of the attribute by which a kind of component states its law."""
 
     @classmethod
-    def law(cls) -> CPUDispatcher:
+    def law(cls) -> Callable:
         """Compiled formula of the component's law.
 
         Reached through an instance it would be bound to it, another one for each component.
@@ -52,7 +55,7 @@ class Component(InSpace):
         """Points that the component grips: (body, point) of marker a and of marker b."""
 
     @abstractmethod
-    def parameters(self, scene: Skeleton) -> list[Any]:
+    def parameters(self, scene: Skeleton) -> list[Scalar]:
         """Parameters of the component, real or complex.
 
         They are the numbers behind the two poses in the formula's arguments, of a joint those of its rows.
@@ -81,3 +84,46 @@ class Component(InSpace):
                 "as the neighbouring files do; a derivative that nobody wrote must not pass for zero."
             )
         super().__pydantic_init_subclass__(**kwargs)
+
+
+class AboutAxis(Description):
+    """Base of components about or along an axis; it is the third axis of both markers.
+
+    Attributes
+    ----------
+    axis
+        Direction of the axis in the undeformed configuration, of any length.
+    """
+
+    axis: Annotated[Triple, Quantity("none")]
+
+    @field_validator("axis")
+    @classmethod
+    def _not_zero(cls, axis: Triple) -> Triple:
+        if not any(axis):
+            raise ValueError("an axis needs a direction, for example [0, 0, 1]")
+        return axis
+
+    @property
+    def axes(self) -> np.ndarray:
+        """Axes of the markers, (3, 3) as columns, the third one along the axis."""
+        return axes_along(self.axis)
+
+
+class AlongAxis(Description):
+    """Base of components along an axis fixed in body b; the axis is given in the undeformed configuration.
+
+    Attributes
+    ----------
+    axis
+        Direction of the axis in the undeformed configuration, of any length.
+    """
+
+    axis: Annotated[Pair, Quantity("none")] = (1.0, 0.0)
+
+    @field_validator("axis")
+    @classmethod
+    def _not_zero(cls, axis: Pair) -> Pair:
+        if axis == (0.0, 0.0):
+            raise ValueError("an axis needs a direction, for example [1, 0]")
+        return axis

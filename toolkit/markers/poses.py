@@ -5,12 +5,22 @@ Of `plane` and `frames` (`markers.plane`, `markers.frames`) one is None, and num
 
 from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.kinematics.spatial import update_frames
-from toolkit.markers.planar.marker_design import update_marker_designs
-from toolkit.markers.planar.marker_forces import add_force, add_force_design, add_geometric_stiffness
-from toolkit.markers.planar.marker_kernel import known_turn, update_markers, update_places
-from toolkit.markers.spatial.marker_design import update_spatial_marker_designs
-from toolkit.markers.spatial.marker_forces import add_spatial_force, add_spatial_force_design, add_spatial_stiffness
-from toolkit.markers.spatial.marker_kernel import update_spatial_markers
+from toolkit.markers.planar import (
+    add_force,
+    add_force_design,
+    add_geometric_stiffness,
+    known_turn,
+    update_marker_designs,
+    update_markers,
+    update_places,
+)
+from toolkit.markers.spatial import (
+    add_spatial_force,
+    add_spatial_force_design,
+    add_spatial_stiffness,
+    update_spatial_marker_designs,
+    update_spatial_markers,
+)
 
 
 @kernel
@@ -63,7 +73,7 @@ def add_pose_force(plane, frames, markers, state, m, force, factor, residual):
 
 @inlined
 def add_pose_stiffness(plane, frames, markers, state, m, force, factor, positions, stride, offset, values):
-    """Add factor * d(B^T F)/dq at constant F to the values, see `marker_forces`."""
+    """Add factor * d(B^T F)/dq at constant F to the values, see `add_geometric_stiffness` and `add_spatial_stiffness`."""
     if plane is not None:
         add_geometric_stiffness(markers, state, m, force, factor, positions, stride, offset, values)
     if frames is not None:

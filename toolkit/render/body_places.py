@@ -14,7 +14,7 @@ from toolkit.render.moment import Moment
 _PLACES = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])
 """Parts of a body's length at which its name may stand."""
 _FREE, _SEEN = 0.25, 200
-"""Distance to others from which on no place is better, in lengths of the body; points in the scene's size by which lines are seen."""
+"""Distance to others from which on no place is better, in lengths of the body; points in the model size by which lines are seen."""
 
 
 def body_places(

@@ -17,7 +17,7 @@ from toolkit.system.solution import Solution
 Panels = list[tuple[str, str, dict[str, np.ndarray]]]
 """Panels of a figure: title, physical quantity, and values over time by name."""
 SEEN = 1e-9
-"""A rotation in rad, or a way in parts of the scene's size, below which curves are zero: round-off."""
+"""A rotation in rad, or a way in parts of the model size, below which curves are zero: round-off."""
 EVEN = 1e-6
 """A change that no curve shows, in parts of the values."""
 HIDDEN = 1e-3

@@ -12,19 +12,18 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.joints.both.tie import Tie
-from toolkit.joints.joint import Joint
-from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.joints.joint import AtPoint, AtPoints, BetweenPoints, Joint
+from toolkit.joints.rigid_joint import Tie
+from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 
 T = TypeVar("T")
 AT_ONE_PLACE = (AtPoint, SpatialTorque)
 """Components whose points on both bodies are at one place, or that nothing stretches between."""
 POINT = 1e-6
-"""Parts of the scene's size below which a body is a point, and two points are one."""
+"""Parts of the model size below which a body is a point, and two points are one."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +42,8 @@ class Moment(ABC):
         return found
 
     @property
-    def scene(self) -> Scene:
-        """Scene that was solved."""
+    def scene(self) -> ResolvedScene:
+        """ResolvedScene that was solved."""
         return self.solution.system.scene
 
     @property

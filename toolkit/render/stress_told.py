@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.responses.stress.stress import stress_components
 from toolkit.responses.stress.von_mises import point_stress
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 
@@ -36,7 +36,7 @@ def largest_stress(solution: Solution) -> np.ndarray:
     return np.asarray(np.max(every, axis=0))
 
 
-def round_off(scene: Scene, body: str) -> float:
+def round_off(scene: ResolvedScene, body: str) -> float:
     """Stress below which it counts as zero: of a strain that is round-off in the stiffest material that the model names."""
     nominal = scene.model(flexible_body(scene, body).model).nominal
     return STRAIN * max((float(value) for name, value in nominal.items() if "youngs_modulus" in name), default=0.0)

@@ -17,19 +17,18 @@ from toolkit.render.pictures import chosen_steps
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look, choose_look, drawn_points
 from toolkit.results.results import Results
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.sensitivity.certificate.certificate import Certificate, compare
-from toolkit.sensitivity.clock import repeated
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import Kind
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.drift import largest_drift
 from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
 
 
 class Monitors(NamedTuple):
-    """Energies in the scene's unit, and at every time the drift (n_t,), relative to the scene's size (or in rad)."""
+    """Energies in the scene's unit, and at every time the drift (n_t,), relative to the model size (or in rad)."""
 
     energy: EnergyBalance
     drift: np.ndarray
@@ -70,11 +69,11 @@ class Material:
 
     solution: Solution
     results: Results
-    judges: Mapping[str, Result] = field(default_factory=dict)
+    judges: Mapping[str, Run] = field(default_factory=dict)
     certificate: Certificate | None = None
 
     @property
-    def scene(self) -> Scene:
+    def scene(self) -> ResolvedScene:
         """Scene that was solved."""
         return self.solution.system.scene
 
@@ -128,8 +127,8 @@ def judge(material: Material, progress: Progress, everything: bool = False) -> M
     if not names:
         return material
 
-    def run(method: str) -> Result:
-        return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total), clock=repeated)
+    def run(method: str) -> Run:
+        return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total), timed=True)
 
     effort = max(material.solution.steps, 1) * material.solution.system.n * len(names)
     quick = {"complex-step": effort <= AFFORDABLE}
@@ -146,10 +145,10 @@ def judge(material: Material, progress: Progress, everything: bool = False) -> M
     return Material(material.solution, material.results, judges, _certificate(material, kind, judges, progress))
 
 
-def _certificate(material: Material, kind: Kind, judges: Mapping[str, Result], progress: Progress) -> Certificate | None:
+def _certificate(material: Material, kind: Kind, judges: Mapping[str, Run], progress: Progress) -> Certificate | None:
     """Certificate of gradients from direct differentiation, where a complex step was affordable; None otherwise."""
     results, stepped = material.results, judges.get("complex-step")
     if stepped is None or results.method != "direct" or not results.gradients:
         return None
-    exact = Result(results.responses, results.response_units, results.gradients, "direct", material.solution, 0.0, 0.0)
+    exact = Run(results.responses, results.response_units, results.gradients, "direct", material.solution, 0.0, 0.0)
     return compare(exact, kind, stepped.gradients, lambda done, total: progress("certificate", done, total))

@@ -15,7 +15,7 @@ from string import Template
 from typing import Any, NamedTuple
 
 from toolkit.render.round_numbers import MINUS
-from toolkit.report.tables import Table
+from toolkit.report.answer import Table
 
 DASH = "\N{EN DASH}"
 LONG = 40

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from toolkit.description.design import label
 from toolkit.foundation.units import unit
+from toolkit.report.answer import Table
 from toolkit.report.material import Material
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import KSStress
-from toolkit.results.csv_tables import write_csv
 from toolkit.scene_file.gradient_units import per, variable_unit
 
 AGGREGATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -27,31 +24,11 @@ _JUDGES = {
 """Sentences on the methods that gradients are compared with."""
 
 
-@dataclass(frozen=True)
-class Table:
-    """Table of a report: rows of numbers and words under a head."""
-
-    name: str
-    title: str
-    caption: str
-    head: Sequence[str]
-    rows: Sequence[Sequence[Any]]
-
-    def save(self, folder: Path) -> Path:
-        """Write the table as CSV with all digits."""
-        return write_csv(folder / f"{self.name}.csv", self.head, self.rows)
-
-    def record(self) -> dict[str, Any]:
-        """Table as a record for JSON; numbers that are not finite become None."""
-        rows = [[None if isinstance(x, float) and not np.isfinite(x) else x for x in row] for row in self.rows]
-        return {"title": self.title, "head": list(self.head), "rows": rows}
-
-
 def response_table(material: Material) -> Table:
     """Values of all responses."""
     results = material.results
     rows = [[name, value, results.response_units[name]] for name, value in results.responses.items()]
-    return Table("responses", "Responses", "Value of every response of the scene.", ["response", "value", "unit"], rows)
+    return Table(["response", "value", "unit"], rows, "responses", "Responses", "Value of every response of the scene.")
 
 
 def variable_table(material: Material) -> Table:
@@ -60,7 +37,7 @@ def variable_table(material: Material) -> Table:
         [n, label(each), each["value"], variable_unit(material.scene, each["path"])]
         for n, each in material.results.variables.items()
     ]
-    return Table("variables", "Design variables", "What the derivatives are by.", ["variable", "path", "value", "unit"], rows)
+    return Table(["variable", "path", "value", "unit"], rows, "variables", "Design variables", "What the derivatives are by.")
 
 
 def ks_tables(material: Material) -> list[Table]:
@@ -87,7 +64,7 @@ def _ks_table(material: Material, name: str, response: KSStress) -> Table:
         "parameter" if response.reference_stress else f"rho in 1/{label}", f"KS in {label}", f"KS minus maximum in {label}",
         f"bound ln(n)/rho in {label}", "relative excess",
     ]  # fmt: skip
-    return Table(f"ks_{name}", "Smooth maximum and its parameter", caption, head, rows)
+    return Table(head, rows, f"ks_{name}", "Smooth maximum and its parameter", caption)
 
 
 def gradient_table(material: Material) -> Table:
@@ -104,7 +81,7 @@ def gradient_table(material: Material) -> Table:
         known.append("Where these steps hardly move a response, differences are round-off, and the last columns say nothing.")
     caption = " ".join(["Total derivatives of the responses.", *known])
     head = ["response", "variable", f"derivative ({results.method})", "unit", *compared]
-    return Table("gradients", "Gradients", caption, head, rows)
+    return Table(head, rows, "gradients", "Gradients", caption)
 
 
 def cost_table(material: Material) -> Table:
@@ -126,7 +103,7 @@ def cost_table(material: Material) -> Table:
         f"short.{' The other methods compile the numbers of the scene anew for every run.' * bool(material.judges)}"
         f"{' The complex step runs as plain Python.' * ('complex-step' in material.judges)}"
     )
-    return Table("cost", "Cost", caption, ["analysis", "runs", "wall time in s", "relative to primal"], rows)
+    return Table(["analysis", "runs", "wall time in s", "relative to primal"], rows, "cost", "Cost", caption)
 
 
 def settings_table(material: Material) -> Table:
@@ -136,7 +113,7 @@ def settings_table(material: Material) -> Table:
         flat |= {f"{key}.{name}": item for name, item in value.items()} if isinstance(value, dict) else {key: value}
     rows = [[f"solver.{key}", "default" if value is None else value] for key, value in flat.items()]
     rows += [[f"changed: {key}", value] for key, value in material.results.scene.changes.items()]
-    return Table("settings", "Settings", "Everything that the solver was told.", ["setting", "value"], rows)
+    return Table(["setting", "value"], rows, "settings", "Settings", "Everything that the solver was told.")
 
 
 def origin_table(material: Material) -> Table:
@@ -146,7 +123,7 @@ def origin_table(material: Material) -> Table:
     rows += [[model, sha256] for model, sha256 in results.scene.models.items()]
     rows += [[f"version of {name}", version] for name, version in results.writers.items()]
     caption = "SHA-256 of the files that were read, versions of the programs."
-    return Table("origin", "Files and versions", caption, ["file or program", "hash or version"], rows)
+    return Table(["file or program", "hash or version"], rows, "origin", "Files and versions", caption)
 
 
 def monitor_table(material: Material) -> list[Table]:
@@ -157,7 +134,7 @@ def monitor_table(material: Material) -> list[Table]:
     energies = ("kinetic", "strain", "work", "defect")
     head = [f"time in {unit(material.scene.units, 'time')}", *(f"{name} in {energy}" for name in energies), "relative drift"]
     columns = (material.solution.times, *(getattr(found.energy, name) for name in energies), found.drift)
-    return [Table("monitors", "Monitors", "Energies and drift over time.", head, np.column_stack(columns).tolist())]
+    return [Table(head, np.column_stack(columns).tolist(), "monitors", "Monitors", "Energies and drift over time.")]
 
 
 def all_tables(material: Material) -> list[Table]:

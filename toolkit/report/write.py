@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
 from pathlib import Path
 
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.own_files import list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import write_whole
-from toolkit.joints.both.tie import Tie
+from toolkit.joints.rigid_joint import Tie
+from toolkit.render.pictures import file_names
 from toolkit.report import page
+from toolkit.report.answer import Answer, Record, Table, write
 from toolkit.report.drawing import Drawing
-from toolkit.report.figures.catalogue import FIGURES_IN
+from toolkit.report.figures import FIGURES_IN
 from toolkit.report.material import Material, Progress
-from toolkit.report.own_folder import PAGE, begin, refuse_foreign_files
 from toolkit.report.page import Section
 from toolkit.report.sections import motion_sections
-from toolkit.report.tables import Table, all_tables
+from toolkit.report.tables import all_tables
 from toolkit.results.results_file import save_results
 
+PAGE, KEPT = "report.html", "results.h5"
+NAMES = (PAGE, KEPT, "numbers.json", "figures", "tables")
+"""Names of what a report writes into its folder, beside pictures of scenes in space."""
+BEGUN = "<!DOCTYPE html>\n<p>This report was begun and has not been finished.</p>\n"
 ANSWERS = ("responses", "gradients")
 """Tables that stand before all pictures."""
 _SHORT = 8
@@ -45,31 +55,54 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
         begin(folder, material.results.path)
     except OSError as error:
         raise InputError(f"{str(folder)!r} cannot hold a report ({error.strerror}). Give a writable folder.") from error
-    tables = all_tables(material)
-    for table in tables:
-        table.save(folder / "tables")
-    _write(folder / "numbers.json", json.dumps(numbers(material, tables), indent=2, allow_nan=False))
-    if material.results.path != folder / "results.h5":
-        save_results(material.results, folder / "results.h5")
-    drawings = _draw(material, folder / "figures", progress)
+    if material.results.path != folder / KEPT:
+        save_results(material.results, folder / KEPT)
+    answer = Report(material, material.results.verdict, progress)
+    write(answer, folder, tables="tables", figures="figures")
     written = [
         Section(table.name, table.title, page.table(table), len(table.head) > 4, len(table.rows) > _SHORT)
-        for table in tables
+        for table in answer.tables()
         if table.name != "monitors"
     ]
     answers = [each for each in written if each.name in ANSWERS]
     first, sections = [*answers[:1], _trust(material), *answers[1:]], motion_sections(material, folder, progress)
-    sections += [*_figure_sections(drawings, folder / "figures"), *(each for each in written if each not in answers)]
+    sections += [*_figure_sections(answer.drawn, folder / "figures"), *(each for each in written if each not in answers)]
     sections += [_missing(material), _again(material)]
     sections.sort(key=lambda section: section.full)  # columns that nothing interrupts are filled most evenly
-    path = folder / PAGE
-    _write(path, page.page(title, summary(material), *([each for each in part if each.body] for part in (first, sections))))
-    return path
+    text = page.page(title, summary(material), *([each for each in part if each.body] for part in (first, sections)))
+    write_whole(folder / PAGE, text.encode())
+    return folder / PAGE
 
 
-def numbers(material: Material, tables: list[Table]) -> dict[str, object]:
-    """Record of all numbers of the report."""
-    return {table.name: table.record() for table in tables} | material.results.verdict.record()
+@dataclass(frozen=True)
+class Report(Answer):
+    """Everything about a run."""
+
+    result: Material
+    progress: Progress
+
+    name = "numbers"
+
+    def record(self) -> Record:
+        """JSON object of all tables."""
+        return {table.name: table.record() for table in self.tables()} | self.verdict.record()
+
+    def tables(self) -> list[Table]:
+        """Tables that have something in them."""
+        return all_tables(self.result)
+
+    def figures(self) -> Iterator[Drawing]:
+        """Figures, each drawn once."""
+        return chain.from_iterable(self.drawn.values())
+
+    @cached_property
+    def drawn(self) -> dict[str, list[Drawing]]:
+        """Name of the function that drew them -> figures."""
+        found, figures = {}, FIGURES_IN[self.result.scene.space]
+        for number, figure in enumerate(figures, 1):
+            found[figure.__name__] = figure(self.result)
+            self.progress("figures", number, len(figures))
+        return found
 
 
 def summary(material: Material) -> str:
@@ -91,26 +124,14 @@ def summary(material: Material) -> str:
     )
 
 
-def _draw(material: Material, folder: Path, progress: Progress) -> list[tuple[str, Drawing]]:
-    """Draw and save all figures; each with the name of the function that drew it."""
-    found = []
-    figures = FIGURES_IN[material.scene.space]
-    for number, figure in enumerate(figures):
-        for drawing in figure(material):
-            drawing.save(folder)
-            found.append((figure.__name__, drawing))
-        progress("figures", number + 1, len(figures))
-    return found
-
-
-def _figure_sections(drawings: list[tuple[str, Drawing]], folder: Path) -> list[Section]:
+def _figure_sections(drawn: dict[str, list[Drawing]], folder: Path) -> list[Section]:
     """One section per kind of figure."""
     sections = []
-    for kind in dict.fromkeys(kind for kind, _ in drawings):
-        own = [drawing for name, drawing in drawings if name == kind]
-        body = page.pictures([page.picture(folder / f"{each.name}.svg", each.caption) for each in own])
-        title = own[0].title if len(own) == 1 else kind.replace("_", " ").capitalize()
-        sections.append(Section(kind, title, body, full=False, long=len(own) > 1))
+    for kind, own in drawn.items():
+        if own:
+            body = page.pictures([page.picture(folder / f"{each.name}.svg", each.caption) for each in own])
+            title = own[0].title if len(own) == 1 else kind.replace("_", " ").capitalize()
+            sections.append(Section(kind, title, body, full=False, long=len(own) > 1))
     return sections
 
 
@@ -148,5 +169,25 @@ def _again(material: Material) -> Section:
     return Section("again", "To repeat it", page.paragraph(text) + page.listing(command) + page.listing(scene))
 
 
-def _write(path: Path, text: str) -> None:
-    write_whole(path, text.encode())
+def refuse_foreign_files(folder: Path, own: Path | None = None) -> None:
+    """Refuse a folder that holds what a report would overwrite and ffrf has not written there; raises as `refuse_foreign`.
+
+    Parameters
+    ----------
+    own : results file that the report is about, which may lie there
+    """
+    refuse_foreign(folder, [*_names(folder, own), *file_names("png", animate=True, film=False)])
+
+
+def begin(folder: Path, own: Path | None = None) -> None:
+    """Mark a folder as that of a report, also if the work is interrupted, so that other commands know what it writes."""
+    list_own(folder, _names(folder, own))
+    write_whole(folder / PAGE, BEGUN.encode())
+
+
+def _names(folder: Path, own: Path | None) -> list[str]:
+    return [name for name in NAMES if own is None or not _same(folder / name, own)]
+
+
+def _same(one: Path, other: Path) -> bool:
+    return one.exists() and other.exists() and one.samefile(other)

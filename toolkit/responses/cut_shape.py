@@ -21,8 +21,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.cut.chain import Place, chain_nodes
-from toolkit.scene.cut_scene import clamped_nodes
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene, clamped_nodes
 
 TILDE = np.array([[0.0, -1.0], [1.0, 0.0]])
 """A quarter turn: A' = A TILDE."""
@@ -49,7 +48,7 @@ class Seen(NamedTuple):
     angle_q: np.ndarray  # (k, n)
 
 
-def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def cut_positions(scene: ResolvedScene, name: str, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Positions (n_nodes, 2) of all nodes in one state q (n,) of the body, and derivatives by q, (n_nodes, 2, n).
 
     Raises
@@ -67,7 +66,7 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
     return away + origin, back @ (seen.place_q - axes.place_q) - (away @ TILDE.T)[:, :, None] * axes.angle_q[:, None, :]
 
 
-def moves_shapes(scene: Scene, name: str) -> bool:
+def moves_shapes(scene: ResolvedScene, name: str) -> bool:
     """Whether the imaginary step that a scene holds moves the undeformed nodes of a cut body, or what its parts are reduced to."""
     body: Any = scene.bodies[name]
     if body.modes_per_frame is None:
@@ -75,7 +74,7 @@ def moves_shapes(scene: Scene, name: str) -> bool:
     return any(np.any(np.imag(part.part(scene).recovery)) for part in body.parts(name).values())
 
 
-def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
+def whole_axes(scene: ResolvedScene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
     """Origin X_0, angle psi and reference point x_0 of the axes in which the undeformed whole is drawn, in one state q (n,)."""
     body = scene.bodies[name]
     assert isinstance(body, PlanarCutBody)
@@ -86,12 +85,12 @@ def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, floa
     return axes.place[0], float(axes.angle[0]), origin
 
 
-def _rows(scene: Scene, name: str) -> Rows:
+def _rows(scene: ResolvedScene, name: str) -> Rows:
     return _rows_of(Itself(scene), name)
 
 
 @lru_cache(maxsize=8)
-def _rows_of(same: Itself[Scene], name: str) -> Rows:
+def _rows_of(same: Itself[ResolvedScene], name: str) -> Rows:
     """Coordinates and shape functions of a cut body's nodes; a node between two parts belongs to the second."""
     scene, found = same.item, []
     body = scene.bodies[name]
@@ -134,7 +133,7 @@ def _seen(rows: Rows, q: np.ndarray) -> Seen:
     return Seen(r + inside, angle, place_q[:, :, :-1], angle_q[:, :-1])
 
 
-def _axes(scene: Scene, name: str, body: PlanarCutBody, rows: Rows, q: np.ndarray) -> tuple[Seen, np.ndarray]:
+def _axes(scene: ResolvedScene, name: str, body: PlanarCutBody, rows: Rows, q: np.ndarray) -> tuple[Seen, np.ndarray]:
     """Axes of the undeformed whole (X_0 and psi) in one state, and the reference point x_0."""
     if body.frame == "grounded":
         still = np.zeros((1, 2, len(q)))

@@ -45,7 +45,7 @@ def _size_of_kind(response: Response, solution: Solution) -> float:
     system, (m, k, t) = solution.system, response.physical_dimension
     if not (m or k or t):
         return float(response.unit_quantity == "angle")
-    lengths, (speeds, changes, forces) = system.placed.size, _largest(solution)
+    lengths, (speeds, changes, forces) = system.scene.size, _largest(solution)
     forces = max(forces, _elastic(solution)) if m else forces
     rate = max(speeds, np.sqrt(changes), 1 / solution.whole_run[-1])
     return float((forces / lengths) ** m * lengths ** (k - m) * rate ** (-t - 2 * m))

@@ -16,7 +16,7 @@ from toolkit.responses.cut_shape import cut_positions, moves_shapes
 from toolkit.responses.instant import Instant
 from toolkit.responses.response import MeanSquare, Partials
 from toolkit.responses.stress.stress import design_rates
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 
@@ -24,7 +24,7 @@ KEPT = 64
 """Steps whose gaps are remembered: more than `magnitude` looks at."""
 
 
-def target_shape(scene: Scene, body: str) -> Shape:
+def target_shape(scene: ResolvedScene, body: str) -> Shape:
     """Points of a body whose distance to a target counts, with their targets.
 
     Raises
@@ -59,7 +59,7 @@ def gap_rates(solution: Solution, body: str, coordinates: np.ndarray) -> Iterato
         if not len(rates.parameter):
             continue
         state = np.real(np.column_stack([np.ones(len(coordinates)), coordinates]))
-        size = design_point(solution.system.placed, body, "shape").model.item(item).shape
+        size = design_point(solution.system.scene, body, "shape").model.item(item).shape
         for x in map(int, np.unique(rates.parameter)):
             entry, value = rates.by(x)
             change = scattered(entry, sign * value, int(np.prod(size))).reshape(size)
@@ -73,7 +73,7 @@ def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple
     """
     if isinstance(solution.system.scene.bodies.get(body), CutBody):
         return _gaps_of_cut(solution, body, solution.q[steps, moving(solution, body)])
-    shape = target_shape(solution.system.placed, body)
+    shape = target_shape(solution.system.scene, body)
     place, place_q = shape.position[:, :, 0], shape.position[:, :, 1:]
     elastic = solution.q[steps, elastic_coordinates(solution, body)]
     return place + np.einsum("kif,tf->tki", place_q, elastic) - shape.target, place_q
@@ -99,19 +99,21 @@ def moving(solution: Solution, body: str) -> slice:
 
 def _gaps_of_cut(solution: Solution, body: str, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     scene = solution.system.scene
-    target = target_shape(solution.system.placed, body).target
+    target = target_shape(solution.system.scene, body).target
     places, slopes = zip(*(cut_positions(scene, body, state) for state in q), strict=True)
     return np.stack(places) - target, np.stack(slopes)
 
 
 def _rates_of_cut(solution: Solution, body: str, q: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """Derivatives of a cut body's gap vectors by design variables that move its shapes or target, by complex steps."""
-    moved_scenes = solution.system.placed.once(("moved shapes", body), lambda: [*_moved_shapes(solution, body)])
+    moved_scenes = solution.system.scene.once(
+        ("moved shapes", body, *solution.system.design.names), lambda: [*_moved_shapes(solution, body)]
+    )
     for x, moved, target in moved_scenes:
         yield x, np.imag([cut_positions(moved, body, state)[0] - target for state in np.real(q)]) / STEP
 
 
-def _moved_shapes(solution: Solution, body: str) -> Iterator[tuple[int, Scene, np.ndarray]]:
+def _moved_shapes(solution: Solution, body: str) -> Iterator[tuple[int, ResolvedScene, np.ndarray]]:
     """Number of every variable that moves shapes of a cut body or its target, the scene with a complex step in it, and the target there."""
     scene = solution.system.scene
     for x, variable in enumerate(solution.system.design):
@@ -179,7 +181,7 @@ class ShapeResponse(Instant):
 
     body: str
 
-    def check(self, scene: Scene) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a body without a target shape."""
         super().check(scene)
         target_shape(scene, self.body)

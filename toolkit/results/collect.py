@@ -1,32 +1,31 @@
-"""From a solution, or the result of an analysis, to results as plain arrays."""
+"""From a run to results as plain arrays, and back from these to its scene."""
 
 from __future__ import annotations
 
 import hashlib
 import platform
 from collections.abc import Mapping
-from functools import partial
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toolkit.analyses.run_start import known_start
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import Description
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError
+from toolkit.kept_run.layout import ResultsFileError, SceneRecord
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.responses.stress.stress import stress_field
-from toolkit.results.results import BodyResults, Results, SceneRecord
-from toolkit.scene.cut_scene import written
+from toolkit.results.results import BodyResults, Results
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import again
-from toolkit.sensitivity.evaluation import evaluate_with_gradients
-from toolkit.sensitivity.preparation import moving
-from toolkit.sensitivity.result import Result, result
+from toolkit.scene_file.reader import scene_from_table
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
+
+if TYPE_CHECKING:
+    from toolkit.sensitivity.run import Run
 
 
 def table_of(scene: Scene) -> dict[str, Any]:
@@ -60,8 +59,8 @@ def _plain(value: Any) -> Any:
 WRITERS = ("ffrf-toolkit", "numpy", "scipy", "numba", "h5py")
 
 
-def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str] | None = None) -> Results:
-    """Results of a run.
+def collect(run: Run, text: str = "", changes: Mapping[str, str] | None = None) -> Results:
+    """Results of a run, as a file keeps them.
 
     Parameters
     ----------
@@ -73,8 +72,7 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
     InputError
         The run was one of a complex step.
     """
-    found = solved if isinstance(solved, Result) else _result(solved)
-    solution, system = found.solution, found.solution.system
+    solution, system = run.solution, run.solution.system
     if not system.compiled:
         raise InputError("a run with complex numbers is a means to a derivative and has no results to keep. Run real numbers.")
     if solution.run_times is not None:
@@ -83,19 +81,19 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
             "a larger solver.step or a shorter time, or do without a results file."
         )
     n_q, scene = system.n_q, system.scene
-    variables = scene.design_variables(list(next(iter(found.gradients.values()), {})) or list(system.design.names))
+    variables = scene.design_variables(list(next(iter(run.gradients.values()), {})) or list(system.design.names))
     return Results(
-        kind="transient" if moving(solution) else "static",
-        method=found.method,
+        kind="transient" if len(solution.times) > 1 else "static",
+        method=run.method,
         units=scene.units,
         times=solution.times,
         **{name: getattr(solution, name) for name in ("q", "v", "a", "multipliers", "dq", "dv", "da", "dmultipliers")},
         coordinates=list(system.numbering.names[:n_q]),
         multiplier_names=list(system.numbering.names[n_q:]),
         design=list(system.design.names),
-        responses=found.values,
-        response_units=found.units,
-        gradients=found.gradients,
+        responses=run.values,
+        response_units=run.units,
+        gradients=run.gradients,
         bodies={name: _body(solution, name) for name, body in scene.bodies.items() if isinstance(body, ModelBody)},
         variables={each.name: each.record() for each in variables},
         run={
@@ -103,24 +101,14 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
             "correction": solution.correction,
             "load_steps": solution.load_steps,
             "newton_iterations": solution.newton_iterations,
-            "wall_primal": found.wall_primal,
-            "wall_sensitivity": found.wall_sensitivity,
+            "wall_primal": run.wall_primal,
+            "wall_sensitivity": run.wall_sensitivity,
         },
-        judged=found.verdict.record(),
+        judged=run.verdict.record(),
         settings=(solution.options or scene.solver).model_dump(),
-        scene=_record(written(scene).model_copy(update={"solver": solution.options or scene.solver}), text, changes or {}),
+        scene=_record(scene.written.model_copy(update={"solver": solution.options or scene.solver}), text, changes or {}),
         writers={"python": platform.python_version(), **{name: _version(name) for name in WRITERS}},
     )
-
-
-def _result(solution: Solution) -> Result:
-    """Result of a solution with its responses, and with their gradients if it has derivatives."""
-    scene, names, wall = solution.system.scene, solution.system.design.names, solution.wall
-    values, gradients = evaluate_with_gradients(solution)
-    method = "direct" if names else "none"
-    repeat = partial(again, solution.system, known=known_start(solution)) if moving(solution) and not solution.own_start else None
-    price = wall.get("run"), wall.get("sensitivity", None if names else 0.0)
-    return result(scene, solution, values, gradients if names else {}, method, *price, repeat)
 
 
 def _body(solution: Solution, body: str) -> BodyResults:
@@ -144,7 +132,7 @@ def _record(scene: Scene, text: str, changes: Mapping[str, str]) -> SceneRecord:
         if isinstance(body, ModelBody)
     }
     sha256 = hashlib.sha256(text.encode()).hexdigest() if text else ""
-    return SceneRecord(table_of(scene), text, sha256, dict(changes), str(scene.directory), models)
+    return SceneRecord(table_of(scene), sha256, dict(changes), str(scene.directory), models, text)
 
 
 def _version(package: str) -> str:
@@ -152,3 +140,36 @@ def _version(package: str) -> str:
         return version(package)
     except PackageNotFoundError:
         return "not installed as a package"
+
+
+def restore_scene(results: Results, directory: str | Path | None = None) -> Scene:
+    """Scene of stored results, as it was solved.
+
+    Parameters
+    ----------
+    directory : folder of the reduced models; by default where they were, seen from the results file
+
+    Raises
+    ------
+    ResultsFileError
+        A reduced model is not there, or it is not the one of the run.
+    InputError
+        The scene has a kind of component that is not known here.
+    """
+    folder = Path(results.scene.directory if directory is None else directory)
+    for model, sha256 in results.scene.models.items():
+        _check_model(folder / model, sha256, results)
+    return scene_from_table(results.scene.table, folder / (results.path.name if results.path else "results"))
+
+
+def _check_model(path: Path, sha256: str, results: Results) -> None:
+    if not path.is_file():
+        raise ResultsFileError(
+            f"reduced model {str(path)!r}, which {results.label} was computed with, is not there. Name its folder "
+            "(--models, in Python models=), or run the scene again."
+        )
+    if hashlib.sha256(path.read_bytes()).hexdigest() != sha256:
+        raise ResultsFileError(
+            f"reduced model {str(path)!r} is not the one that {results.label} was computed with: its hash is another. Run the "
+            "scene again, or name the folder of the old model (--models, in Python models=)."
+        )

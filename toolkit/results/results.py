@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.kept_run.layout import SceneRecord
 
 
 @dataclass(frozen=True)
@@ -47,25 +47,6 @@ def _stress_point(column: int, element: int, end: int, fibre: int) -> str:
     if element >= 0:
         return f"element {element}, {'end' if end else 'start'}, {'outer' if fibre > 0 else 'inner'}"
     return f"point {column}"
-
-
-@dataclass(frozen=True)
-class SceneRecord:
-    """Scene that was solved, so that it can be solved again.
-
-    table : the scene as nested tables, with every value as it was in the run
-    text, sha256 : the scene's file as it was written, and its hash; empty for a scene made in Python
-    changes : path -> value that replaced the file's for this run
-    directory : folder of the reduced models, from the folder of the results file
-    models : path of each reduced model from that folder -> SHA-256 of its file
-    """
-
-    table: dict[str, Any]
-    text: str = ""
-    sha256: str = ""
-    changes: Mapping[str, str] = field(default_factory=dict)
-    directory: str = "."
-    models: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -112,6 +93,11 @@ class Results:
                 (Caution("not-judged", "the results were kept by a version that did not judge them: run the scene again."),)
             )
         return Verdict.from_record(self.judged)
+
+    @property
+    def label(self) -> str:
+        """Name by which messages speak of the results."""
+        return repr(self.path.name) if self.path else "the run"
 
     def column(self, coordinate: str) -> int:
         """Number of a coordinate, for example of "rotation of body 'body2'"."""

@@ -19,22 +19,20 @@ from toolkit.kept_run import layout
 from toolkit.kept_run.end_state import about_of, check_schema
 from toolkit.kept_run.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
 from toolkit.results.collect import collect
-from toolkit.results.results import BodyResults, Results, SceneRecord
-from toolkit.sensitivity.result import Result
-from toolkit.system.solution import Solution
+from toolkit.results.results import BodyResults, Results
 
 if TYPE_CHECKING:
     import h5py
 
+    from toolkit.sensitivity.run import Run
 
-def save_results(
-    solved: Results | Result | Solution, path: str | Path, text: str = "", changes: Mapping[str, str] | None = None
-) -> Results:
+
+def save_results(run: Results | Run, path: str | Path, text: str = "", changes: Mapping[str, str] | None = None) -> Results:
     """Write the results of a run into one file, under a temporary name until it is complete.
 
     Parameters
     ----------
-    solved : what an analysis, `simulate` or `solve_statics` returned, or results collected before
+    run : what an analysis returned, or results collected before
     text : content of the scene's file, kept for the reader; the scene itself is kept in any case
     changes : path -> value that replaced the file's
 
@@ -49,7 +47,7 @@ def save_results(
     """
     path = Path(path)
     refuse_foreign(path)
-    results = solved if isinstance(solved, Results) else collect(solved, text, changes)
+    results = run if isinstance(run, Results) else collect(run, text, changes)
     if (start := results.settings.get("start")) not in (None, *STARTS):
         refuse_own_start(path, Path(results.scene.directory) / start)
     with writing(path) as file:
@@ -141,20 +139,17 @@ def load_results(path: str | Path) -> Results:
 
 
 def _read(content: Content, path: Path) -> Results:
-    about: dict[str, Any] = about_of(content).model_dump()
-    about["variables"] = {
-        name: {key: item for key, item in each.items() if item is not None} for name, each in about["variables"].items()
-    }
-    sizes: dict[str, int] = {}
+    about, sizes = about_of(content), dict[str, int]()
+    words: dict[str, Any] = about.model_dump(exclude={"bodies", "scene", "variables"})
+    words["variables"] = {name: each.model_dump(exclude_none=True) for name, each in about.variables.items()}
     arrays: dict[str, Any] = {name: layout.array(content, name, axes, sizes) for name, axes in STATES.items()}
     labels: dict[str, Any] = {name: layout.names(content, f"names/{name}", sizes[axis]) for name, axis in NAMES.items()}
-    if not sizes["t"] or not set(labels["design"]) <= set(about["variables"]):
+    if not sizes["t"] or not set(labels["design"]) <= set(about.variables):
         raise ValueError("it holds no times, or derivatives by unknown variables")
     bodies = {}
-    for body in about.pop("bodies"):
+    for body in about.bodies:
         own = {axis: size for axis, size in sizes.items() if axis not in "sk"}
         bodies[body] = BodyResults(**{n: layout.array(content, f"bodies/{body}/{n}", axes, own) for n, axes in BODY.items()})
-    record = about.pop("scene")
-    scene = SceneRecord(**record | {"text": layout.text(content, "scene_text")})
-    directory = str(path.parent / scene.directory)
-    return Results(**about, **arrays, **labels, bodies=bodies, scene=replace(scene, directory=directory), path=path)
+    directory = str(path.parent / about.scene.directory)
+    scene = replace(about.scene, text=layout.text(content, "scene_text"), directory=directory)
+    return Results(**words, **arrays, **labels, bodies=bodies, scene=scene, path=path)

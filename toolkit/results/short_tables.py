@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import variable_unit
-from toolkit.sensitivity.result import Result
+
+if TYPE_CHECKING:
+    from toolkit.sensitivity.run import Run
 
 MOST_COLUMNS = 8
 """More design variables than this stand one below the other."""
@@ -39,23 +41,23 @@ def _line(row: Sequence[str], widths: Sequence[int]) -> str:
     return "  ".join([first, *others]).rstrip()
 
 
-def table_of_values(result: Result) -> ShortTable:
+def table_of_values(run: Run) -> ShortTable:
     """Table with value and unit of every response."""
-    rows = tuple((name, f"{value:.6g}", result.units[name]) for name, value in result.values.items())
+    rows = tuple((name, f"{value:.6g}", run.units[name]) for name, value in run.values.items())
     return ShortTable(("response", "value", "unit"), rows)
 
 
-def table_of_gradients(result: Result) -> ShortTable | None:
+def table_of_gradients(run: Run) -> ShortTable | None:
     """Table with derivatives of all responses by all variables; None if there are none."""
-    variables = list(next(iter(result.gradients.values()), {}))
+    variables = list(next(iter(run.gradients.values()), {}))
     if not variables:
         return None
-    of = [_in_unit(name, result.units[name]) for name in result.gradients]
-    by = _in_their_units(result.solution.system.scene, variables)
+    of = [_in_unit(name, run.units[name]) for name in run.gradients]
+    by = _in_their_units(run.solution.system.scene, variables)
     if len(variables) > MOST_COLUMNS:
-        cells = [[f"{slopes[name]:.6g}" for slopes in result.gradients.values()] for name in variables]
+        cells = [[f"{slopes[name]:.6g}" for slopes in run.gradients.values()] for name in variables]
         return ShortTable(("gradient by", *of), tuple((label, *row) for label, row in zip(by, cells, strict=True)))
-    cells = [[f"{slope:.6g}" for slope in slopes.values()] for slopes in result.gradients.values()]
+    cells = [[f"{slope:.6g}" for slope in slopes.values()] for slopes in run.gradients.values()]
     return ShortTable(("gradient by", *by), tuple((label, *row) for label, row in zip(of, cells, strict=True)))
 
 

@@ -12,9 +12,7 @@ DIMENSIONS = tuple(SPACES)
 """Dimensions that a scene can have."""
 
 for _room in ("bodies", "joints", "loads"):
-    for _space in ("planar", "spatial"):
-        import_room(f"toolkit.{_room}.{_space}")
-import_room("toolkit.joints.both")
+    import_room(f"toolkit.{_room}")
 
 
 def kinds_of(dimension: int) -> dict[str, Mapping[str, type[Registered]]]:

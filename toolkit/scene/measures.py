@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.unknown_keys import refuse_unknown_keys
+from toolkit.bodies.model_body import ModelBody, refuse_unknown_keys
 from toolkit.curves.curve import Curve
 from toolkit.description.description import Description
 from toolkit.description.quantity import Measure, OverAngle, Quantity

@@ -10,7 +10,7 @@ from toolkit.description.design import DesignEntry
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import SHORT, meant
-from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.pressure import Pressure
 from toolkit.markers.component import Component
 
 GROUPS = ("points", "bodies", "joints", "loads", "responses")

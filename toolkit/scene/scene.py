@@ -1,9 +1,9 @@
-"""A scene: points, bodies, joints, loads, design variables, wanted responses; what a user writes."""
+"""A scene as data: points, bodies, joints, loads, design variables, wanted responses; what a user writes."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, Self, TypeVar
@@ -27,7 +27,7 @@ from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, RicherModel, richer_model
 from toolkit.scene.design_variables import variables_of
-from toolkit.scene.names import check_design_names, check_dimension, check_names, known
+from toolkit.scene.names import check_design_names, check_dimension, check_names
 from toolkit.scene.space import SPACES, Space
 
 T = TypeVar("T")
@@ -83,51 +83,6 @@ class Scene(Description):
         """Record of all in which scenes of its dimension differ from those of the other."""
         return SPACES[self.dimension]
 
-    def all_bodies(self) -> dict[str, Body]:
-        """Bodies of the scene by name, and the ground."""
-        return {"ground": self.space.ground, **self.bodies}
-
-    def body(self, name: str) -> Body:
-        """Body of that name, or the ground.
-
-        Raises
-        ------
-        InputError
-            There is none of that name; lists all.
-        """
-        if name not in self.bodies and name != "ground":
-            known(name, (*self.bodies, "ground"), "the scene", "body")
-        return self.space.ground if name == "ground" else self.bodies[name]
-
-    def pieces(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
-        """Bodies with coordinates and mass of their own: these names, or all, with the parts of a cut body in its place."""
-        return tuple(self.bodies if names is None else names)
-
-    def piece(self, body: str, _point: str) -> str:
-        """Name of the one of the `pieces` that a point of a body lies in."""
-        return body
-
-    def interface(self, point: str) -> Point | BodyPoint:
-        """Description of a point as it was written.
-
-        Raises
-        ------
-        InputError
-            There is no point of that name; lists all.
-        """
-        known(point, self.points, "the scene", "point")
-        return self.points[point]
-
-    def position(self, point: str) -> np.ndarray:
-        """Undeformed global position of a point, shape (d,).
-
-        Raises
-        ------
-        InputError
-            There is no such point, or it is an interface point of a body that has none.
-        """
-        return position_in(self, point)
-
     def model_files(self) -> list[Path]:
         """Files of the reduced models of its bodies, each once."""
         names = dict.fromkeys(body.model for body in self.bodies.values() if isinstance(body, ModelBody))
@@ -174,47 +129,11 @@ class Scene(Description):
             )
         return richer_model(model) if richer else model
 
-    def arc_lengths(self, body: Body) -> dict[str, Any]:
-        """Interface points of a body that the scene puts elsewhere along it: name in the reduced model -> arc length.
-
-        Raises
-        ------
-        InputError
-            Another point sits at the same interface point of a body whose shapes follow its place.
-        """
-        mine = {name: p for name, p in self.points.items() if isinstance(p, BodyPoint) and self.bodies.get(p.body) is body}
-        found = {}
-        for name, point in mine.items():
-            if point.arc_length is not None:
-                twin = next((n for n, other in mine.items() if other.interface == point.interface and n != name), None)
-                if twin and isinstance(body, ModelBody) and place_parameter(point.interface) in self.model(body.model).nominal:
-                    raise InputError(
-                        f"points.{name} and points.{twin} sit at the same interface point, whose place the shapes of body "
-                        f"{point.body!r} follow: one cannot move without the other. Use one of them."
-                    )
-                found[point.interface] = point.arc_length
-        return found
-
-    def of_body(self, _body: Any, _what: Hashable, make: Callable[[], T]) -> T:
-        """Result of a computation for a body, made anew each time: see `compilation.remembered`."""
-        return make()
-
-    def extrapolated(self) -> dict[str, list[str]]:
-        """Flexible bodies that follow a tangent away from their nominal design -> in which parameters."""
-        bodies = {name: body for name, body in self.bodies.items() if isinstance(body, ModelBody)}
-        found = {name: body.design_point(self).extrapolated() for name, body in bodies.items()}
-        return {name: parameters for name, parameters in found.items() if parameters}
-
     @property
     def gravity(self) -> np.ndarray:
         """Sum of all gravity loads, shape (d,), length/time^2."""
         found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, UniformGravity)]
         return sum(found, np.zeros(self.dimension))
-
-    @property
-    def size(self) -> float:
-        """Model size: extent of the points or of the largest body, the length that displacements are compared with."""
-        return size_of(self)
 
     def number(self, path: str) -> Any:
         """Number at a path; a flexible body's parameter that the scene does not set has its nominal value.
@@ -348,24 +267,6 @@ class Scene(Description):
             number, or one drives numbers of different units.
         """
         return variables_of(self, self.design if names is None else names)
-
-
-def position_in(scene: Any, point: str) -> np.ndarray:
-    """Position of a point in a scene, or in one that remembers its models, see `Scene.position`."""
-    written = scene.interface(point)
-    if isinstance(written, Point):
-        return written.position()
-    body = scene.bodies[written.body]
-    if not isinstance(body, ModelBody):
-        raise InputError(f"points.{point} is an interface point of body {written.body!r}, which is not flexible.")
-    return body.position_at_rest(scene, point, written.body)
-
-
-def size_of(scene: Any) -> float:
-    """Size of a scene, or of one that remembers where its points are, see `Scene.size`."""
-    positions = np.real([scene.position(point) for point in scene.points])
-    extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(scene.dimension)
-    return float(max(*extent, *(body.radius_of_gyration(scene) for body in scene.bodies.values())))
 
 
 def _with_extra(body: Body, key: str, value: Any) -> Body:

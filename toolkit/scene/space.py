@@ -5,26 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from toolkit.bodies.body import Body
-from toolkit.bodies.cut.chosen_frames import ChosenFrames
+from toolkit.bodies.body import Body, PlanarBody, SpatialBody
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.planar.body import PlanarBody
-from toolkit.bodies.planar.cut.chosen_frames import PlanarChosenFrames
+from toolkit.bodies.ground import Ground, SpatialGround
 from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
-from toolkit.bodies.planar.ground import Ground
-from toolkit.bodies.spatial.body import SpatialBody
-from toolkit.bodies.spatial.cut.chosen_frames import SpatialChosenFrames
 from toolkit.bodies.spatial.cut.cut_body import SpatialCutBody
-from toolkit.bodies.spatial.ground import SpatialGround
 from toolkit.description.description import Registered
-from toolkit.joints.both.tie import PlanarTie, SpatialTie, Tie
+from toolkit.joints.joint import PlanarJoint, SpatialJoint
 from toolkit.joints.kernels.records import ROWS, SPATIAL_ROWS
-from toolkit.joints.planar.joint import PlanarJoint
-from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.rigid_joint import PlanarTie, SpatialTie, Tie
 from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
-from toolkit.loads.planar.load import AnyPlanarLoad
-from toolkit.loads.spatial.load import AnySpatialLoad
+from toolkit.loads.load import AnyPlanarLoad, AnySpatialLoad
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +35,8 @@ class Space:
         Whether the names of the axes name the entries of every vector, and not of points alone.
     ground
         The body that is always there.
-    cut_body, tie, chosen_frames
-        A body that is cut into parts, the joint between two of them, and a body whose number of parts was chosen.
+    cut_body, tie
+        A body that is cut into parts, and the joint between two of them.
     frame_size
         Coordinates of a frame that moves and turns.
     constant_rigid_mass
@@ -70,7 +62,6 @@ class Space:
     ground: Body
     cut_body: type[CutBody]
     tie: type[Tie]
-    chosen_frames: type[ChosenFrames]
     frame_size: int
     constant_rigid_mass: bool
     rotations_add: bool
@@ -89,7 +80,6 @@ PLANE = Space(
     ground=Ground(),
     cut_body=PlanarCutBody,
     tie=PlanarTie,
-    chosen_frames=PlanarChosenFrames,
     frame_size=3,
     constant_rigid_mass=True,
     rotations_add=True,
@@ -107,7 +97,6 @@ SPACE = Space(
     ground=SpatialGround(),
     cut_body=SpatialCutBody,
     tie=SpatialTie,
-    chosen_frames=SpatialChosenFrames,
     frame_size=7,
     constant_rigid_mass=False,
     rotations_add=False,

@@ -75,11 +75,17 @@ _GROUPS = {"bodies": "body", "joints": "joint", "loads": "load"}
 
 
 def _define(group: str, known: Mapping[str, type], definitions: dict[str, Any]) -> None:
-    """Add definitions of all kinds of a group that the toolkit brings, and one that is any of them."""
-    own = sorted(kind for kind, described in known.items() if described.__module__.startswith("toolkit."))
-    for kind in own:
-        definitions[f"{group}-{kind}"] = _with_type(_schema(known[kind], definitions), kind)
-    definitions[group] = _one_of(f"{group}-{kind}" for kind in own)
+    """Add definitions of all kinds of a group that the toolkit brings, and one that is any of them.
+
+    A kind that is in space what it is in the plane has one definition.
+    """
+    names = []
+    for kind in sorted(kind for kind, described in known.items() if described.__module__.startswith("toolkit.")):
+        found = _with_type(_schema(known[kind], definitions), kind)
+        name = f"{group}-{kind}".removeprefix(PREFIXES[3])
+        names.append(name if tidy(definitions.get(name, found)) == tidy(found) else f"{group}-{kind}")
+        definitions[names[-1]] = found
+    definitions[group] = _one_of(names)
 
 
 def _tables(dimension: int) -> dict[str, Any]:

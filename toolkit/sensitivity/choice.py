@@ -10,8 +10,6 @@ tests.benchmarks.method_choice` measures it again; on another machine all prices
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from toolkit.description.time_grid import time_grid
@@ -28,16 +26,8 @@ ADJOINT = np.array([2.3, 0.137, 0.0094, 0.0011])
 """Price in us of the parts of `adjoint_work`."""
 
 
-@dataclass(frozen=True)
-class Choice:
-    """A method, and the sentence that says why."""
-
-    method: str
-    reason: str
-
-
-def choose(compiled: Compiled, kind: Kind, keep_states: bool = False) -> Choice:
-    """The cheaper exact method for a run, or the only one that can do it.
+def choose(compiled: Compiled, kind: Kind, keep_states: bool = False) -> tuple[str, str]:
+    """The cheaper exact method for a run, or the only one that can do it, and the sentence that says why.
 
     Parameters
     ----------
@@ -45,14 +35,12 @@ def choose(compiled: Compiled, kind: Kind, keep_states: bool = False) -> Choice:
         Whether derivatives of the states are wanted too, which only direct differentiation has.
     """
     if keep_states:
-        return Choice(
-            "direct", "direct differentiation, because derivatives of the states are to be kept, which the adjoint has not."
-        )
+        return "direct", "direct differentiation, because derivatives of the states are to be kept, which the adjoint has not."
     if kind == "static":
-        return Choice("direct", "direct differentiation, because an equilibrium costs one more solve by either method.")
+        return "direct", "direct differentiation, because an equilibrium costs one more solve by either method."
     scene, system = compiled.scene, compiled.full
     key = (
-        Choice,
+        "method",
         Itself(scene.solver),
         Itself(scene.responses),
         system.n,
@@ -62,21 +50,21 @@ def choose(compiled: Compiled, kind: Kind, keep_states: bool = False) -> Choice:
     )
     if key not in compiled.decided:
         compiled.decided[key] = _chosen(compiled, scene, system)
-    found: Choice = compiled.decided[key]
+    found: tuple[str, str] = compiled.decided[key]
     return found
 
 
-def _chosen(compiled: Compiled, scene: Scene, system: System) -> Choice:
+def _chosen(compiled: Compiled, scene: Scene, system: System) -> tuple[str, str]:
     """The cheaper exact method for a motion whose derivatives of the states need not be kept."""
     needed = 8 * len(time_grid(scene.solver)) * (3 * system.n + system.n_x * (2 * system.n_q + system.n))
     if scene.solver.local_error is None and needed > GIGABYTE * scene.solver.memory:
-        return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.")
+        return "adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}."
     n_r = len(responses_of(scene))
     by_direct, by_adjoint = direct_work(system, n_r) @ DIRECT, adjoint_work(system, n_r) @ ADJOINT
     method, name = ("adjoint", "the adjoint") if by_adjoint < by_direct else ("direct", "direct differentiation")
     part = min(by_direct, by_adjoint) / max(by_direct, by_adjoint)
     counts = f"{counted(len(compiled.names), 'design variable')} and {counted(n_r, 'response')}"
-    return Choice(method, f"{name}, estimated at {100 * part:.0f} % of the other exact method's price for {counts}.")
+    return method, f"{name}, estimated at {100 * part:.0f} % of the other exact method's price for {counts}."
 
 
 def counted(number: int, word: str) -> str:

@@ -32,19 +32,20 @@ class Compiled:
         The same scene at its own numbers, which it is made from: one, however many changes there were.
     paths
         Where these numbers differ.
+    system
+        The scene without design variables, where it is compiled already.
     """
 
     scene: Scene
     names: tuple[str, ...] = ()
     base: Compiled | None = None
     paths: tuple[str, ...] = ()
+    system: System | None = None
 
     @classmethod
     def of(cls, system: System) -> Compiled:
         """A scene without design variables that is compiled already."""
-        found = cls(system.scene)
-        found.__dict__["primal"] = system
-        return found
+        return cls(system.scene, system=system)
 
     @cached_property
     def design(self) -> Design:
@@ -117,6 +118,8 @@ class Compiled:
     @cached_property
     def primal(self) -> System:
         """The scene without design variables."""
+        if self.system is not None:
+            return self.system
         return prepare(self.scene) if self.base is None else renewed(self.base.primal, self.scene, list(self.paths))
 
     @cached_property

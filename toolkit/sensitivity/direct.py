@@ -12,21 +12,22 @@ import numpy as np
 from toolkit.analyses.run_start import known_start
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.clock import Clock, Progress, once
+from toolkit.sensitivity.clock import Progress, price
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.step_error import Repeat
 from toolkit.sensitivity.evaluation import evaluate_responses, evaluate_with_gradients
-from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen, solve
-from toolkit.sensitivity.result import Result, result
+from toolkit.sensitivity.preparation import ANALYSES, Kind, check_kind, check_names, frozen, solve
+from toolkit.sensitivity.run import Run, run_of
 from toolkit.solvers.start.initial_conditions import Motion, State
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 
 @one_thread()
-def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, timed: bool = False) -> Run:
     """Responses of a scene with gradients by direct differentiation.
 
     Parameters
@@ -39,8 +40,8 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
         "transient" or "static".
     progress
         Called with the steps done and the steps in all.
-    clock
-        `clock.repeated` measures what a run costs, without derivatives and with them; by default the scene is solved once.
+    timed
+        Whether to measure what a run costs, without derivatives and with them, as `clock.price`; by default the scene is solved once.
 
     Raises
     ------
@@ -49,14 +50,19 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
     """
     check_kind(kind)
     check_names(design)
-    return by_direct(Compiled(scene, tuple(design)), kind, progress, clock)
+    return by_direct(Compiled(scene, tuple(design)), kind, progress, timed)
 
 
-def by_direct(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
-    """The same of a compiled scene."""
-    primal = None if clock is once else clock(partial(solve, compiled.primal, kind), None)[0]
-    total, solution = clock(partial(solve, compiled.full, kind), progress)
-    extra = solution.wall.get("sensitivity")
+def by_direct(compiled: Compiled, kind: Kind, progress: Progress | None = None, timed: bool = False) -> Run:
+    """Responses of a compiled scene with gradients by direct differentiation."""
+    primal = None
+    if timed:
+        with watched_compilation() as watch:
+            solve(compiled.primal, kind)
+        primal = price(watch, timed, partial(solve, compiled.primal, kind))
+    with watched_compilation() as watch:
+        solution = ANALYSES[kind](compiled.full, progress=progress)
+    total, extra = price(watch, timed, partial(solve, compiled.full, kind)), solution.sensitivity_seconds
     if extra is None:
         extra = None if primal is None else max(total - primal, 0.0)
     elif primal is None:
@@ -65,15 +71,19 @@ def by_direct(compiled: Compiled, kind: Kind, progress: Progress | None = None, 
     return replace(found, enriched=partial(enriched, compiled, kind, solution, by_direct))
 
 
-def values_alone(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+def values_alone(compiled: Compiled, kind: Kind) -> Run:
     """Responses of a compiled scene without gradients."""
-    primal, solution = clock(partial(solve, compiled.primal, kind), progress)
-    found = evaluated(solution, False, partial(again, compiled.primal, known=known_start(solution)), primal, 0.0)
+    return with_values(compiled, kind, solve(compiled.primal, kind))
+
+
+def with_values(compiled: Compiled, kind: Kind, solution: Solution, seconds: float | None = None) -> Run:
+    """Responses of a compiled scene that was solved without gradients, in so many seconds."""
+    found = evaluated(solution, False, partial(again, compiled.primal, known=known_start(solution)), seconds, 0.0)
     return replace(found, enriched=partial(enriched, compiled, kind, solution, values_alone))
 
 
 def enriched(
-    compiled: Compiled, kind: Kind, solution: Solution, method: Callable[[Compiled, Kind], Result]
+    compiled: Compiled, kind: Kind, solution: Solution, method: Callable[[Compiled, Kind], Run]
 ) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
     """Values and gradients with more shapes in frozen bodies, and the same steps."""
     other = compiled.enriched()
@@ -89,10 +99,10 @@ def evaluated(
     repeat: Repeat | None = None,
     primal: float | None = None,
     extra: float | None = None,
-) -> Result:
-    """The result of a solution, with the gradients that its derivatives give or without; other arguments as the fields of `Result`."""
+) -> Run:
+    """Run of a solution, with the gradients that its derivatives give or without; other arguments as the fields of `Run`."""
     values, slopes = evaluate_with_gradients(solution) if gradients else (evaluate_responses(solution), {})
-    return result(solution.system.scene, solution, values, slopes, "direct" if gradients else "none", primal, extra, repeat)
+    return run_of(solution, values, slopes, "direct" if gradients else "none", primal, extra, repeat)
 
 
 def again(

@@ -10,13 +10,13 @@ from toolkit.foundation.errors import NeedsDirectError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import by_adjoint
 from toolkit.sensitivity.choice import choose
-from toolkit.sensitivity.clock import Clock, Progress, once
+from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import by_direct, enriched
 from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.sensitivity.numerical import by_repetition
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
 
 
@@ -27,8 +27,8 @@ def gradients_by(
     kind: Kind,
     progress: Progress | None = None,
     keep_states: bool = False,
-    clock: Clock = once,
-) -> Result:
+    timed: bool = False,
+) -> Run:
     """Responses with gradients by a method of `method_names.METHODS`.
 
     "direct" costs little per variable, "adjoint" next to nothing per variable but a backward run for all responses together, "auto" takes
@@ -42,7 +42,7 @@ def gradients_by(
     """
     check_kind(kind)
     check_names(design)
-    return by_method(method, Compiled(scene, tuple(design)), kind, progress, keep_states, clock)
+    return by_method(method, Compiled(scene, tuple(design)), kind, progress, keep_states, timed)
 
 
 def by_method(
@@ -51,36 +51,29 @@ def by_method(
     kind: Kind,
     progress: Progress | None = None,
     keep_states: bool = False,
-    clock: Clock = once,
-) -> Result:
+    timed: bool = False,
+) -> Run:
     """Responses with gradients of a compiled scene, by a method of `method_names.METHODS`."""
-    found = _by_method(method, compiled, kind, progress, keep_states, clock)
+    chosen, reason = choose(compiled, kind, keep_states) if method == "auto" else (method, "")
+    try:
+        if chosen in DIFFERENTIATED:
+            found = DIFFERENTIATED[chosen](compiled, kind, progress, timed)
+        else:
+            found = by_repetition(compiled, kind, method, progress, timed=timed)
+    except NeedsDirectError as refusal:
+        if method != "auto":
+            raise
+        found, reason = by_direct(compiled, kind, progress, timed), f"direct differentiation, because {refusal.why}."
     return replace(
         found,
+        reason=reason,
         reframed=partial(_reframed, compiled, kind, found.solution),
         enriched=partial(enriched, compiled, kind, found.solution, partial(by_method, "auto")),
     )
 
 
-def _by_method(method: str, compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Result:
-    if method == "auto":
-        return _chosen(compiled, kind, progress, keep_states, clock)
-    if method == "direct":
-        return by_direct(compiled, kind, progress, clock)
-    if method == "adjoint":
-        return by_adjoint(compiled, kind, progress, clock)
-    return by_repetition(compiled, kind, method, progress, clock=clock)
-
-
-def _chosen(compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Result:
-    """Responses with gradients by the cheaper method, or by direct differentiation where the adjoint turns out to need it."""
-    choice = choose(compiled, kind, keep_states)
-    method = by_adjoint if choice.method == "adjoint" else by_direct
-    try:
-        return replace(method(compiled, kind, progress, clock), reason=choice.reason)
-    except NeedsDirectError as refusal:
-        reason = f"direct differentiation, because {refusal.why}."
-        return replace(by_direct(compiled, kind, progress, clock), reason=reason)
+DIFFERENTIATED = {"direct": by_direct, "adjoint": by_adjoint}
+"""Exact method -> function that solves a scene with gradients by it."""
 
 
 def _reframed(

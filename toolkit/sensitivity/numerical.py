@@ -21,16 +21,17 @@ from toolkit.analyses.transient import simulate
 from toolkit.compilation.quantities import STEP
 from toolkit.description.design import DesignVariable
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.clock import Clock, Progress, once
+from toolkit.sensitivity.clock import Progress, price
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import again
 from toolkit.sensitivity.errors.step_error import Gradients, Values
 from toolkit.sensitivity.evaluation import evaluate_responses, values_of
 from toolkit.sensitivity.method_names import METHODS, NUMERICAL
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen, prepare, solve
-from toolkit.sensitivity.result import Result, result
+from toolkit.sensitivity.run import Run, run_of
 from toolkit.sensitivity.sizes import typical_size
 from toolkit.solvers.start.kept_start import refuse_differences
 from toolkit.system.solution import Solution
@@ -45,12 +46,12 @@ def numerical(
     method: str,
     progress: Progress | None = None,
     relative_step: float | None = None,
-    clock: Clock = once,
-) -> Result:
+    timed: bool = False,
+) -> Run:
     """Responses with gradients by repeated runs of the whole analysis; raises as `by_repetition`."""
     check_kind(kind)
     check_names(design)
-    return by_repetition(Compiled(scene, tuple(design)), kind, method, progress, relative_step, clock)
+    return by_repetition(Compiled(scene, tuple(design)), kind, method, progress, relative_step, timed)
 
 
 def by_repetition(
@@ -59,8 +60,8 @@ def by_repetition(
     method: str,
     progress: Progress | None = None,
     relative_step: float | None = None,
-    clock: Clock = once,
-) -> Result:
+    timed: bool = False,
+) -> Run:
     """Responses with gradients of a compiled scene, by repeated runs of the whole analysis.
 
     Raises
@@ -73,7 +74,9 @@ def by_repetition(
     variables = compiled.design
     if method in RELATIVE_STEP and kind == "transient":
         refuse_differences(compiled.scene, (path for variable in variables for path in variable.paths))
-    primal, solution = clock(partial(solve, compiled.primal, kind), None)
+    with watched_compilation() as watch:
+        solution = solve(compiled.primal, kind)
+    primal = price(watch, timed, partial(solve, compiled.primal, kind))
     base, scene = evaluate_responses(solution), frozen(compiled.scene, solution)
     known = _equilibrium(compiled, kind, solution) if method == "complex-step" else None
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}
@@ -85,7 +88,7 @@ def by_repetition(
             progress(k + 1, len(variables))
     extra = time.perf_counter() - begun
     repeat = partial(_again_directly, scene, list(compiled.names))
-    return result(scene, solution, base, gradients, method, primal, extra, repeat)
+    return run_of(solution, base, gradients, method, primal, extra, repeat)
 
 
 def _again_directly(scene: Scene, design: list[str], options: RunOptions) -> tuple[Values, Gradients]:

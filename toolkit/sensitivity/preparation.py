@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import Literal, get_args
 
 from toolkit.analyses.statics import solve_statics
@@ -10,13 +10,15 @@ from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.responses.response import Response
-from toolkit.scene.cut_scene import with_parts
+from toolkit.scene.resolution import resolve
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
 
 Kind = Literal["transient", "static"]
+ANALYSES: dict[Kind, Callable[..., Solution]] = {"transient": simulate, "static": solve_statics}
+"""Kind of analysis -> function that solves a system."""
 
 
 def responses_of(scene: Scene, moving: bool = True) -> dict[str, Response]:
@@ -41,7 +43,7 @@ def frozen(scene: Scene, solution: Solution, halvings: int = 0) -> Scene:
 
 def prepare(scene: Scene, design: list[str] | None = None) -> System:
     """Compile a scene with what its responses look at, after they had a look at the scene."""
-    scene = with_parts(scene)
+    scene = resolve(scene)
     responses = [*{**responses_of(scene), **responses_of(scene, moving=False)}.values()]
     for response in responses:
         response.check(scene)
@@ -58,7 +60,7 @@ def solve(system: System, kind: Kind, progress: Progress | None = None, options:
         There is no analysis of that kind.
     """
     check_kind(kind)
-    return (solve_statics if kind == "static" else simulate)(system, options, progress=progress)
+    return ANALYSES[kind](system, options, progress=progress)
 
 
 def check_kind(kind: str) -> None:

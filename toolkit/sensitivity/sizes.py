@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from toolkit.description.design import DesignVariable
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 
 EPS = float(np.finfo(float).eps)
@@ -26,18 +27,18 @@ class Differentiated(Protocol):
 
 
 def typical_size(scene: Scene, variable: DesignVariable) -> float:
-    """What a relative step refers to: the value, or for a zero the scene's size (points) or one."""
+    """What a relative step refers to: the value, or for a zero the model size (points) or one."""
     if variable.value != 0:
         return abs(variable.value)
-    return scene.size if variable.path.startswith("points.") else 1.0
+    return loaded(scene).size if variable.path.startswith("points.") else 1.0
 
 
 def variable_sizes(scene: Scene, exact: Differentiated) -> dict[str, float]:
     """What a relative step of each variable refers to.
 
-    It is the value; for a zero of a point the scene's size; for another zero the change that moves no response further than the others
+    It is the value; for a zero of a point the model size; for another zero the change that moves no response further than the others
     can, or than its value (one in the scene's units could be anything, as 1 mm/s, or 1 s of damping), and no body further than the
-    scene's size or by more than 1 rad.
+    model size or by more than 1 rad.
     """
     variables = list(scene.design_variables(list(next(iter(exact.gradients.values()), {}))))
     known = {v.name: typical_size(scene, v) for v in variables if v.value != 0 or v.path.startswith("points.")}
@@ -57,11 +58,11 @@ def _reach(scene: Scene, path: str) -> float:
     if name[:1] in (["velocity"], ["angular_velocity"]):
         said = getattr(scene, group)[owner].quantity_of(name[0])
         place = int(name[1]) if name[1:] else 0
-        return (1.0 if said is not None and said.measure(place).angle else scene.size) / time
+        return (1.0 if said is not None and said.measure(place).angle else loaded(scene).size) / time
     if name[:1] in (["position"], ["deflection"]):
-        return scene.size
+        return loaded(scene).size
     if name[:1] == ["elastic_velocity"]:
-        return scene.size / time
+        return loaded(scene).size / time
     return time if name[-1] in ("start", "duration") else 1.0
 
 

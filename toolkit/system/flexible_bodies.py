@@ -11,11 +11,11 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 
 
-def flexible_body(scene: Scene, body: str) -> ModelBody:
+def flexible_body(scene: ResolvedScene, body: str) -> ModelBody:
     """Flexible body of that name.
 
     Raises
@@ -32,7 +32,7 @@ def flexible_body(scene: Scene, body: str) -> ModelBody:
     return found
 
 
-def deforming(scene: Scene) -> dict[str, ModelBody]:
+def deforming(scene: ResolvedScene) -> dict[str, ModelBody]:
     """Flexible bodies that have coordinates; of a cut body its parts."""
     return {
         name: body for name, body in scene.all_bodies().items() if isinstance(body, ModelBody) and not isinstance(body, CutBody)
@@ -50,22 +50,22 @@ def elastic_coordinates(solution: Solution, body: str) -> Any:
     return slice(whole.start + flexible_body(solution.system.scene, body).frame_size, whole.stop)
 
 
-def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
+def design_point(scene: ResolvedScene, body: str, *parts: str) -> DesignPoint:
     """The reduced model of a flexible body at the scene's parameter values; `parts` as of `Scene.model`."""
     return flexible_body(scene, body).design_point(scene, *parts)
 
 
-def is_in_pieces(scene: Scene, body: str) -> bool:
+def is_in_pieces(scene: ResolvedScene, body: str) -> bool:
     """Whether a flexible body, or that which it is part of, is a solid in pieces."""
     return scene.model(flexible_body(scene, body).model).in_pieces
 
 
-def elements_of(scene: Scene, body: str) -> str:
+def elements_of(scene: ResolvedScene, body: str) -> str:
     """Word by which a flexible body, or a part of one, calls its elements."""
     return scene.model(flexible_body(scene, body).model).elements_called
 
 
-def used_interfaces(scene: Scene, body: str) -> list[str]:
+def used_interfaces(scene: ResolvedScene, body: str) -> list[str]:
     """Interface points of a flexible body's reduced model that the scene has points at, in order."""
     known = design_point(scene, body, "interfaces").model.interfaces or {}
     mine = {point.interface for point in scene.points.values() if isinstance(point, BodyPoint) and point.body == body}

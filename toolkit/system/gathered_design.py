@@ -13,7 +13,7 @@ from toolkit.compilation.patterns.touched import touched
 from toolkit.equations.design_sums import DesignSums, GatheredPlan
 from toolkit.equations.equations import Plan
 from toolkit.joints.kernels.records import DESIGN, DESIGNED, PINNED
-from toolkit.markers.planar.marker_kernel import Markers
+from toolkit.markers.planar import Markers
 
 
 class GatheredDesign(NamedTuple):

@@ -56,3 +56,7 @@ class HandedRecords:
     def share_spare(self, other: HandedRecords) -> None:
         """Have the scratch memory of another system, whose arrays have the same shapes."""
         self._spare = other._spare
+
+    def shares_spare(self, other: HandedRecords) -> bool:
+        """Whether it has the scratch memory of another system."""
+        return self._spare is other._spare

@@ -15,10 +15,9 @@ from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
 from toolkit.compilation.quantities import OPEN, Quantities, seen_quantities
-from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
-from toolkit.joints.row_checks import keeps_rows
-from toolkit.scene.cut_scene import parts_of, with_parts
+from toolkit.joints.joint import keeps_rows
+from toolkit.scene.resolution import ResolvedScene, resolve
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming
 from toolkit.system.system import System, compile_scene
@@ -46,25 +45,24 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     InputError
         As `compile_scene`.
     """
-    scene = with_parts(scene)
+    scene = resolve(scene, system.scene)
     paths = [path for path in paths if path.split(".")[0] in GROUPS]
     if not paths:  # numbers of the solver and of responses stand in the scene alone
-        return replace(system, scene=scene).compiled_as(system)
+        return replace(system, scene=scene, origin=system.origin or system)
     names = list(system.design.names)
-    if parts_of(scene) != parts_of(system.scene):
+    if scene.cuts != system.scene.cuts:
         return compile_scene(scene, names, system.numbering.seen)
     if not system.compiled or scene.solver.redundant == "least-squares":
         return compile_scene(scene, names, system.numbering.seen)
-    placed = Remembered(scene, system.placed)
-    check_numbers(scene, placed)
+    check_numbers(scene)
     numbering = system.numbering
     affected = _stirred(system, scene, numbering.affected_by(scene, paths))
-    new, seen = seen_quantities(scene, numbering, affected, placed, OPEN)
+    new, seen = seen_quantities(scene, numbering, affected, OPEN)
     asks_alike = all(system.asked[owner] == asked for owner, asked in seen.asked_by_components.items())
     joints = list(scene.joints.values())
-    if not asks_alike or not all(keeps_rows(joints[j], placed, numbering.forms.rows[j]) for j in new.joints):
+    if not asks_alike or not all(keeps_rows(joints[j], scene, numbering.forms.rows[j]) for j in new.joints):
         return compile_scene(scene, names, numbering.seen)
-    rates = renewed_derivatives(scene, numbering, system.design, placed, system.derivatives, affected)
+    rates = renewed_derivatives(scene, numbering, system.design, system.derivatives, affected)
     changed: set[str] = set()
     try:
         values, *changes = (
@@ -74,17 +72,18 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     except NewEntryError:
         return compile_scene(scene, names, numbering.seen)
     moved = any(group in ("points", "bodies") for group, _ in affected.items)
-    sizes = weights(scene, numbering, placed) if moved else system.weights
+    sizes = weights(scene, numbering) if moved else system.weights
     if not np.array_equal(sizes, system.weights):
         changed.add("constant")
     plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, frozenset(changed)))
     design = Design(tuple(replace(each, value=scene.value_at(each.paths[0]) / each.factors[0]) for each in system.design))
-    found = replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
-    found.__dict__.update(placed=placed, **({} if "curves" in changed else {"known_curves": system.known_curves}))
-    return found.compiled_as(system)
+    return replace(
+        system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes, origin=system.origin or system,
+        known_curves={} if "curves" in changed else system.known_curves,
+    )  # fmt: skip
 
 
-def _stirred(system: System, scene: Scene, affected: Affected) -> Affected:
+def _stirred(system: System, scene: ResolvedScene, affected: Affected) -> Affected:
     """Items that may change, without joints that are written as they were and ask the scene for nothing.
 
     Most joints only name points and bodies.

@@ -27,8 +27,9 @@ class Solution:
     `options` are those of the run; `own_start` says that it did not begin at the scene's start, and `start_moved`
     by how much of the model size (or rad) a given start was moved to close its joints; `run_times` are all times of the run,
     where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state; `names` are those
-    of states that are no times of a run; `halved` are the times at which steps began that Newton could do in halves only. `judge` finds out
-    what speaks against the solution, when it is asked for its `verdict`.
+    of states that are no times of a run; `halved` are the times at which steps began that Newton could do in halves only;
+    `sensitivity_seconds` is the time that its derivatives took, where that was measured. `judge` finds out what speaks against the
+    solution, when it is asked for its `verdict`.
     """
 
     system: System
@@ -50,7 +51,7 @@ class Solution:
     start_moved: float = 0.0
     run_times: np.ndarray | None = None
     newton_iterations: int = 0
-    wall: dict[str, float] = field(default_factory=dict)
+    sensitivity_seconds: float | None = None
     path: StaticPath | None = None
     names: tuple[str, ...] = ()
     halved: tuple[float, ...] = ()

@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 import scipy
-from numba.core.registry import CPUDispatcher
 
 from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.derivatives import derivatives
@@ -18,7 +17,6 @@ from toolkit.compilation.patterns.common_pattern import on_common_pattern
 from toolkit.compilation.patterns.moving import moving_unknowns
 from toolkit.compilation.plan import build_plan
 from toolkit.compilation.quantities import STEP, Asked, Quantities, seen_quantities
-from toolkit.compilation.remembered import Remembered
 from toolkit.description.description import holds_complex
 from toolkit.description.design import Design
 from toolkit.equations.equations import (
@@ -36,7 +34,7 @@ from toolkit.foundation.compiled.packed import Packed
 from toolkit.foundation.kernel import plain
 from toolkit.foundation.near_ties import first_largest
 from toolkit.linear.sparse_analysis import LUPlan, analyse
-from toolkit.scene.cut_scene import with_parts
+from toolkit.scene.resolution import ResolvedScene, resolve
 from toolkit.scene.scene import Scene
 from toolkit.system.evaluation_memory import EvaluationMemory
 from toolkit.system.formulas import formulas_of, plain_formulas_of
@@ -62,7 +60,7 @@ class System:
     as plain Python. `functions` are the formulas of the joints and loads that the scene uses.
     """
 
-    scene: Scene
+    scene: ResolvedScene
     design: Design
     numbering: Numbering
     plan: Plan
@@ -74,6 +72,10 @@ class System:
     weights: np.ndarray  # (n,) see `numbering.weights`
     files: FileStates = field(default_factory=dict)  # of reduced models, when the scene was compiled
     asked: Asked = field(default_factory=dict)  # of the scene by joints and loads, when it was compiled
+    origin: System | None = (
+        None  # the same scene at the numbers that it was compiled with, whose compiled equations and memory it uses
+    )
+    known_curves: Known = field(default_factory=dict)  # at the last times, for all systems that have the same curves
 
     @property
     def n_q(self) -> int:
@@ -100,18 +102,13 @@ class System:
         """Whether the formulas run compiled."""
         return self.dtype is float
 
-    @cached_property
-    def placed(self) -> Any:
-        """Scene whose points and models are looked up once, for all that looks at solutions again and again."""
-        return Remembered(self.scene)
-
-    def run(self, function: CPUDispatcher, *arguments: Any) -> Any:
+    def run(self, function: Callable, *arguments: Any) -> Any:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         if not self.compiled:
             return plain(function)(*arguments)
         return call(function, *map(self._handed.of, arguments))
 
-    def prepared(self, function: CPUDispatcher, *arguments: Any) -> Callable[[], Any]:
+    def prepared(self, function: Callable, *arguments: Any) -> Callable[[], Any]:
         """Kernel with its arguments, looked up once, for whoever writes other numbers into their arrays and calls it again."""
         if not self.compiled:
             return partial(plain(function), *arguments)
@@ -120,8 +117,13 @@ class System:
 
     @cached_property
     def _handed(self) -> HandedRecords:
-        """Records of this system, which never change, as compiled code takes them."""
-        return HandedRecords((self.plan, *self.plan, self.functions, *self.functions))
+        """Records of this system, which never change, as compiled code takes them; with the scratch memory of its origin if that fits."""
+        found, origin = HandedRecords((self.plan, *self.plan, self.functions, *self.functions)), self.origin
+        if origin is None or not self._is_short(found) or not self._touches_as(origin):
+            return found
+        if found.of(self.plan).same_shapes(origin._handed.of(origin.plan)):
+            found.share_spare(origin._handed)
+        return found
 
     @cached_property
     def unit_of_states(self) -> np.ndarray:
@@ -129,6 +131,8 @@ class System:
 
         States of loads have no mass.
         """
+        if self.origin is not None:
+            return self.origin.unit_of_states
         rows = np.repeat(np.arange(self.n), np.diff(self.plan.indptr))
         return np.where((rows == self.plan.indices) & np.isin(rows, self.numbering.states), 1.0, 0.0)
 
@@ -206,6 +210,8 @@ class System:
 
     @cached_property
     def _memory(self) -> EvaluationMemory:
+        if self.origin is not None and self._handed.shares_spare(self.origin._handed):
+            return self.origin._memory
         return EvaluationMemory(self.plan)
 
     @cached_property
@@ -213,6 +219,8 @@ class System:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
         if not self.compiled:
             return plain(evaluate_all)
+        if self.origin is not None:  # to look at the types of the arrays takes longer than a short run
+            return self.origin.evaluator
         (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
         terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
         given = self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work
@@ -238,22 +246,6 @@ class System:
         """Refuse to go on where the file of a reduced model is not what it was when the scene was compiled."""
         refuse_changed(self.files)
 
-    def compiled_as(self, other: System) -> System:
-        """This system with the compiled equations of another one, whose plan has arrays of the same types.
-
-        To look at the types takes longer than a short run. If the arrays are of the same shapes too, it has that one's scratch
-        memory.
-        """
-        self.__dict__.update(evaluator=other.evaluator, unit_of_states=other.unit_of_states)
-        if (
-            self._keeps_memory
-            and self._handed.of(self.plan).same_shapes(other._handed.of(other.plan))
-            and self._touches_as(other)
-        ):
-            self._handed.share_spare(other._handed)
-            self.__dict__.update(_memory=other._memory)
-        return self
-
     def _touches_as(self, other: System) -> bool:
         """Whether the design variables act on the same equations as those of another one."""
         pairs = ((getattr(each.plan, name) for each in (self, other)) for name in ("touched_row", "touched_variable"))
@@ -268,10 +260,13 @@ class System:
         if self._keeps_memory:
             self._handed.give_back(key, record)
 
-    @property
+    @cached_property
     def _keeps_memory(self) -> bool:
         """Whether runs are so short that new memory takes long beside them; not where numba is switched off."""
-        return self.compiled and self.n <= FEW and isinstance(self._handed.of(self.plan), Packed)
+        return self._is_short(self._handed)
+
+    def _is_short(self, handed: HandedRecords) -> bool:
+        return self.compiled and self.n <= FEW and isinstance(handed.of(self.plan), Packed)
 
     def times(self, values: np.ndarray, block: np.ndarray, first: int = 0) -> np.ndarray:
         """Rows from the `first` on of the product of a matrix, by its values on the common pattern, with a block (n, k)."""
@@ -373,11 +368,6 @@ class System:
         return found
 
     @cached_property
-    def known_curves(self) -> Known:
-        """Store of curve values at the last times, for all systems that have the same curves."""
-        return {}
-
-    @cached_property
     def _known_changes(self) -> Known:
         return {}
 
@@ -401,16 +391,15 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
         A name, a path, a body's grip or a parameter is wrong; or a driver is redundant.
     """
     files = file_states(scene)
-    scene = with_parts(scene)
-    placed = Remembered(scene)
-    check_numbers(scene, placed)
+    scene = resolve(scene)
+    check_numbers(scene)
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
-    values, seen = seen_quantities(scene, numbering, remembered=placed)
+    values, seen = seen_quantities(scene, numbering)
     changes = derivatives(scene, numbering, variables, seen)
     on_common_pattern(values, changes)
     dtype = complex if holds_complex(scene) else float
-    sizes = weights(scene, numbering, placed)
+    sizes = weights(scene, numbering)
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q, moving_unknowns(numbering, values, plan.markers.coordinate))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.foundation.errors import BifurcationError
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import REST, SPIN, Caution, check
 from toolkit.responses.vibrations.flutter import REMEDY, UNSTABLE, growth_of, may_grow
 from toolkit.responses.vibrations.pencil import pencil_of, real_pencil
 from toolkit.system.solution import Solution
@@ -18,10 +18,10 @@ from toolkit.validity.bodies.turning_frame import turning_frames
 from toolkit.validity.description.frame_choice import advice_of_frame
 
 STILL, SHOWN = 0.1, 0.05
-"""How far a motion may go, in parts of the scene's size or rad, so that its end tells its stability; and which part of that it goes along
+"""How far a motion may go, in parts of the model size or rad, so that its end tells its stability; and which part of that it goes along
 what grows, so that it shows it."""
 STRAIGHT = 1e-9
-"""Part of the scene's size or rad below which a motion is round-off."""
+"""Part of the model size or rad below which a motion is round-off."""
 SETS_OFF = 100.0
 """Growth over the motion from which on it is no answer to stay: whatever disturbs a real one is so many times as large at its end."""
 FEIGNED = 1.0
@@ -30,14 +30,28 @@ LASTS = 0.05
 """Part of a load by which it may change while it lasts."""
 
 
-def limits_passed(solution: Solution) -> Iterator[Caution]:
-    """A path that was followed past limit points: a real structure may be elsewhere."""
+@check("own-start", (REST, SPIN))
+def found_from_another(solution: Solution) -> Iterator[Caution]:
+    """An equilibrium was found from that of another design; the path from the unloaded state was not followed.
+
+    Limit: any warm start.
+    Fix: a run of its own.
+    """
     if solution.own_start:
-        yield Caution(
-            "own-start",
-            "the equilibrium was found from that of another design; whether the path from the unloaded state leads to it was not followed.",
+        yield found_from_another.caution(
+            "the equilibrium was found from that of another design. Whether the path from the unloaded state leads to it was not followed. "
+            f"{found_from_another.fix}",
             doubt=False,
         )
+
+
+@check("snap-through", (REST, SPIN))
+def limits_passed(solution: Solution) -> Iterator[Caution]:
+    """The path from the unloaded state turns back at limit points before this equilibrium: a real structure jumps there.
+
+    Limit: any limit point.
+    Fix: a motion through the jump, or a smaller load.
+    """
     path = solution.path
     if path is None or not path.passed_limit:
         return
@@ -45,10 +59,9 @@ def limits_passed(solution: Solution) -> Iterator[Caution]:
     others = (
         f" It met {path.unstable_crossings} unstable equilibria under the full load before." if path.unstable_crossings else ""
     )
-    yield Caution(
-        "snap-through",
-        f"this equilibrium lies BEYOND A SNAP-THROUGH. The path from the unloaded state turns back at limit points ({passed}); a real "
-        f"structure jumps at the first, and may come to rest elsewhere.{others}",
+    yield limits_passed.caution(
+        f"this equilibrium lies BEYOND A SNAP-THROUGH. The path from the unloaded state turns back at limit points ({passed}). A real "
+        f"structure jumps at the first, and may come to rest elsewhere.{others} {limits_passed.fix}",
     )
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from itertools import accumulate, pairwise
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from toolkit.bodies.body import CENTRE, Body, ConstantNumbers, Placed, no_constants
-from toolkit.bodies.cut.frame_choice import FrameChoice
+from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import (
     FramedPart,
     elements_at,
@@ -20,12 +19,11 @@ from toolkit.bodies.cut.framed_part import (
     whole_design,
 )
 from toolkit.bodies.model_body import FRAME, ModelBody
-from toolkit.foundation.itself import Itself
 from toolkit.reduced_model.cut.chain import Place
 from toolkit.reduced_model.model import ReducedModel
 
 
-class CutBody(ModelBody):
+class CutBody(CuttableBody):
     """A cut body as a scene writes it, with the number of the first element of each part and the number of all elements.
 
     It has no coordinates of its own: those of its parts follow it, so that its markers count from the first coordinate of the first part.
@@ -38,7 +36,6 @@ class CutBody(ModelBody):
     """Class of the body's parts."""
 
     cuts: tuple[int, ...]
-    choice: FrameChoice | None = None
     gripped: tuple[int, ...] = ()
     """Nodes of the reduced model whose coordinates reduced parts keep between their ends."""
     starts: tuple[int, ...] = ()
@@ -49,16 +46,27 @@ class CutBody(ModelBody):
         """Whether the body has a floating frame: always, as each of its parts has one."""
         return True
 
+    @classmethod
+    def of(cls, body: CuttableBody, cuts: Sequence[int], gripped: Sequence[int]) -> Self:
+        """A body as the scene has written it, cut at nodes; with the nodes whose coordinates reduced parts keep."""
+        return cls.model_construct(**dict(body), cuts=tuple(cuts), gripped=tuple(gripped)).as_chosen(body.choice)
+
     def uncut(self) -> ModelBody:
         """Body as the scene has written it, without cuts."""
-        written = {**dict(self), **self.model_values()}
-        for own in ("cuts", "choice", "gripped", "starts"):
+        written = dict(self)
+        for own in ("cuts", "gripped", "starts"):
             written.pop(own, None)
         return self.uncut_kind.model_construct(**written)
 
     def parts(self, name: str) -> dict[str, Body]:
-        """Parts of the body by their names: the same ones at every call, since others remember what they make of them."""
-        return {**_parts_of(Itself(self), name)}
+        """Parts of the body by their names, made anew at every call; `ResolvedScene.parts` keeps them."""
+        written = {**dict(self.uncut()), "frame": "moving"}
+        return {
+            part_name(name, k): self.part_kind.model_construct(
+                **written, whole=name, first=first, last=last, gripped=self.gripped
+            )
+            for k, (first, last) in enumerate(pairwise(self.cuts))
+        }
 
     def coordinate_names(self, scene: Placed) -> list[str]:
         """No names, since all coordinates belong to the parts."""
@@ -138,14 +146,3 @@ def part_number(cuts: Sequence[int], place: Place) -> int:
 def part_name(whole: str, number: int) -> str:
     """Name of a part; parts count from 1."""
     return f"{whole}[{number + 1}]"
-
-
-@lru_cache(maxsize=16)
-def _parts_of(same: Itself[CutBody], name: str) -> dict[str, Body]:
-    """Parts of a body of this name."""
-    body = same.item
-    written = {**dict(body.uncut()), **body.model_values(), "frame": "moving"}
-    return {
-        part_name(name, k): body.part_kind.model_construct(**written, whole=name, first=first, last=last, gripped=body.gripped)
-        for k, (first, last) in enumerate(pairwise(body.cuts))
-    }

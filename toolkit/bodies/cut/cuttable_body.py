@@ -2,13 +2,28 @@
 
 # Without `from __future__ import annotations`, as `model_body`.
 from abc import abstractmethod
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from toolkit.bodies.model_body import DEPENDENCE, ModelBody
 from toolkit.description.quantity import Quantity
+
+
+class ChosenFrames(NamedTuple):
+    """Number of floating frames that runs of the scene have chosen for a body, and what it was chosen by."""
+
+    wanted: float  # geometric error, in parts of the largest displacement of the body
+    error: float  # what the last of these runs leaves, estimated
+    numbers: tuple[int, ...]  # of frames, one run after the other
+    analysis: str
+    gradients: tuple[
+        tuple[int, float], ...
+    ] = ()  # further numbers of frames, and by how much these gradients may be off, in parts of them
+    metered: float = float("nan")  # what the meter of large deformation finds in the run whose error that is, likewise
+    failed: int = 0  # frames of a run that failed, after which no more were tried
+    kept_run: str = ""  # file of the run that the scene starts in, whose number was taken without any run
 
 
 class CuttableBody(ModelBody):
@@ -36,6 +51,8 @@ class CuttableBody(ModelBody):
     frames: Annotated[int, Field(ge=1, strict=True)] | Literal["auto"] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
     modes_per_frame: Annotated[int, Field(ge=0, strict=True)] | None = None
     geometric_error: Annotated[Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)] | None, Quantity("1")] = None
+
+    _choice: ChosenFrames | None = PrivateAttr(None)
 
     @field_validator("frames", mode="before")
     @classmethod
@@ -87,6 +104,17 @@ class CuttableBody(ModelBody):
     def parted(self) -> bool:
         """Whether the body has more than one floating frame."""
         return self.frames != 1
+
+    @property
+    def choice(self) -> ChosenFrames | None:
+        """How the number of frames was chosen in the place of `frames = "auto"`; None of a number that the scene writes."""
+        return self._choice
+
+    def as_chosen(self, choice: ChosenFrames | None) -> Self:
+        """The same body with the record of a choice of its number of frames."""
+        found = self.model_copy()
+        found._choice = choice
+        return found
 
     def poses(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Origins (n_t, d) and axes (n_t, d, d) of the frame, from coordinates of the body (n_t, n)."""

@@ -7,10 +7,8 @@ velocities are zero; and it does not depend on the frame, as M(q) v does not.
 `part` holds their invariants; `state` is that of the markers, whose frames in space are those of the bodies.
 """
 
-from toolkit.bodies.kernels.planar.floating_jacobian import floating_jacobian
-from toolkit.bodies.kernels.planar.floating_kernel import floating_design, floating_residual
-from toolkit.bodies.kernels.spatial.floating_jacobian import spatial_linearized
-from toolkit.bodies.kernels.spatial.floating_kernel import spatial_design, spatial_residual
+from toolkit.bodies.kernels.planar_floating import floating_design, floating_jacobian, floating_residual
+from toolkit.bodies.kernels.spatial_floating import spatial_design, spatial_linearized, spatial_residual
 from toolkit.foundation.kernel import inlined, inner
 from toolkit.markers.poses import set_frames
 

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import json
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import Changes, SceneFile, read
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_answer, table
+from toolkit.command_line.printing import prepare_folder, tell
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet
+from toolkit.report.answer import Answer, Record, Table
 
 if TYPE_CHECKING:
     from toolkit.analyses.campbell import Campbell
+    from toolkit.report.drawing import Drawing
 
 
 def campbell(
@@ -46,10 +47,7 @@ def campbell(
     described = read(scene, changes, quiet)
     with at_work("speeds", described, "static", quiet=quiet) as progress:
         found = compile_model(described).campbell(wanted, count=count, progress=progress)
-    print_answer(lambda: record_of(found), lambda: print_campbell(found), found.verdict, as_json, quiet)
-    if output is not None:
-        for file in write(found, output, scene.parent.name or scene.stem):
-            typer.echo(str(file), err=as_json)
+    tell(CampbellAnswer(found, found.verdict, scene.parent.name or scene.stem), as_json, quiet, output)
 
 
 def speeds_of(text: str) -> list[float]:
@@ -80,44 +78,41 @@ def speeds_of(text: str) -> list[float]:
         raise typer.BadParameter(message, param_hint="--speeds") from error
 
 
-def print_campbell(found: Campbell) -> None:
-    """Print the frequencies, one row per speed."""
-    modes = found.frequencies.shape[1]
-    rows = table("speed in rad/s", *(f"{k + 1}, Hz" for k in range(modes)), "least damping ratio")
-    for speed, frequencies, damping in zip(found.speeds, found.frequencies, found.damping, strict=True):
-        known = [each for each in damping if math.isfinite(each)]
-        rows.add_row(f"{speed:.6g}", *(f"{each:.6g}" for each in frequencies), f"{min(known):.3g}" if known else "")
-    console = Console(width=WIDE, highlight=False)
-    console.print(rows)
-    console.print("Frequencies are those that the frame sees which spins with the scene, in their order at every speed.")
-    if (found.frequencies < 0).any():
-        console.print("A negative frequency f means an unstable spin: motions grow like exp(2 pi |f| t).")
+@dataclass(frozen=True)
+class CampbellAnswer(Answer):
+    """Campbell's diagram: frequencies and damping at every speed."""
 
+    result: Campbell
+    scene: str
 
-def record_of(found: Campbell) -> dict[str, Any]:
-    """JSON object of Campbell's diagram."""
-    return {
-        "speeds": {"value": found.speeds.tolist(), "unit": "rad/s"},
-        "frequencies": {"value": [[finite_or_none(each) for each in row] for row in found.frequencies.tolist()], "unit": "Hz"},
-        "damping_ratios": {"value": [[finite_or_none(each) for each in row] for row in found.damping.tolist()], "unit": "1"},
-        **found.verdict.record(),
-    }
+    name = "campbell"
+    written = ""
 
+    def record(self) -> Record:
+        """JSON object of the diagram."""
+        found = self.result
+        return {
+            "speeds": {"value": found.speeds.tolist(), "unit": "rad/s"},
+            "frequencies": {"value": found.frequencies.tolist(), "unit": "Hz"},
+            "damping_ratios": {"value": found.damping.tolist(), "unit": "1"},
+            **self.verdict.record(),
+        }
 
-def write(found: Campbell, folder: Path, name: str) -> list[Path]:
-    """Write the picture as PNG and SVG, the table as CSV, and everything as JSON."""
-    from toolkit.foundation.files.replaced_file import write_whole
-    from toolkit.report.campbell_drawing import campbell_drawing
-    from toolkit.results.csv_tables import write_csv
+    def tables(self) -> Iterator[Table | str]:
+        """Frequencies, one row per speed; with all damping ratios as a file."""
+        found, modes = self.result, range(1, self.result.frequencies.shape[1] + 1)
+        rows = list(zip(found.speeds.tolist(), found.frequencies.tolist(), found.damping.tolist(), strict=True))
+        heads = ["speed in rad/s", *(f"frequency {k} in Hz" for k in modes), *(f"damping ratio {k}" for k in modes)]
+        yield Table(heads, [(speed, *f, *d) for speed, f, d in rows], "campbell")
+        least = [min((each for each in d if math.isfinite(each)), default=None) for *_, d in rows]
+        shown = [(speed, *f, "" if low is None else f"{low:.3g}") for (speed, f, _), low in zip(rows, least, strict=True)]
+        yield Table(["speed in rad/s", *(f"{k}, Hz" for k in modes), "least damping ratio"], shown)
+        yield "Frequencies are those that the frame sees which spins with the scene, in their order at every speed."
+        if (found.frequencies < 0).any():
+            yield "A negative frequency f means an unstable spin: motions grow like exp(2 pi |f| t)."
 
-    files = campbell_drawing(found, name).save(folder)
-    modes = range(1, found.frequencies.shape[1] + 1)
-    heads = ["speed in rad/s", *(f"frequency {k} in Hz" for k in modes), *(f"damping ratio {k}" for k in modes)]
-    rows = [
-        [speed, *f, *d]
-        for speed, f, d in zip(found.speeds.tolist(), found.frequencies.tolist(), found.damping.tolist(), strict=True)
-    ]
-    files.append(write_csv(folder / "campbell.csv", heads, rows))
-    path = folder / "campbell.json"
-    write_whole(path, (json.dumps(record_of(found), indent=2, allow_nan=False) + "\n").encode())
-    return [*files, path]
+    def figures(self) -> Iterator[Drawing]:
+        """Frequencies over the speed."""
+        from toolkit.report.campbell_drawing import campbell_drawing
+
+        yield campbell_drawing(self.result, self.scene)

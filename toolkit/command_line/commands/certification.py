@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import Changes, SceneFile, Static, Variables, design_of, read
-from toolkit.command_line.printed.fresh_part import built_afresh, check_afresh, print_afresh, record_afresh, with_doubts_afresh
-from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_verdict, table, warn
+from toolkit.command_line.printing import print_record, print_tables, verdict_text
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.terminal import AsJson, Quiet, answered, print_json
+from toolkit.foundation.terminal import AsJson, Quiet, answered
+from toolkit.foundation.verdict import Verdict
+from toolkit.report.answer import Answer, Record, Table
 
 if TYPE_CHECKING:
+    from toolkit.report.drawing import Drawing
+    from toolkit.scene.scene import Scene
     from toolkit.sensitivity.certificate.certificate import Certificate
+    from toolkit.sensitivity.certificate.fresh_models import FreshGradients
+    from toolkit.sensitivity.run import Run
 
 
 def certify(
@@ -49,84 +55,100 @@ def certify(
     with at_work("comparing", described, kind, names, quiet, "adjoint") as progress:
         found = compare(described, names, kind, progress)
     afresh = built_afresh(frozen(described, found.exact.solution), names, kind, quiet) if fresh else None
-    verdict = with_doubts_afresh(found.verdict, afresh, found.exact)
+    answer = CertificateAnswer(found, with_doubts_afresh(found.verdict, afresh, found.exact), tolerance, fresh, afresh)
     if as_json:
-        print_json(
-            {
-                **record_of(found),
-                **verdict.record(),
-                "fresh_preprocessing": record_afresh(afresh),
-                "verified": found.verified(tolerance),
-            }
-        )
-        warn(verdict, quiet)
+        print_record(answer, quiet)
     else:
-        print_certificate(found)
-        if fresh:
-            print_afresh(afresh, found.exact)
+        print_tables(answer)
     with answered():
         if output is not None:
-            draw(found, output)
+            for figure in answer.figures():
+                figure.save_as(output)
         found.check(tolerance)
         check_afresh(afresh, found.exact)
     if not as_json:
         typer.echo(agreement(found, tolerance))
-        print_verdict(verdict)
+        typer.echo(verdict_text(answer.verdict))
 
 
-def record_of(found: Certificate) -> dict:
-    """JSON object of a certificate."""
-    return {
-        "gradients": {
-            response: {x: finite_or_none(slope) for x, slope in slopes.items()}
-            for response, slopes in found.exact.gradients.items()
-        },
-        "relative_differences": {
-            method: {response: {x: finite_or_none(value) for x, value in slopes.items()} for response, slopes in each.items()}
-            for method, each in found.differences.items()
-        },
-        "round_off": {f: {x: finite_or_none(value) for x, value in limits.items()} for f, limits in found.limits.items()},
-        "taylor_rates": {response: finite_or_none(rate) for response, rate in found.rates.items()},
-        "central_differences": [{"relative_step": step, "largest_relative_difference": value} for step, value in found.curve],
-        "along_one_direction": {
-            f: {
-                "gradient": finite_or_none(found.along[f]),
-                "difference": finite_or_none(each.slope),
-                "uncertainty": each.uncertainty,
-            }
-            for f, each in found.quotients.items()
-        },
-        **found.verdict.record(),
-    }
+@dataclass(frozen=True)
+class CertificateAnswer(Answer):
+    """Gradients by independent methods, and by reduced models built afresh where these were asked for and can be built."""
+
+    result: Certificate
+    tolerance: float
+    fresh: bool
+    afresh: FreshGradients | None
+
+    def record(self) -> Record:
+        """JSON object."""
+        found, rebuilt = self.result, self.afresh
+        slopes = {} if rebuilt is None else rebuilt.slopes
+        by_fresh = {
+            f: {x: {"gradient": each.slope, "uncertainty": each.uncertainty} for x, each in row.items()}
+            for f, row in slopes.items()
+        }
+        return {
+            "gradients": found.exact.gradients,
+            "relative_differences": found.differences,
+            "round_off": found.limits,
+            "taylor_rates": found.rates,
+            "central_differences": [{"relative_step": step, "largest_relative_difference": value} for step, value in found.curve],
+            "along_one_direction": {
+                f: {"gradient": found.along[f], "difference": each.slope, "uncertainty": each.uncertainty}
+                for f, each in found.quotients.items()
+            },
+            **self.verdict.record(),
+            "fresh_preprocessing": rebuilt and {"gradients": by_fresh, "left_out": rebuilt.left_out, "frozen": rebuilt.frozen},
+            "verified": found.verified(self.tolerance),
+        }
+
+    def tables(self) -> Iterator[Table | str]:
+        """Gradients with their agreeing digits, Taylor rates, and the V of the differences."""
+        found = self.result
+        first, *others = [method.replace("-", " ") for method in found.differences]
+        gradients = [(f, x, slope) for f, slopes in found.exact.gradients.items() for x, slope in slopes.items()]
+        by_method = [*found.differences.values(), found.limits]
+        rows = [(f, x, f"{slope:.10g}", *(digits_of(each[f][x]) for each in by_method)) for f, x, slope in gradients]
+        yield Table(["gradient", "by", "direct", f"agreeing digits: {first}", *others, "round-off leaves"], rows)
+        rates = [
+            (f, "-" if math.isnan(rate) else f"{rate:.2f}" if math.isfinite(rate) else "linear")
+            for f, rate in found.rates.items()
+        ]
+        yield Table(["response", "Taylor rate (2 if smooth)"], rates)
+        quotients = [
+            (f, f"{found.along[f]:.10g}", f"{each.slope:.10g}", f"{each.uncertainty:.1e}") for f, each in found.quotients.items()
+        ]
+        yield Table(["along one direction", "gradient", "best central difference", "uncertain by"], quotients)
+        curve = [(f"{step:.0e}", f"{value:.1e}") for step, value in found.curve]
+        yield Table(["central difference, relative step", "largest relative difference"], curve)
+        if self.fresh:
+            yield from _tables_afresh(self.afresh, found.exact)
+
+    def figures(self) -> Iterator[Drawing]:
+        """Digits, and the V of the differences."""
+        from toolkit.report.certificate_drawing import certificate_drawing
+
+        yield certificate_drawing(self.result)
 
 
-def print_certificate(found: Certificate) -> None:
-    """Print gradients with the digits on which adjoint and complex step agree, Taylor rates, and the V of the differences."""
-    console = Console(width=WIDE, highlight=False)
-    others = [method.replace("-", " ") for method in found.differences]
-    gradients = table("gradient", "by", "direct", f"agreeing digits: {others[0]}", *others[1:], "round-off leaves")
-    for response, slopes in found.exact.gradients.items():
-        for x, slope in slopes.items():
-            gradients.add_row(
-                response,
-                x,
-                f"{slope:.10g}",
-                *(digits_of(each[response][x]) for each in found.differences.values()),
-                digits_of(found.limits[response][x]),
-            )
-    console.print(gradients)
-    rates = table("response", "Taylor rate (2 if smooth)")
-    for response, rate in found.rates.items():
-        rates.add_row(response, "-" if math.isnan(rate) else f"{rate:.2f}" if math.isfinite(rate) else "linear")
-    console.print(rates)
-    quotients = table("along one direction", "gradient", "best central difference", "uncertain by")
-    for f, each in found.quotients.items():
-        quotients.add_row(f, f"{found.along[f]:.10g}", f"{each.slope:.10g}", f"{each.uncertainty:.1e}")
-    console.print(quotients)
-    curve = table("central difference, relative step", "largest relative difference")
-    for step, value in found.curve:
-        curve.add_row(f"{step:.0e}", f"{value:.1e}")
-    console.print(curve)
+def _tables_afresh(found: FreshGradients | None, exact: Run) -> Iterator[Table | str]:
+    """Table of gradients by fresh models, and what is missing in it."""
+    if found is None:
+        yield "No comparison with reduced models built afresh: the preprocessing is not installed."
+        return
+    rows = []
+    for response, slopes in found.slopes.items():
+        for x, fresh in slopes.items():
+            slope, mark = exact.gradients[response][x], " (frozen)" if x in found.frozen else ""
+            difference = abs(slope - fresh.slope) / abs(slope) if slope else abs(fresh.slope)
+            rows.append((response, x + mark, f"{slope:.10g}", f"{fresh.slope:.10g}", f"{difference:.1e}"))
+    if found.slopes:
+        yield Table(["gradient", "by", "direct", "models built afresh", "relative difference"], rows)
+    for name, reason in found.left_out.items():
+        yield f"{name} is not compared with models built afresh: {reason}."
+    if found.frozen:
+        yield f"{', '.join(found.frozen)}: {next(iter(found.frozen.values()))}."
 
 
 def agreement(found: Certificate, tolerance: float) -> str:
@@ -173,8 +195,38 @@ def refuse_no_picture(path: Path) -> None:
         raise InputError(f"the folder of {str(path)!r} does not exist. Make it first.")
 
 
-def draw(found: Certificate, path: Path) -> None:
-    """Write the picture of a certificate."""
-    from toolkit.report.certificate_drawing import certificate_drawing
+def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> FreshGradients | None:
+    """Gradients by fresh models; None where there is no preprocessing to build them."""
+    from toolkit.foundation.processes.preprocessing_process import is_installed
+    from toolkit.sensitivity.certificate.fresh_models import fresh_gradients
 
-    certificate_drawing(found).save_as(path)
+    if not is_installed():
+        return None
+    with at_work("variables, models built afresh", scene, kind, quiet=quiet) as progress:
+        return fresh_gradients(scene, names, kind, progress)
+
+
+def with_doubts_afresh(verdict: Verdict, found: FreshGradients | None, exact: Run) -> Verdict:
+    """Verdict with what fresh models say against frozen bases."""
+    from toolkit.sensitivity.certificate.fresh_models import doubts_of_fresh
+
+    return verdict if found is None else Verdict.of([*verdict.warnings, *doubts_of_fresh(found, exact)], verdict.measures)
+
+
+def check_afresh(found: FreshGradients | None, exact: Run) -> None:
+    """Refuse gradients that fresh models contradict.
+
+    Raises
+    ------
+    DisagreementError
+        Names response, variable and both numbers.
+    """
+    from toolkit.sensitivity.certificate.certificate import DisagreementError
+    from toolkit.sensitivity.certificate.fresh_models import disagreements
+
+    if found is not None and (wrong := list(disagreements(found, exact))):
+        raise DisagreementError(
+            "; ".join(wrong)
+            + ". Build the reduced model again with ffrf-preprocess if its skin file has changed since; else tighten "
+            "solver.tolerance, and report what remains."
+        )

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
-
-import typer
-from rich.console import Console
 
 from toolkit.command_line.arguments import Changes, Static, Variables, design_of, read
 from toolkit.command_line.keeping import Models, SceneOrResults, is_results, motion_of, solved
-from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_verdict, table, warn
+from toolkit.command_line.printing import tell
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.terminal import AsJson, Quiet, print_json
+from toolkit.foundation.terminal import AsJson, Quiet
+from toolkit.foundation.units import unit
+from toolkit.report.answer import Answer, Record, Table
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,16 +45,7 @@ def check_deformation(
         alone = [body for body in alone if body not in whole.elements]
     found = {body: compare_with_corotational(solution, body) for body in alone}
     verdict = Verdict.of([*solution.verdict.warnings, *(whole.cautions() if whole else [])], solution.verdict.measures)
-    if as_json:
-        checked = {body: record_of_check(each, solution) for body, each in found.items()}
-        print_json({"deformation": checked, "mechanism": whole and record_of_mechanism(whole), **verdict.record()})
-        warn(verdict, quiet)
-    else:
-        if found:
-            print_check(found, solution)
-        if whole is not None:
-            print_mechanism(whole)
-        print_verdict(verdict)
+    tell(DeformationAnswer(found, verdict, whole, scene.units), as_json, quiet)
 
 
 def _solution(file: Path, static: bool, changes: list[str] | None, models: Path | None, quiet: bool) -> Solution:
@@ -64,42 +56,66 @@ def _solution(file: Path, static: bool, changes: list[str] | None, models: Path 
     return solved(read(file, changes, quiet), "static", quiet)
 
 
-def record_of_check(found: Comparison, solution: Solution) -> dict[str, Any]:
-    """JSON object of one body's check."""
-    from toolkit.foundation.units import unit
+@dataclass(frozen=True)
+class DeformationAnswer(Answer):
+    """Flexible bodies alone, by their names, and the whole mechanism if it has beams, with elements that turn."""
 
-    units = solution.system.scene.units
-    length, stress = unit(units, "length"), unit(units, "stress")
-    return {
-        "time": found.estimate.time,
-        "largest_rotation": {"value": found.estimate.rotation, "unit": "rad"},
-        "largest_displacement": {"value": found.estimate.displacement, "unit": length},
-        "estimated_error": {"value": found.estimate.error, "unit": length},
-        "error": {"value": found.error, "unit": length},
-        "relative_error": found.relative,
-        "largest_stress": {"value": found.stress, "corotational": found.corotational_stress, "unit": stress},
-        "stress_error": {"value": found.stress_error, "unit": stress},
-    }
+    result: dict[str, Comparison]
+    whole: Mechanism | None
+    units: str
+
+    def record(self) -> Record:
+        """JSON object."""
+        length, stress = unit(self.units, "length"), unit(self.units, "stress")
+        checked = {
+            body: {
+                "time": each.estimate.time,
+                "largest_rotation": {"value": each.estimate.rotation, "unit": "rad"},
+                "largest_displacement": {"value": each.estimate.displacement, "unit": length},
+                "estimated_error": {"value": each.estimate.error, "unit": length},
+                "error": {"value": each.error, "unit": length},
+                "relative_error": each.relative,
+                "largest_stress": {"value": each.stress, "corotational": each.corotational_stress, "unit": stress},
+                "stress_error": {"value": each.stress_error, "unit": stress},
+            }
+            for body, each in self.result.items()
+        }
+        return {"deformation": checked, "mechanism": self.whole and _mechanism_record(self.whole), **self.verdict.record()}
+
+    def tables(self) -> Iterator[Table | str]:
+        """One row per body with what is compared, then the mechanism."""
+        if self.result:
+            length, stress = unit(self.units, "length"), unit(self.units, "stress")
+            head = [
+                "body", f"displacement, {length}", f"geometric error, {length}", "of displacement", f"estimate, {length}",
+                f"stress, {stress}", f"corotational, {stress}", f"largest difference, {stress}",
+            ]  # fmt: skip
+            yield Table(head, [
+                (
+                    body, each.estimate.displacement, f"{each.error:.4g}", f"{each.relative:.2%}", f"{each.estimate.error:.4g}",
+                    each.stress, each.corotational_stress, f"{each.stress_error:.4g}",
+                )
+                for body, each in self.result.items()
+            ])  # fmt: skip
+        for body, each in self.result.items():
+            yield (
+                f"{body} at t = {each.estimate.time:g}: linear elements against corotational ones under the same forces in the body's "
+                "frame (joints, loads, and inertia)."
+            )
+        if self.whole is not None:
+            yield from _mechanism_tables(self.whole)
 
 
-def record_of_mechanism(found: Mechanism) -> dict[str, Any]:
-    """JSON object of the check of the whole mechanism."""
-    record: dict[str, Any] = {
-        "elements": dict(found.elements),
-        "distances": dict(found.distances),
-        "failure": found.failure or None,
-    }
+def _mechanism_record(found: Mechanism) -> Record:
+    """Part of the JSON object about the whole mechanism."""
+    record: dict[str, Any] = {"elements": found.elements, "distances": found.distances, "failure": found.failure or None}
     if found.own is None or found.corotational is None:
         return record
-    own, exact = found.own, found.corotational
+    own, exact, quotients = found.own, found.corotational, found.quotients
     responses = {f: {"value": value, "corotational": exact.values[f], "unit": own.units[f]} for f, value in own.values.items()}
     gradients = {
         f: {
-            x: {
-                "value": finite_or_none(slope),
-                "corotational": finite_or_none(exact.gradients[f][x]),
-                "central_difference": found.quotients[f].get(x),
-            }
+            x: {"value": slope, "corotational": exact.gradients[f][x], "central_difference": quotients[f].get(x)}
             for x, slope in slopes.items()
         }
         for f, slopes in own.gradients.items()
@@ -107,23 +123,21 @@ def record_of_mechanism(found: Mechanism) -> dict[str, Any]:
     return {**record, "responses": responses, "gradients": gradients}
 
 
-def print_mechanism(found: Mechanism) -> None:
-    """Print distances of the bodies, then values and gradients of both mechanisms."""
+def _mechanism_tables(found: Mechanism) -> Iterator[Table | str]:
+    """Values and gradients of both mechanisms, then distances of the bodies."""
     if found.own is None or found.corotational is None:
         return
-    console, own, exact = Console(width=WIDE, highlight=False), found.own, found.corotational
-    values = table("response", "of these frames", "a frame to every element", "off by", "unit")
-    for f, value in own.values.items():
-        values.add_row(f, f"{value:.6g}", f"{exact.values[f]:.6g}", _off(value, exact.values[f]), own.units[f])
-    slopes = table("gradient", "by", "of these frames", "a frame to every element", "off by", "its central difference")
-    for f, row in own.gradients.items():
-        for x, slope in row.items():
-            true, quotient = exact.gradients[f][x], found.quotients[f].get(x)
-            said = "wrong sign" if slope * true < 0 else _off(slope, true)
-            slopes.add_row(f, x, f"{slope:.6g}", f"{true:.6g}", said, "-" if quotient is None else f"{quotient:.6g}")
-    console.print(values)
+    own, exact = found.own, found.corotational
+    head = ["response", "of these frames", "a frame to every element", "off by", "unit"]
+    values = [(f, value, exact.values[f], _off(value, exact.values[f]), own.units[f]) for f, value in own.values.items()]
+    yield Table(head, values)
+    slopes = []
+    for f, x, slope in ((f, x, slope) for f, row in own.gradients.items() for x, slope in row.items()):
+        true = exact.gradients[f][x]
+        off = "wrong sign" if slope * true < 0 else _off(slope, true)
+        slopes.append((f, x, slope, true, off, found.quotients[f].get(x, "-")))
     if own.gradients:
-        console.print(slopes)
+        yield Table(["gradient", "by", *head[1:4], "its central difference"], slopes)
     for body, count in found.elements.items():
         apart = (
             f": nodes are up to {found.distances[body]:.2%} of the largest displacement from where they are with the frames of the scene"
@@ -131,31 +145,8 @@ def print_mechanism(found: Mechanism) -> None:
             else ""
         )
         frames = "1 frame" if count == 1 else f"{count} frames"
-        typer.echo(f"The whole mechanism, joints in place, with {frames} in {body}, one to every element{apart}.")
+        yield f"The whole mechanism, joints in place, with {frames} in {body}, one to every element{apart}."
 
 
 def _off(value: float, true: float) -> str:
     return f"{value / true - 1:.2%}" if true else "-"
-
-
-def print_check(found: dict[str, Comparison], solution: Solution) -> None:
-    """Print one row per body, then what is compared."""
-    from toolkit.foundation.units import unit
-
-    units = solution.system.scene.units
-    length, stress = unit(units, "length"), unit(units, "stress")
-    rows = table(
-        "body", f"displacement, {length}", f"geometric error, {length}", "of displacement", f"estimate, {length}",
-        f"stress, {stress}", f"corotational, {stress}", f"largest difference, {stress}",
-    )  # fmt: skip
-    for body, each in found.items():
-        rows.add_row(
-            body, f"{each.estimate.displacement:.6g}", f"{each.error:.4g}", f"{each.relative:.2%}", f"{each.estimate.error:.4g}",
-            f"{each.stress:.6g}", f"{each.corotational_stress:.6g}", f"{each.stress_error:.4g}",
-        )  # fmt: skip
-    Console(width=WIDE, highlight=False).print(rows)
-    for body, each in found.items():
-        typer.echo(
-            f"{body} at t = {each.estimate.time:g}: linear elements against corotational ones under the same forces in the body's frame "
-            "(joints, loads, and inertia)."
-        )

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from toolkit.command_line.keeping import Models
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.printed.printing import print_files
+from toolkit.command_line.printing import prepare_folder, print_files
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet
 
@@ -47,6 +46,6 @@ def _export_paraview(results: Results, folder: Path, models: Path | None) -> Pat
 
     require("pyvista", "matplotlib")
     from toolkit.render.paraview.export import export_paraview
-    from toolkit.results.restore import restore_solution
+    from toolkit.sensitivity.run import restored
 
-    return export_paraview(restore_solution(results, models), folder)
+    return export_paraview(restored(results, models).solution, folder)

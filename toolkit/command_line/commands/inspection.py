@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from toolkit.command_line.announcements import at_work
+from toolkit.command_line.arguments import Changes, KeepAll, Variables, design_of, read
+from toolkit.command_line.printing import print_tables, verdict_text
 from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.foundation.terminal import AsJson, Quiet, print_json
 from toolkit.reduced_model.description.told_body import body_lines
+from toolkit.report.answer import Answer, Record, Table
 
 if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict
@@ -21,7 +27,38 @@ NOT_SOLVED = "the scene is judged as it is written, and was not solved: ffrf sta
 """What nobody should take this verdict for."""
 
 
-def describe(path: Path) -> dict[str, Any]:
+def inspect(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A reduced model, results, or a scene.")],
+    variables: Variables = None,
+    keep_all: KeepAll = False,
+    measure: Annotated[bool, typer.Option(help="Measure the time of a step of a scene, by short runs.")] = True,
+    changes: Changes = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the summary of what the scene costs and why."""
+    from toolkit.foundation.verdict import Verdict
+
+    record, summary = (
+        (describe(file), None) if file.suffix != ".toml" else _described(file, variables, keep_all, measure, changes, quiet)
+    )
+    judged: dict[str, Any] = {key: record[key] for key in ("verdict", "warnings") if key in record}
+    answer = FileAnswer(record, Verdict.from_record(judged) if judged else Verdict(), summary)
+    print_json(answer.record()) if as_json else print_tables(answer)
+
+
+def _described(
+    file: Path, variables: str | None, keep_all: bool, measure: bool, changes: list[str] | None, quiet: bool
+) -> tuple[Record, Record]:
+    """Record and cost summary of a scene."""
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+
+    scene = with_chosen_frames(read(file, changes, quiet), "transient")
+    names = list(scene.design) if variables is None else design_of(scene, variables)
+    return describe_scene(scene), cost_summary_of(scene, names, keep_all, measure, quiet)
+
+
+def describe(path: Path) -> Record:
     """Content of a results file, or of a reduced model (anything else), as a record.
 
     Raises
@@ -46,12 +83,10 @@ def describe(path: Path) -> dict[str, Any]:
     return describe_model(path)
 
 
-def describe_results(results: Results) -> dict[str, Any]:
+def describe_results(results: Results) -> Record:
     """Record of stored results: what was computed, of what, with which settings."""
-    from toolkit.command_line.printed.printing import finite_or_none
     from toolkit.kept_run.layout import SCHEMA, SCHEMA_VERSION
 
-    values, gradients = results.responses.items(), results.gradients.items()
     return {
         "schema": f"{SCHEMA}, version {SCHEMA_VERSION}",
         "analysis": results.kind,
@@ -62,9 +97,9 @@ def describe_results(results: Results) -> dict[str, Any]:
             name: {"stress points": body.stress.shape[1], "points with a target": body.shape_error.shape[1]}
             for name, body in results.bodies.items()
         },
-        "responses": {name: {"value": finite_or_none(value), "unit": results.response_units[name]} for name, value in values},
+        "responses": {name: {"value": value, "unit": results.response_units[name]} for name, value in results.responses.items()},
         "method": results.method,
-        "gradients": {name: {x: finite_or_none(slope) for x, slope in slopes.items()} for name, slopes in gradients},
+        "gradients": results.gradients,
         "derivatives_of_states_by": ", ".join(results.design),
         "variables": results.variables,
         "settings": {key: value for key, value in results.settings.items() if not isinstance(value, dict)},
@@ -76,10 +111,10 @@ def describe_results(results: Results) -> dict[str, Any]:
     }
 
 
-def describe_scene(scene: Scene) -> dict[str, Any]:
+def describe_scene(scene: Scene) -> Record:
     """Record of a scene: names and kinds of all parts, design variables, numbers that could be one, and questions."""
     from toolkit.foundation.files.outside_files import outside_files
-    from toolkit.scene.cut_scene import written
+    from toolkit.scene.resolution import loaded
     from toolkit.sensitivity.preparation import responses_of
     from toolkit.validity.description.frame_choice import frame_choices
 
@@ -88,7 +123,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
     except ToolkitError:  # which is said below
         frames = {}
     outside = outside_files(scene.directory / "scene", scene.read_files())
-    groups: dict[str, Mapping[str, Any]] = {"bodies": written(scene).bodies, "joints": scene.joints, "loads": scene.loads}
+    groups: dict[str, Mapping[str, Any]] = {"bodies": loaded(scene).written.bodies, "joints": scene.joints, "loads": scene.loads}
     return {
         "units": scene.units,
         "dimension": scene.dimension,
@@ -115,32 +150,91 @@ def _questions(scene: Scene) -> Verdict:
         return Verdict.of([Caution("cannot-be-compiled", str(error))])
 
 
-def print_file(record: dict[str, Any]) -> None:
-    """Print the content of a file, and at the end the verdict that was kept in it."""
-    from toolkit.command_line.printed.printing import print_verdict
-    from toolkit.foundation.verdict import Verdict
+def cost_summary_of(scene: Scene, design: list[str], keep_all: bool, measured: bool, quiet: bool = False) -> Record:
+    """Cost summary of a scene, or the reason why there is none: one that cannot be compiled can still be looked at."""
+    from toolkit.cost_summary.cost_summary import cost_summary
 
-    judged: dict[str, Any] = {key: record[key] for key in ("verdict", "warnings") if key in record}
-    print_description({key: value for key, value in record.items() if key not in judged})
-    if judged:
-        print_verdict(Verdict.from_record(judged))
+    try:
+        if not measured:
+            return cost_summary(scene, design, keep_all, measured=False)
+        with at_work("measuring", scene, "transient", design, quiet):
+            return cost_summary(scene, design, keep_all)
+    except ToolkitError as error:
+        return {"none": str(error)}
 
 
-def print_description(record: dict[str, Any], indent: str = "") -> None:
-    """Print nested records, those without anything below them on one line."""
+@dataclass(frozen=True)
+class FileAnswer(Answer):
+    """Content of a file as nested records, with the verdict that is kept in it, and for a scene what it costs and why."""
+
+    result: Record
+    summary: Record | None = None
+
+    def record(self) -> Record:
+        """JSON object."""
+        return self.result if self.summary is None else {**self.result, "cost_summary": self.summary}
+
+    def tables(self) -> Iterator[Table | str]:
+        """Content line by line, the verdict, and the cost summary."""
+        yield from described({key: value for key, value in self.result.items() if key not in ("verdict", "warnings")})
+        if "verdict" in self.result:
+            yield verdict_text(self.verdict)
+        if self.summary is not None:
+            yield from _costs(self.summary)
+
+
+def described(record: Record, indent: str = "") -> Iterator[str]:
+    """Lines of nested records, those without anything below them on one line."""
     for key, value in record.items():
         if key == "body" and not indent:
-            typer.echo("body:")
-            for line in body_lines(value):
-                typer.echo(f"  {line}")
+            yield "body:"
+            yield from (f"  {line}" for line in body_lines(value))
         elif not isinstance(value, dict):
-            typer.echo(f"{indent}{key}: {_text(value)}")
+            yield f"{indent}{key}: {_text(value)}"
         elif indent and not any(isinstance(below, dict) for below in value.values()):
-            typer.echo(f"{indent}{key}: " + ", ".join(f"{name} {_text(below)}" for name, below in value.items()))
+            yield f"{indent}{key}: " + ", ".join(f"{name} {_text(below)}" for name, below in value.items())
         else:
-            typer.echo(f"{indent}{key}:" + ("" if value else " none"))
-            print_description(value, indent + "  ")
+            yield f"{indent}{key}:" + ("" if value else " none")
+            yield from described(value, indent + "  ")
 
 
 def _text(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _costs(found: Record) -> Iterator[Table | str]:
+    """Table for every section, then the costs and the gain."""
+    if "none" in found:
+        yield f"no cost summary: {found['none']}"
+        return
+    for section, lines in found.items():
+        if section not in ("cost", "meshes"):
+            rows = [(line["what"], line["kept"], line["dropped"] or "", line["why"]) for line in lines]
+            yield Table([section, "kept", "dropped", "why"], rows)
+    counts, rows = ("coordinates", "rows", "variables", "factorization", "solution", "bytes_read"), []
+    for each in found["cost"]:
+        step, first = each["step_us"], found["cost"][0]["step_us"]
+        rows.append(
+            (
+                each["what"],
+                *(each[key] for key in counts),
+                *([f"{step:.1f}", f"{step / first:.2f}"] if step and first else ["", ""]),
+            )
+        )
+    yield Table(["cost", *counts[:-1], "bytes read", "us per step", "ratio"], rows)
+    for file, judged in found["meshes"].items():
+        yield f"{file}: estimated: {judged['told']}."
+    yield from remarks(found["cost"])
+
+
+def remarks(costs: list[dict[str, Any]]) -> list[str]:
+    """Sentences on what the numbers mean, and on what dropping gains."""
+    lines = [
+        "factorization, solution: multiplications of one Newton iteration; bytes read: of the arrays in the files; us: processor time."
+    ]
+    lean, whole = costs[0], costs[-1]
+    if not (lean["step_us"] and whole["step_us"]):
+        return [*lines, f"The time of a step was not measured: {lean['reason']}."]
+    gain = f"Everything put back takes {whole['step_us'] / lean['step_us']:.1f} times as long per step"
+    read = f" and reads {whole['bytes_read'] / lean['bytes_read']:.1f} times as many bytes" if lean["bytes_read"] else ""
+    return [*lines, f"{gain}{read}; the motion is the same (ffrf simulate --keep-all)."]

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import StudyFile, with_options
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.printed.optimum_tables import print_optimum
-from toolkit.command_line.printed.printing import print_answer
-from toolkit.foundation.errors import ToolkitError
+from toolkit.command_line.printing import prepare_folder, tell
 from toolkit.foundation.terminal import AsJson, Quiet, answered
+from toolkit.report.answer import Answer, Picture, Table
 
 if TYPE_CHECKING:
     from toolkit.studies.optimization.optimum import Optimum
+    from toolkit.studies.optimization.search.search_result import SearchResult
+    from toolkit.system.solution import Solution
 
 
 def optimize(
@@ -51,9 +51,7 @@ def optimize(
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
         found = optimized(problem, folder, progress)
-    record = found.record()
-    _keep(found, record, folder, pictures, quiet)
-    print_answer(lambda: record, lambda: print_optimum(found), found.verdict, as_json, quiet)
+    tell(OptimumAnswer(found, found.verdict), as_json, quiet, folder, pictures)
     with answered():
         found.check()
 
@@ -68,35 +66,56 @@ def _checked(changed: dict[str, Any]) -> dict[str, Any]:
     return changed
 
 
-def _keep(found: Optimum, record: dict[str, Any], folder: Path, pictures: bool, quiet: bool) -> None:
-    """Write the JSON file, the table of all designs, and the pictures where they can be drawn."""
-    from toolkit.foundation.files.replaced_file import write_whole
-    from toolkit.results.csv_tables import write_csv
+class OptimumAnswer(Answer):
+    """The best design: before and after, the price of its limits, and the course of the searches."""
 
-    write_whole(folder / "optimum.json", json.dumps(record, indent=1, allow_nan=False).encode())
-    table = write_csv(folder / "history.csv", *found.history)
-    files = [folder / "optimum.json", table, *(_draw(found, folder, quiet) if pictures else [])]
-    if not quiet:
-        typer.echo(f"{', '.join(map(str, files))} are written.", err=True)
+    result: Optimum
+
+    name = "optimum"
+
+    def tables(self) -> Iterator[Table | str]:
+        """All designs as a file; variables with their bounds, responses, prices of limits, and searches."""
+        found, problem, before = self.result, self.result.problem, self.result.values_before
+        yield Table(*found.history, "history")
+        bounds = zip(found.variables.items(), problem.start, problem.bounds.T, strict=True)
+        rows = [(name, start, value, *ends, problem.unit_of_variable(name)) for (name, value), start, ends in bounds]
+        yield Table(["variable", "start", "optimum", "least", "largest", "unit"], rows)
+        responses = [(f, before.get(f, ""), value, found.units[f]) for f, value in found.values.items()]
+        yield Table(["response", "start", "optimum", "unit"], responses)
+        if found.prices:
+            told = [(f"{x.name} {x.limit}", f"{x.price:.4g}" if x.active else "0", x.unit, x.text) for x in found.prices]
+            yield Table(["limit", "price", "unit", "why"], told)
+        head = ["search", "objective", "KKT residual", "to gain", "violation", "designs", "failed", "why"]
+        yield Table(head, [_search(each, bool(problem.curved)) for each in found.searches])
+        yield from found.said
+
+    def figures(self) -> Iterator[Picture]:
+        """Designs of the searches, and the scene before and after."""
+        from toolkit.report.study_drawings import optimization_drawing
+
+        yield optimization_drawing(self.result)
+        for name, solution in self.result.before_and_after().items():
+            yield EndPicture(name, solution)
 
 
-def _draw(found: Optimum, folder: Path, quiet: bool) -> list[Path]:
-    from toolkit.render.packages import RenderError, require
+def _search(each: SearchResult, curved: bool) -> list[Any]:
+    """Cells about one search."""
+    numbers = ["", "", "", ""]
+    if each.best is not None and (left := each.optimality) is not None:
+        gain = f"{left.gain:.1e}" if curved else ""
+        value = float(each.program.objective(each.best.values)[0])
+        numbers = [f"{value:.6g}", f"{left.residual:.1e}", gain, f"{left.violation:.1e}"]
+    return [f"start {each.lane // 2 + 1}", *numbers, each.evaluations, each.failed, each.ended]
 
-    try:
-        require("matplotlib")
+
+class EndPicture(NamedTuple):
+    """Picture of the last state of a solution, in a folder of its name."""
+
+    name: str
+    solution: Solution
+
+    def save(self, folder: Path) -> list[Path]:
+        """Draw it."""
         from toolkit.render.pictures import render_solution
-        from toolkit.report.studies.optimization_drawing import history
 
-        files = history(found).save(folder)
-        for name, solution in found.before_and_after().items():
-            files += render_solution(solution, folder / name, instants=[float(solution.times[-1])])
-    except RenderError as error:
-        if not quiet:
-            typer.echo(f"no pictures: {error}", err=True)
-        return []
-    except ToolkitError as error:  # the design is what was asked for; a picture of a scene that cannot be drawn is not
-        if not quiet:
-            typer.echo(f"not all pictures: {error}", err=True)
-        return []
-    return files
+        return render_solution(self.solution, folder / self.name, instants=[float(self.solution.times[-1])])

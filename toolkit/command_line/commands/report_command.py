@@ -10,8 +10,7 @@ import typer
 from toolkit.command_line.announcements import Progress, at_work, bar
 from toolkit.command_line.arguments import Changes, read, split
 from toolkit.command_line.keeping import Models, SceneOrResults, check_options, is_results, text_of
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.printed.printing import warn
+from toolkit.command_line.printing import prepare_folder, warn
 from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
@@ -41,8 +40,7 @@ def report(
     from toolkit.render.packages import require
 
     require("matplotlib")  # which the report imports
-    from toolkit.report.own_folder import refuse_foreign_files
-    from toolkit.report.write import write_report
+    from toolkit.report.write import refuse_foreign_files, write_report
 
     check_options(file, changes, models)
     refuse_foreign_files(output, file)
@@ -78,11 +76,11 @@ def _refuse_undrawn(scene: Scene) -> None:
 
 def _from_results(file: Path, models: Path | None) -> Material:
     from toolkit.report.material import Material
-    from toolkit.results.restore import restore_solution
     from toolkit.results.results_file import load_results
+    from toolkit.sensitivity.run import restored
 
     results = load_results(file)
-    solution = restore_solution(results, models)
+    solution = restored(results, models).solution
     _refuse_undrawn(solution.system.scene)
     return Material(solution, results)
 
@@ -90,7 +88,6 @@ def _from_results(file: Path, models: Path | None) -> Material:
 def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.report.material import Material
     from toolkit.results.collect import collect
-    from toolkit.sensitivity.clock import repeated
     from toolkit.sensitivity.frames_for_gradients import with_frames_for_gradients
     from toolkit.sensitivity.methods import gradients_by
 
@@ -99,7 +96,7 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:
         framed = with_frames_for_gradients(scene, "transient", names)
-        found = gradients_by("direct", framed, names, "transient", progress, clock=repeated)
+        found = gradients_by("direct", framed, names, "transient", progress, timed=True)
     return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
 

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import os
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, read
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.printed.printing import WIDE, print_answer, table
+from toolkit.command_line.printing import prepare_folder, tell
 from toolkit.foundation.terminal import AsJson, Quiet
+from toolkit.report.answer import Answer, Record, Table
 
 if TYPE_CHECKING:
+    from toolkit.report.drawing import Drawing
     from toolkit.studies.stability.map_result import StabilityResult
 
 RUNS = "runs"
@@ -52,7 +53,6 @@ def stability(
 ) -> None:
     """Map where the scene and its gradient are stable, drift or fail, over settings of the solver and numbers of the scene."""
     from toolkit.studies.stability.classifier import Limits
-    from toolkit.studies.stability.record import record_of
     from toolkit.studies.stability.study import stability as study
 
     if output is not None:
@@ -60,63 +60,62 @@ def stability(
 
         require("matplotlib")
         prepare_folder(output, "stability.json", "stability.png", "stability.svg")
-    from toolkit.scene.cut_scene import written
+    from toolkit.scene.resolution import resolve
     from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 
-    described = written(with_chosen_frames(read(scene, changes, quiet), "transient"))
+    described = resolve(with_chosen_frames(read(scene, changes, quiet), "transient")).written
     names = design_of(described, variables) if variables or described.design else []
     chosen = None if maps is None else [name.strip() for name in maps.split(",") if name.strip()]
     runs = None if output is None else output / RUNS
     limits = Limits(drift=described.solver.drift_tolerance, energy=energy, accuracy=accuracy)
     with at_work("runs", described, "transient", names, quiet, "adjoint") as progress:
         found = study(described, names, chosen, limits, most_steps, jobs or os.cpu_count() or 1, progress, runs)
-    print_answer(lambda: record_of(found), lambda: print_study(found), found.verdict, as_json, quiet)
-    if output is not None:
-        for file in write(found, output, scene.parent.name or scene.stem):
-            typer.echo(str(file), err=as_json)
+    tell(StabilityAnswer(found, found.verdict, scene.parent.name or scene.stem), as_json, quiet, output)
 
 
-def print_study(study: StabilityResult) -> None:
-    """Print the limits of every map, what happens beyond them, and what the names mean."""
-    from toolkit.studies.stability.map_limits import breakdowns, mapped_range, stable_where
-    from toolkit.studies.stability.record import criteria
+@dataclass(frozen=True)
+class StabilityAnswer(Answer):
+    """Maps of a scene: where motion and gradient are stable, and what happens beyond."""
 
-    console = Console(width=WIDE, highlight=False)
-    found = table("map", "mapped", "motion stable", "gradient stable")
-    for column in found.columns:
-        column.justify = "left"
-        column.max_width = 60
-    for each in study.maps:
-        found.add_row(each.map.title, mapped_range(each), stable_where(each, "run"), stable_where(each, "gradient"))
-    console.print(found)
-    for each in study.maps:
-        for beyond in breakdowns(each):
+    result: StabilityResult
+    scene: str
+
+    name = "stability"
+    written = ""
+
+    def record(self) -> Record:
+        """JSON object of all cells."""
+        from toolkit.studies.stability.record import record_of
+
+        return record_of(self.result)
+
+    def tables(self) -> Iterator[Table | str]:
+        """Limits of every map, what happens beyond them, and what the names mean."""
+        from toolkit.studies.stability.map_limits import breakdowns, mapped_range, stable_where
+        from toolkit.studies.stability.record import criteria
+
+        maps, best = self.result.maps, self.result.reference
+        rows = [(each.map.title, mapped_range(each), stable_where(each, "run"), stable_where(each, "gradient")) for each in maps]
+        yield Table(["map", "mapped", "motion stable", "gradient stable"], rows, wrap=60)
+        for beyond in (each for mapped in maps for each in breakdowns(mapped)):
             of = "gradient" if beyond.of == "gradient" else "motion"
-            console.print(f"{beyond.place}: {of} {beyond.verdict.name}, {first_sentence(beyond.verdict.reason)}", markup=False)
-    for name, reason in study.missing.items():
-        console.print(f"No map {name!r}: {reason}.", markup=False)
-    if study.reference:
-        console.print(
-            f"Reference: step {study.reference.step:.3g}; the next coarser one differs by {100 * study.reference.next_values:.2g} % in "
-            f"the responses and {100 * study.reference.next_slopes:.2g} % in the gradients.",
-            markup=False,
-        )
-    for line in criteria(study.limits):
-        console.print(line, markup=False)
+            yield f"{beyond.place}: {of} {beyond.verdict.name}, {first_sentence(beyond.verdict.reason)}"
+        for name, reason in self.result.missing.items():
+            yield f"No map {name!r}: {reason}."
+        if best:
+            yield (
+                f"Reference: step {best.step:.3g}; the next coarser one differs by {100 * best.next_values:.2g} % in the responses and "
+                f"{100 * best.next_slopes:.2g} % in the gradients."
+            )
+        yield from criteria(self.result.limits)
+
+    def figures(self) -> Iterator[Drawing]:
+        """Coloured cells."""
+        from toolkit.report.stability_drawing import stability_drawing
+
+        yield stability_drawing(self.result, self.scene)
 
 
 def first_sentence(text: str) -> str:
     """First sentence of a message, without its advice."""
     return text.split(". ")[0].rstrip(".") + "."
-
-
-def write(study: StabilityResult, folder: Path, name: str) -> list[Path]:
-    """Write the picture as PNG and SVG, and everything as JSON."""
-    from toolkit.foundation.files.replaced_file import write_whole
-    from toolkit.report.stability_drawing import stability_drawing
-    from toolkit.studies.stability.record import record_of
-
-    files = stability_drawing(study, name).save(folder)
-    path = folder / "stability.json"
-    write_whole(path, (json.dumps(record_of(study), indent=2, allow_nan=False) + "\n").encode())
-    return [*files, path]

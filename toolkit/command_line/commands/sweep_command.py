@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
 from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import Dask, Jobs, StudyFile, with_options
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.pictures import save_drawing
-from toolkit.command_line.printed.printing import WIDE, print_answer, table
+from toolkit.command_line.printing import note, prepare_folder, tell
 from toolkit.foundation.terminal import AsJson, Quiet
+from toolkit.report.answer import Answer, Table
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing
@@ -55,9 +53,8 @@ def sweep(
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
         found = run_sweep(problem, folder, executor, progress)
-    record = found.record()
-    _keep(found, record, folder, pictures, quiet)
-    print_answer(lambda: record, lambda: _print(found, record), found.verdict, as_json, quiet)
+    more = _parquet(found.columns, folder / "sweep.parquet", quiet)
+    tell(SweepAnswer(found, found.verdict), as_json, quiet, folder, pictures, more)
 
 
 def _changed(study: Study, given: dict[str, Any]) -> Study:
@@ -79,40 +76,50 @@ def _changed(study: Study, given: dict[str, Any]) -> Study:
     return study.model_copy(update={"sweep": with_options("sweep", Sweep, {**known, **changed})})
 
 
-def _keep(found: Swept, record: dict[str, Any], folder: Path, pictures: bool, quiet: bool) -> None:
-    """Write the tables, the JSON file, and the picture where it can be drawn."""
+def _parquet(columns: dict[str, list[Any]], path: Path, quiet: bool) -> list[Path]:
+    """Write the table for programs that read columns too, where that can be done; what does not exist is null."""
+    from importlib.util import find_spec
+    from io import BytesIO
+
     from toolkit.foundation.files.replaced_file import write_whole
-    from toolkit.studies.sweep.tables import has_parquet, write_csv, write_parquet
 
-    files, columns = [folder / "sweep.csv", folder / "sweep.json"], found.columns
-    write_csv(columns, files[0])
-    write_whole(files[1], json.dumps(record, indent=1, allow_nan=False).encode())
-    if has_parquet():
-        files.append(folder / "sweep.parquet")
-        write_parquet(columns, files[-1])
-    elif not quiet:
-        typer.echo("no Parquet file: pyarrow is not installed. Install: pip install 'ffrf-toolkit[studies]'.", err=True)
-    files += save_drawing(lambda: _drawing(found), folder, quiet) if pictures else []
-    if not quiet:
-        typer.echo(f"{', '.join(map(str, files))} are written; all designs are in {folder}.", err=True)
+    if find_spec("pyarrow") is None:
+        note("no Parquet file: pyarrow is not installed. Install: pip install 'ffrf-toolkit[studies]'.", quiet)
+        return []
+    import pyarrow
+    from pyarrow import parquet
 
-
-def _drawing(found: Swept) -> Drawing:
-    from toolkit.report.studies.sweep_drawing import sweep_drawing
-
-    return sweep_drawing(found)
+    arrays = {name: [None if value != value else value for value in each] for name, each in columns.items()}
+    content = BytesIO()
+    parquet.write_table(pyarrow.table(arrays), content)
+    write_whole(path, content.getvalue())
+    return [path]
 
 
-def _print(found: Swept, record: dict[str, Any]) -> None:
-    """Print variables with their bounds, and where responses are least and largest."""
-    console, problem = Console(width=WIDE, highlight=False), found.problem
-    variables = table("variable", "least", "largest", "unit")
-    for name, bounds in record["sweep"]["variables"].items():
-        variables.add_row(name, f"{bounds['least']:.6g}", f"{bounds['largest']:.6g}", problem.unit_of_variable(name))
-    console.print(variables)
-    responses = table("response", "least", "of design", "largest", "of design", "unit")
-    for name, each in record["sweep"]["responses"].items():
-        ends = [text for end in ("least", "largest") for text in (f"{each[end]['value']:.6g}", str(each[end]["design"]))]
-        responses.add_row(name, *ends, each["unit"])
-    console.print(responses)
-    typer.echo(found.said)
+class SweepAnswer(Answer):
+    """Many designs: bounds of the variables, and where responses are least and largest."""
+
+    result: Swept
+
+    name = "sweep"
+    written = "{files} are written; all designs are in {folder}."
+
+    def tables(self) -> Iterator[Table | str]:
+        """All designs as a file; variables with their bounds, and extremes of the responses."""
+        columns, swept = self.result.columns, self.record()["sweep"]
+        yield Table(
+            [*columns], [["" if cell != cell else cell for cell in row] for row in zip(*columns.values(), strict=True)], "sweep"
+        )
+        unit = self.result.problem.unit_of_variable
+        variables = [(name, each["least"], each["largest"], unit(name)) for name, each in swept["variables"].items()]
+        yield Table(["variable", "least", "largest", "unit"], variables)
+        ends = [(name, each["least"], each["largest"], each["unit"]) for name, each in swept["responses"].items()]
+        rows = [(name, low["value"], low["design"], high["value"], high["design"], unit) for name, low, high, unit in ends]
+        yield Table(["response", "least", "of design", "largest", "of design", "unit"], rows)
+        yield self.result.said
+
+    def figures(self) -> Iterator[Drawing]:
+        """Responses over the variables."""
+        from toolkit.report.study_drawings import sweep_drawing
+
+        yield sweep_drawing(self.result)

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
 from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import Dask, Jobs, StudyFile, with_options
-from toolkit.command_line.output_folder import prepare_folder
-from toolkit.command_line.pictures import save_drawing
-from toolkit.command_line.printed.printing import WIDE, print_answer, table
+from toolkit.command_line.printing import prepare_folder, tell
 from toolkit.foundation.terminal import AsJson, Quiet
+from toolkit.report.answer import Answer, Table
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing
+    from toolkit.studies.uncertainty.spread import Spread
     from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 
 
@@ -54,78 +53,56 @@ def uncertainty(
     compile_before(checked.problem.scene, checked.problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
         found = find_uncertainty(checked, folder, executor, progress)
-    record = found.record()
-    _keep(found, record, folder, pictures, quiet)
-    print_answer(lambda: record, lambda: _print(found), found.verdict, as_json, quiet)
+    tell(UncertaintyAnswer(found, found.verdict), as_json, quiet, folder, pictures)
 
 
-def _keep(found: UncertainResult, record: dict[str, Any], folder: Path, pictures: bool, quiet: bool) -> None:
-    """Write the JSON file, and the picture where it can be drawn."""
-    from toolkit.foundation.files.replaced_file import write_whole
+class UncertaintyAnswer(Answer):
+    """Uncertain responses: their spread, the shares of the numbers in it, quantiles and probabilities."""
 
-    write_whole(folder / "uncertainty.json", json.dumps(record, indent=1, allow_nan=False).encode())
-    files = [folder / "uncertainty.json", *(save_drawing(lambda: _drawing(found), folder, quiet) if pictures else [])]
-    if not quiet:
-        typer.echo(f"{', '.join(map(str, files))} are written; all designs are in {folder}.", err=True)
+    result: UncertainResult
 
+    name = "uncertainty"
+    written = "{files} are written; all designs are in {folder}."
 
-def _drawing(found: UncertainResult) -> Drawing:
-    from toolkit.report.studies.uncertainty_drawing import uncertainty_drawing
+    def tables(self) -> Iterator[Table | str]:
+        """Uncertain numbers, then responses by polynomials, by first derivatives and by random designs."""
+        study, responses, names = self.result.study, self.result.responses, self.result.study.problem.variables
+        numbers = zip(names, study.joint.marginals, strict=True)
+        rows = [(name, each.mean, f"{each.sigma:.3g}", study.problem.unit_of_variable(name)) for name, each in numbers]
+        yield Table(["uncertain", "mean", "sigma", "unit"], rows)
+        head = ["response", "mean", "sigma", "+- of both", "unit", "degree", "left out", "first order", "random designs"]
+        yield Table(head, [(name, *_spread(each)) for name, each in responses.items()])
+        known = {
+            f: (each.alone, each.together)
+            for f, each in responses.items()
+            if each.alone is not None and each.together is not None
+        }
+        shares = [(f, *(f"{alone[x]:.3f} ({whole[x]:.3f})" for x in names)) for f, (alone, whole) in known.items()]
+        if shares:
+            yield Table(["share of the variance", *names], shares)
+        levels = [f"{share:g}" for share in study.options.quantiles]
+        yield Table(["quantile", *levels], [(name, *each.quantiles.values()) for name, each in responses.items()])
+        limits = [(f"{f} {words}", *_beyond(each, words)) for f, each in responses.items() for words in each.beyond]
+        if limits:
+            yield Table(["probability", "polynomials", "random designs"], limits)
+        yield self.result.said
 
-    return uncertainty_drawing(found)
+    def figures(self) -> Iterator[Drawing]:
+        """Distributions of the responses, and what they come from."""
+        from toolkit.report.study_drawings import uncertainty_drawing
 
-
-def _print(found: UncertainResult) -> None:
-    """Print uncertain numbers, responses with their spread, shares of their variance, quantiles and probabilities."""
-    console, problem = Console(width=WIDE, highlight=False), found.study.problem
-    numbers = table("uncertain", "mean", "sigma", "unit")
-    for name, each in zip(problem.variables, found.study.joint.marginals, strict=True):
-        numbers.add_row(name, f"{each.mean:.6g}", f"{each.sigma:.3g}", problem.unit_of_variable(name))
-    console.print(numbers)
-    _print_spreads(console, found)
-    _print_shares(console, found)
-    quantiles = table("quantile", *(f"{share:g}" for share in found.study.options.quantiles))
-    for name, spread in found.responses.items():
-        quantiles.add_row(name, *(f"{value:.6g}" for value in spread.quantiles.values()))
-    console.print(quantiles)
-    limits = table("probability", "polynomials", "random designs")
-    for name, spread in found.responses.items():
-        for words, share in spread.beyond.items():
-            random = "" if spread.sampled is None else "{:.3g} +- {:.1g}".format(*spread.sampled.beyond[words])
-            limits.add_row(f"{name} {words}", f"{share:.3g}", random)
-    if limits.row_count:
-        console.print(limits)
-    typer.echo(found.said)
-
-
-def _print_spreads(console: Console, found: UncertainResult) -> None:
-    """Print mean and sigma by polynomials, by first derivatives, and by random designs."""
-    rows = table("response", "mean", "sigma", "+- of both", "unit", "degree", "left out", "first order", "random designs")
-    for name, each in found.responses.items():
-        first = "" if each.first_order is None else "{:.6g}, {:.3g}".format(*each.first_order)
-        random = (
-            ""
-            if each.sampled is None
-            else f"{each.sampled.mean[0]:.6g}, {each.sampled.sigma[0]:.3g} +- {each.sampled.sigma[1]:.1g}"
-        )
-        numbers = (
-            f"{each.mean:.6g}",
-            f"{each.sigma:.4g}",
-            f"{each.error:.1g}",
-            each.unit,
-            str(each.degree),
-            f"{each.left_out:.1e}",
-        )
-        rows.add_row(name, *numbers, first, random)
-    console.print(rows)
+        yield uncertainty_drawing(self.result)
 
 
-def _print_shares(console: Console, found: UncertainResult) -> None:
-    """Print Sobol's indices: of a number alone, and together with others."""
-    names = found.study.problem.variables
-    shares = table("share of the variance", *names)
-    for name, each in found.responses.items():
-        if each.alone is not None and each.together is not None:
-            shares.add_row(name, *(f"{each.alone[x]:.3f} ({each.together[x]:.3f})" for x in names))
-    if shares.row_count:
-        console.print(shares)
+def _spread(each: Spread) -> list[Any]:
+    """Mean and sigma by polynomials with their error, by first derivatives, and by random designs."""
+    first = "" if each.first_order is None else "{:.6g}, {:.3g}".format(*each.first_order)
+    drawn = each.sampled
+    random = "" if drawn is None else f"{drawn.mean[0]:.6g}, {drawn.sigma[0]:.3g} +- {drawn.sigma[1]:.1g}"
+    return [each.mean, f"{each.sigma:.4g}", f"{each.error:.1g}", each.unit, each.degree, f"{each.left_out:.1e}", first, random]
+
+
+def _beyond(each: Spread, words: str) -> tuple[str, str]:
+    """Probability of a limit by polynomials and by random designs."""
+    random = "" if each.sampled is None else "{:.3g} +- {:.1g}".format(*each.sampled.beyond[words])
+    return f"{each.beyond[words]:.3g}", random

@@ -10,7 +10,7 @@ import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers
 from toolkit.bodies.kernels.constant_kernel import Changes, Constant
-from toolkit.bodies.kernels.planar.floating_kernel import Floating
+from toolkit.bodies.kernels.planar_floating import Floating
 from toolkit.compilation.arrays.strain_arrays import factored_bodies, strain_arrays
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering

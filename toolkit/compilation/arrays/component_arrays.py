@@ -14,8 +14,8 @@ from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.loads.kernels.load_kernel import Loads
 from toolkit.loads.load import Load
 from toolkit.markers.component import Component
-from toolkit.markers.planar.marker_kernel import Markers
-from toolkit.scene.scene import Scene
+from toolkit.markers.planar import Markers
+from toolkit.scene.resolution import ResolvedScene
 
 
 def families(loads: list[Load]) -> list:
@@ -30,7 +30,7 @@ def gripped(numbering: Numbering, columns: list[np.ndarray], path: str, componen
 
 
 def marker_arrays(
-    scene: Scene,
+    scene: ResolvedScene,
     numbering: Numbering,
     values: Quantities,
     derivatives: list[Quantities],
@@ -66,7 +66,7 @@ def marker_changes(derivatives: list[Quantities]) -> list[tuple[int, int, Any]]:
 
 
 def load_arrays(
-    scene: Scene,
+    scene: ResolvedScene,
     numbering: Numbering,
     values: Quantities,
     derivatives: list[Quantities],
@@ -94,7 +94,7 @@ PLACES = ("family", "marker", "curve", "scaled", "state", "position_start", "pos
 """Arrays that no number of the scene changes."""
 
 
-def _places(scene: Scene, numbering: Numbering, columns: list[np.ndarray], pattern: Pattern) -> dict[str, np.ndarray]:
+def _places(scene: ResolvedScene, numbering: Numbering, columns: list[np.ndarray], pattern: Pattern) -> dict[str, np.ndarray]:
     loads = named_loads(scene)
     known = families(list(loads.values()))
     both = [gripped(numbering, columns, f"loads.{name}", load) for name, load in loads.items()]

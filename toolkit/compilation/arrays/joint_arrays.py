@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
-from numba.core.registry import CPUDispatcher
 
 from toolkit.compilation.arrays.component_arrays import curve_numbers, designed, gripped, parameter_changes
 from toolkit.compilation.conversions import ints, starts
@@ -11,7 +12,7 @@ from toolkit.compilation.joint_forms import felt
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities
-from toolkit.joints.joint import Joint
+from toolkit.joints.joint import Joint, check_rows
 from toolkit.joints.kernels.laws import ANGLE, PLAIN, PROFILE, angle_law
 from toolkit.joints.kernels.profile import profile_law
 from toolkit.joints.kernels.records import (
@@ -28,22 +29,21 @@ from toolkit.joints.kernels.records import (
     SPATIAL_ROWS,
     Joints,
 )
-from toolkit.joints.row_checks import check_rows
 from toolkit.joints.rows import Row, forms_of
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.space import PLANE
 
 PIN_PLACES, PIN_VALUES = (0, 0, 3, 0, 1, 4), (0, 1, -1, 0, 1, -1)
 """Numbers of the poses in both forms of a pin, behind the place of the constant, and what they are multiplied by."""
 
 
-def laws_of(joints: list[Joint]) -> list[CPUDispatcher]:
+def laws_of(joints: list[Joint]) -> list[Callable]:
     """Open formulas of the joints, each once, in order of appearance; angles and profiles have a place of their own."""
     return [law for law in dict.fromkeys(law for joint in joints for law in joint.laws) if law not in (angle_law, profile_law)]
 
 
 def joint_arrays(
-    scene: Scene,
+    scene: ResolvedScene,
     numbering: Numbering,
     values: Quantities,
     derivatives: list[Quantities],

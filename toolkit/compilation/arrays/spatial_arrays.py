@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.bodies.kernels.spatial_floating import SpatialFloating
 from toolkit.compilation.arrays.body_arrays import stiffened_entries
 from toolkit.compilation.arrays.component_arrays import marker_changes
 from toolkit.compilation.conversions import ints, starts
@@ -17,16 +17,16 @@ from toolkit.foundation.errors import InputError
 from toolkit.kinematics.spatial import Frames
 from toolkit.loads.kernels.pressure_kernel import Pressures
 from toolkit.markers.component import Component
-from toolkit.markers.spatial.marker_kernel import POSE, SpatialMarkers
-from toolkit.scene.scene import Scene
+from toolkit.markers.spatial import POSE, SpatialMarkers
+from toolkit.scene.resolution import ResolvedScene
 
 
-def turning(scene: Scene) -> list[str]:
+def turning(scene: ResolvedScene) -> list[str]:
     """Bodies whose frame turns, in the order of the frames."""
     return [name for name in scene.pieces() if scene.body(name).turns]
 
 
-def frames_part(scene: Scene, numbering: Numbering, values: Quantities, pattern: Pattern) -> Frames:
+def frames_part(scene: ResolvedScene, numbering: Numbering, values: Quantities, pattern: Pattern) -> Frames:
     """Frames that turn; body b of the moving bodies has frame b."""
     names = turning(scene)
     first = [numbering.first[name] + scene.body(name).frame_size - scene.body(name).turns for name in names]
@@ -47,7 +47,7 @@ def frames_part(scene: Scene, numbering: Numbering, values: Quantities, pattern:
 
 
 def spatial_floating_part(
-    scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
+    scene: ResolvedScene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
 ) -> SpatialFloating:
     """Invariants of bodies with a turning frame and of their design derivatives."""
     bodies = list(values.floating.values())
@@ -110,7 +110,7 @@ def _changes(part: Any) -> bool:
 
 
 def spatial_marker_arrays(
-    scene: Scene,
+    scene: ResolvedScene,
     numbering: Numbering,
     frames: Frames,
     values: Quantities,
@@ -144,7 +144,7 @@ def spatial_marker_arrays(
     )
 
 
-def _with_axes(scene: Scene, numbering: Numbering) -> set[int]:
+def _with_axes(scene: ResolvedScene, numbering: Numbering) -> set[int]:
     """Numbers of the markers whose axes something asks for."""
     components: dict[str, Component] = {**{f"joints.{name}": each for name, each in scene.joints.items()}}
     components |= {f"loads.{name}": each for name, each in named_loads(scene).items()}
@@ -154,7 +154,7 @@ def _with_axes(scene: Scene, numbering: Numbering) -> set[int]:
 
 
 def pressure_part(
-    scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
+    scene: ResolvedScene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
 ) -> Pressures:
     """Pressures on surfaces and their design derivatives."""
     names, loads = zip(*pressures_on_pieces(scene), strict=True) if pressures_of(scene) else ((), ())

@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.pattern import block
 from toolkit.joints.rows import Row
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.space import SPACE
 
 VECTORS = 4
@@ -16,7 +16,7 @@ Entries = list[tuple[np.ndarray, np.ndarray]]
 
 
 def joint_entries(
-    scene: Scene, numbering: Numbering, name: str, rows: tuple[Row, ...], markers: list[int], columns: list[np.ndarray]
+    scene: ResolvedScene, numbering: Numbering, name: str, rows: tuple[Row, ...], markers: list[int], columns: list[np.ndarray]
 ) -> Entries:
     """Rows and columns of all entries of a joint that is stated by these `rows`.
 

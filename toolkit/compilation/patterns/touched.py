@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import Constant
-from toolkit.bodies.kernels.planar.floating_kernel import Floating
-from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.bodies.kernels.planar_floating import Floating
+from toolkit.bodies.kernels.spatial_floating import SpatialFloating
 from toolkit.compilation.conversions import ints
 from toolkit.joints.kernels.records import Joints
 from toolkit.loads.kernels.load_kernel import Loads
 from toolkit.loads.kernels.pressure_kernel import Pressures
-from toolkit.markers.planar.marker_kernel import Markers
-from toolkit.markers.spatial.marker_kernel import SpatialMarkers
+from toolkit.markers.planar import Markers
+from toolkit.markers.spatial import SpatialMarkers
 
 
 def touched_alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:

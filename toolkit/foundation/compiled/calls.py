@@ -3,23 +3,31 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from numba import config, typeof
-from numba.core.errors import NumbaExperimentalFeatureWarning
-from numba.core.registry import CPUDispatcher
+from numba import NumbaExperimentalFeatureWarning, config, typeof, void
+from numba.extending import is_jitted
 
-from toolkit.foundation.compiled.inner_formula import InnerFormula
 from toolkit.foundation.compiled.packed import Formula, Packed, key_of
+from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY, first_class
 from toolkit.foundation.rare_collections import rare_collections
 
 R = TypeVar("R")
 
 
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Block, or decorator, without numba's note that functions among the arguments are experimental."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        yield
+
+
 def call(function: Callable, *arguments: Any) -> Any:
     """Call a kernel; records among its arguments go as one address each, see `packed`."""
-    if not isinstance(function, CPUDispatcher):
+    if not is_jitted(function):
         return function(*arguments)
     given = [in_memory(each) for each in arguments]
     return entry_point(function, *given)(*given)
@@ -27,16 +35,18 @@ def call(function: Callable, *arguments: Any) -> Any:
 
 def entry_point(function: Callable, *arguments: Any) -> Callable[..., Any]:
     """Function that `call` calls for arguments of these types, which are `in_memory`: for whoever calls it again and again."""
-    if not isinstance(function, CPUDispatcher):
+    if not is_jitted(function):
         return function
-    found: Callable[..., Any] = compiled_for(function, list(arguments)).entry_point
+    found: Callable[..., Any] = quiet()(function) if PUBLIC_ONLY else compiled_for(function, list(arguments)).entry_point
     return found
 
 
-def formula_for(function: CPUDispatcher, *arguments: Any) -> Any:
+def formula_for(function: Callable, *arguments: Any) -> Any:
     """Formula to pass to other kernels: a kernel as it is compiled for the types of arguments."""
-    if not isinstance(function, CPUDispatcher):
+    if not is_jitted(function):
         return function
+    if PUBLIC_ONLY:
+        return first_class(function, void(*map(typeof, arguments)))
     return Formula(compiled_for(function, [in_memory(each) for each in arguments]))
 
 
@@ -50,20 +60,20 @@ _BY_VALUE: set[type] = set()
 
 
 def in_memory(given: Any) -> Any:
-    """An argument as compiled code takes it: records, and tuples of formulas, as `Packed`; as it is where numba is switched off."""
-    if config.DISABLE_JIT or not isinstance(given, tuple) or type(given) in _BY_VALUE:  # type: ignore[attr-defined]
+    """An argument as compiled code takes it: records, and tuples of formulas, as `Packed`; as it is where numba is switched off, or
+    nothing but its documented parts is used."""
+    if config.DISABLE_JIT or PUBLIC_ONLY or not isinstance(given, tuple) or type(given) in _BY_VALUE:  # type: ignore[attr-defined]
         return given
     return Packed(given) if hasattr(given, "_fields") or any(isinstance(each, Formula | tuple) for each in given) else given
 
 
-def compiled_for(function: CPUDispatcher, given: list[Any]) -> Any:
+def compiled_for(function: Any, given: list[Any]) -> Any:
     """A kernel as numba compiles it for the types of arguments `in_memory`; to have numba look at these takes longer than a short run."""
     key = function, *map(key_of, given)
     if key not in _COMPILED:
         kinds = tuple(map(typeof, given))
-        with warnings.catch_warnings(), rare_collections():
-            warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-            if isinstance(function, InnerFormula):  # which refuses
+        with quiet(), rare_collections():
+            if function.targetoptions.get("no_cpython_wrapper"):  # an inner formula, which refuses
                 function(*given)
             function.compile(kinds)
         _COMPILED[key] = function.overloads[kinds]

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import Any
 
-from numba.core import event
-
-KIND = "numba:compile"
-"""Event by which numba announces the compilation of a function; one that is loaded from the disk is none."""
+from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY
 
 
-class CompileWatch(event.Listener):
-    """Counts the functions that were compiled and the time that it took; functions compiled on the way to others count, their time once."""
+class CompileWatch:
+    """Counts the functions that were compiled and the time that it took; functions compiled on the way to others count, their time once.
+
+    Only private parts of numba announce them: without these nothing is counted.
+    """
 
     def __init__(self, on_first: Callable[[], None] | None = None, on_function: Callable[[int], None] | None = None) -> None:
         self.functions = 0
@@ -21,17 +22,26 @@ class CompileWatch(event.Listener):
         self._on_first, self._on_function = on_first, on_function
         self._depth = 0
         self._begun = 0.0
+        self._opened = clock.perf_counter()
+        self.rest = 0.0
+        """Time in s that the block took beyond compilation, once it has ended."""
 
-    def on_start(self, event: event.Event) -> None:
-        """Note that a function begins to be compiled."""
+    def close(self) -> None:
+        """Note that the block has ended."""
+        self.rest = clock.perf_counter() - self._opened - self.seconds
+
+    def notify(self, event: Any) -> None:
+        """Note that a function begins to be compiled, or that this is done or has failed."""
+        self._begin() if event.is_start else self._end()
+
+    def _begin(self) -> None:
         if self._on_first and not self.functions and not self._depth:
             self._on_first()
         if not self._depth:
             self._begun = clock.perf_counter()
         self._depth += 1
 
-    def on_end(self, event: event.Event) -> None:
-        """Note that the compilation of a function is done, or has failed."""
+    def _end(self) -> None:
         self._depth -= 1
         self.functions += 1
         if self._on_function:
@@ -47,8 +57,15 @@ def watched_compilation(
     """A watch over everything that is compiled in its block; `on_first` is called before the first function is, `on_function` after each
     with their number."""
     watch = CompileWatch(on_first, on_function)
-    event.register(KIND, watch)
     try:
-        yield watch
+        with nullcontext() if PUBLIC_ONLY else _announced(watch):
+            yield watch
     finally:
-        event.unregister(KIND, watch)
+        watch.close()
+
+
+def _announced(watch: CompileWatch) -> AbstractContextManager[None]:
+    """Block in which numba announces what it compiles."""
+    from toolkit.foundation.compiled.numba_parts import announced
+
+    return announced(watch)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import errno
 import os
-import pickle
 import stat
 import sys
 import tempfile
@@ -22,79 +21,9 @@ from typing import Any
 import llvmlite
 import numba
 import numpy as np
-from llvmlite.binding import parse_bitcode
-from numba.core.caching import NullCache
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompileResult, compile_result
-from numba.core.registry import CPUDispatcher
-from numba.core.serialize import dumps
 
-from toolkit.foundation.compiled.formula_stamp import UnknownNameError, formula_stamp, layout
-from toolkit.foundation.compiled.inner_code import InnerCode, InnerCompiler
+from toolkit.foundation.compiled.formula_stamp import Kernel, UnknownNameError, formula_stamp, layout
 from toolkit.foundation.files.replaced_file import in_one_stroke
-
-
-class KeptCode(JITCodeLibrary):
-    """A library of numba whose code runs at once; what others need in order to take it in is read when they ask for it.
-
-    Measured, a command that finds its formulas compiled spends a tenth of its time with reading that for nobody.
-    """
-
-    _bitcode: bytes = b""
-
-    @classmethod
-    def kept(cls, codegen: Any, found: tuple[str, list[str], bytes, bytes]) -> KeptCode:
-        """Library of a kernel, from what `parts_of` took apart."""
-        name, defined, code, bitcode = found
-        library = cls(codegen, name)
-        library.enable_object_caching()
-        library._set_compiled_object(code)
-        library._bitcode = bitcode
-        library._finalize_final_module()
-        codegen._engine._defined_symbols.update(defined)
-        return library
-
-    def _get_module_for_linking(self) -> Any:
-        if self._shared_module is None:
-            self._shared_module = parse_bitcode(self._bitcode)
-        return self._shared_module
-
-
-def parts_of(compiled: Any) -> tuple:
-    """Parts of a compiled formula that `restored` needs, ready to be written."""
-    library, *rest = compiled._reduce()
-    if not isinstance(compiled.library, InnerCode):
-        name, _, (code, bitcode) = library
-        module = compiled.library._get_module_for_linking()
-        symbols = [*module.functions, *module.global_variables]
-        library = name, sorted(each.name for each in symbols if not each.is_declaration), code, bitcode
-    return library, *rest
-
-
-def restored(target: Any, parts: tuple, inner: bool) -> CompileResult:
-    """Compiled formula in a process whose target is this; `inner` if only other kernels call it."""
-    found, description, environment, signature, objectmode, lifted, annotation, reload_init, referenced = parts
-    for function in reload_init:
-        function()
-    library = (InnerCode if inner else KeptCode).kept(target.codegen(), found)
-    entry = target.get_executable(library, description, environment)
-    for each in referenced:
-        library.codegen.set_env(each.env_name, each)
-    return compile_result(
-        target_context=target,
-        typing_context=target.typing_context,
-        library=library,
-        environment=environment,
-        entry_point=entry,
-        fndesc=description,
-        type_annotation=annotation,
-        signature=signature,
-        objectmode=objectmode,
-        lifted=lifted,
-        reload_init=reload_init,
-        referenced_envs=referenced,
-    )
-
 
 VARIABLE = "NUMBA_CACHE_DIR"
 """Environment variable that names a folder for compiled code. numba also takes it from a file in the current folder, this program not:
@@ -112,19 +41,25 @@ class CompiledCodeWarning(UserWarning):
     """Compiled formulas were damaged, or cannot be kept where they will be looked for the next time."""
 
 
-class CompiledCode(NullCache):
+class CompiledCode:
     """Store of one kernel's code; numba asks it for code before it compiles, and hands it the code afterwards.
 
     Parameters
     ----------
     kernel : the formula, as numba compiles it
+    inner : whether only other kernels call it
     """
 
-    def __init__(self, kernel: CPUDispatcher) -> None:
-        self.kernel, self.function = kernel, kernel.py_func
+    cache_path = None
+    """Folder that numba tells of, which here is one of several."""
 
-    def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
+    def __init__(self, kernel: Kernel, inner: bool = False) -> None:
+        self.kernel, self.function, self._is_inner = kernel, kernel.py_func, inner
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
         """Code that is kept for types of arguments; None if there is none, or only what is damaged."""
+        from toolkit.foundation.compiled.numba_parts import restored
+
         file, damaged = self._file(signature, target.codegen()), None
         for folder in self._folders:
             try:
@@ -133,27 +68,25 @@ class CompiledCode(NullCache):
             except OSError:
                 continue
             if content[:_DIGEST] == sha256(content[_DIGEST:]).digest():
-                return restored(target, pickle.loads(content[_DIGEST:]), self._is_inner)  # noqa: S301  trusted as the program is
+                return restored(target, content[_DIGEST:], self._is_inner)
             damaged = folder
         if damaged:
             _tell("damaged", f"compiled formulas in {str(damaged)!r} are damaged; they are compiled again, once.")
-        for part in ("compiled.packed_code", "vectors.rows_code", "vectors.each_row_code", "vectors.multiples_code"):
-            import_module(f"toolkit.foundation.{part}")  # for the compiler alone
+        import_module("toolkit.foundation.compiled.written_code")  # for the compiler alone
         target.refresh()
         return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
         """Keep the code in the first folder that takes it; say where it is if it does not last there."""
+        from toolkit.foundation.compiled.numba_parts import bytes_of
+
         if any(not each.can_cache for each in compiled.lifted) or compiled.library.has_dynamic_globals:
             return
-        code = dumps(parts_of(compiled))
+        code = bytes_of(compiled)
         content, file, refusals = sha256(code).digest() + code, self._file(signature, compiled.codegen), []
         for folder in self._folders:
             try:
-                if folder.parent in _shared():
-                    folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-                    _refuse_others(folder)
-                folder.mkdir(parents=True, exist_ok=True)
+                _make(folder)
                 with in_one_stroke(folder / file) as temporary:
                     temporary.write_bytes(content)
             except OSError as error:
@@ -165,11 +98,6 @@ class CompiledCode(NullCache):
             return
         if refusals:
             _tell("kept", f"compiled formulas cannot be kept in {' or '.join(refusals)}: every run compiles them again. {REMEDY}")
-
-    @property
-    def _is_inner(self) -> bool:
-        """Whether only other kernels call the kernel, so that no code for the processor is kept."""
-        return issubclass(self.kernel._compiler.pipeline_class, InnerCompiler)  # type: ignore[attr-defined]
 
     @cached_property
     def _name(self) -> str:
@@ -236,6 +164,28 @@ def _refuse_others(folder: Path) -> None:
         found = folder.parent.lstat()
         if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.geteuid() or found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
             raise PermissionError(errno.EPERM, "other users can write there")
+
+
+def _make(folder: Path) -> None:
+    """Make a folder for code, or refuse it by an OSError."""
+    if folder.parent in _shared():
+        folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        _refuse_others(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+
+
+def folder_for(name: str) -> Path | None:
+    """Folder of a name for code that numba keeps by itself; None, and a remark, if there is no place for it."""
+    given, refusals = os.environ.get(VARIABLE), []
+    for folder in [Path(given).absolute() / name] if given else [folder / name for folder in _shared()]:
+        try:
+            _make(folder)
+            with tempfile.TemporaryFile(dir=folder):
+                return folder
+        except OSError as error:
+            refusals.append(f"{str(folder)!r} ({error.strerror or error})")
+    _tell("kept", f"compiled formulas cannot be kept in {' or '.join(refusals)}: every run compiles them again. {REMEDY}")
+    return None
 
 
 def is_kept() -> bool:

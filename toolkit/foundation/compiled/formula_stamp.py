@@ -3,31 +3,34 @@
 from __future__ import annotations
 
 import dis
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
-from numba.core import types
-from numba.core.registry import CPUDispatcher
+from numba import types
+from numba.extending import is_jitted
 
-from toolkit.foundation.vectors.rows import add_rows, add_to_each, subtract_multiples
+from toolkit.foundation.compiled.rows import add_rows, add_to_each, subtract_multiples
 
-WRITTEN: dict[Any, tuple[str, ...]] = {
-    add_rows: ("rows_code.py",),
-    add_to_each: ("rows_code.py", "each_row_code.py"),
-    subtract_multiples: ("rows_code.py", "multiples_code.py"),
-}
-"""Functions of which formulas take code that is written for the compiler, and the files that it stands in."""
+WRITTEN = (add_rows, add_to_each, subtract_multiples)
+"""Functions of which formulas take code that is written for the compiler."""
 LIBRARIES = ("numpy", "math", "cmath", "numba")
 """Modules whose names always mean the same; a number of another module may change."""
 
 
 LOADING = tuple(dis.opmap[name] for name in ("LOAD_CONST", "RETURN_CONST") if name in dis.opmap)
 """Instructions with the number of a constant."""
+
+
+class Kernel(Hashable, Protocol):
+    """A formula as numba compiles it."""
+
+    py_func: FunctionType
+    targetoptions: dict[str, object]
 
 
 class UnknownNameError(Exception):
@@ -38,7 +41,7 @@ class UnknownNameError(Exception):
 
 
 @cache
-def formula_stamp(kernel: CPUDispatcher) -> str:
+def formula_stamp(kernel: Kernel) -> str:
     """Hash of a kernel's own instructions and constants, and of those of every kernel that it calls: its code may hold copies of theirs.
 
     Modules count, because the code finds what it calls by their names. Comments, docstrings and places in a file do not.
@@ -75,17 +78,17 @@ def layout(given: Any) -> str:
 
 
 @cache
-def _own(kernel: CPUDispatcher) -> str:
+def _own(kernel: Kernel) -> str:
     """Text on one kernel: how it is compiled, its instructions, and what it takes from the names around it."""
     names = [f"{name} is {_meaning(name, used)}" for name, used in [*_names(kernel), *_defaults(kernel)]]
     return "\n".join([repr(sorted(kernel.targetoptions.items())), _instructions(kernel.py_func), *names])
 
 
-def _called(kernel: CPUDispatcher) -> list[CPUDispatcher]:
-    return [used for _, used in _names(kernel) if isinstance(used, CPUDispatcher)]
+def _called(kernel: Kernel) -> list[Kernel]:
+    return [used for _, used in _names(kernel) if bool(is_jitted(used))]
 
 
-def _names(kernel: CPUDispatcher) -> list[tuple[Any, Any]]:
+def _names(kernel: Kernel) -> list[tuple[Any, Any]]:
     """Names that a kernel finds in its module or in the function that made it, and what they stand for."""
     function = kernel.py_func
     space, around = function.__globals__, zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
@@ -93,17 +96,17 @@ def _names(kernel: CPUDispatcher) -> list[tuple[Any, Any]]:
     return named + [(name, cell.cell_contents) for name, cell in around]
 
 
-def _defaults(kernel: CPUDispatcher) -> list[tuple[Any, Any]]:
+def _defaults(kernel: Kernel) -> list[tuple[Any, Any]]:
     """Default values of arguments, which whoever calls the kernel holds."""
     function = kernel.py_func
     return [*enumerate(function.__defaults__ or ()), *sorted((function.__kwdefaults__ or {}).items())]
 
 
 def _meaning(name: Any, used: Any) -> str:
-    if isinstance(used, CPUDispatcher):
+    if is_jitted(used):
         return "a kernel"
     if isinstance(used, FunctionType) and used in WRITTEN:
-        return _written(*WRITTEN[used])
+        return _written()
     if used is None or isinstance(used, bool | int | float | complex | str | np.generic) or _is_plain(used):
         return f"{type(used).__name__} {used!r}"
     if isinstance(used, np.ndarray) and not used.dtype.hasobject:
@@ -118,8 +121,8 @@ def _meaning(name: Any, used: Any) -> str:
 
 
 @cache
-def _written(*files: str) -> str:
-    return sha256(b"".join((Path(__file__).parents[1] / "vectors" / file).read_bytes() for file in files)).hexdigest()
+def _written() -> str:
+    return sha256(Path(__file__).with_name("written_code.py").read_bytes()).hexdigest()
 
 
 def _is_plain(used: Any) -> bool:

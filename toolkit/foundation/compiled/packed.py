@@ -7,15 +7,12 @@ of its compiler, and to collect them takes longer than a short run.
 from __future__ import annotations
 
 import warnings
-from ctypes import c_void_p
 from hashlib import sha256
 from typing import Any
 
 import numpy as np
-from numba import typeof
-from numba.core import types
-from numba.core.errors import NumbaExperimentalFeatureWarning
-from numba.core.typing.typeof import typeof_impl
+from numba import NumbaExperimentalFeatureWarning, typeof, types
+from numba.extending import typeof_impl
 
 from toolkit.foundation.compiled.formula_stamp import layout
 
@@ -23,18 +20,9 @@ LAID_OUT = 0x0001 | 0x0002 | 0x0100 | 0x0400
 """Flags of an array that its type follows from, as numpy numbers them: C- and F-contiguous, aligned, writeable."""
 
 
-def _slow_address(array: np.ndarray) -> int:
+def address_of(array: np.ndarray) -> int:
+    """Address where the numbers of an array begin."""
     return int(array.__array_interface__["data"][0])
-
-
-def _fast_address(array: np.ndarray) -> int:
-    return c_void_p.from_address(id(array) + object.__basicsize__).value or 0
-
-
-_PROBE = np.zeros(3)[1:]
-address_of = _fast_address if _fast_address(_PROBE) == _slow_address(_PROBE) else _slow_address
-"""Address where the numbers of an array begin: what stands first behind the head of its object, in all of numpy so far. To have
-numpy tell it takes fifty times as long, which was a twentieth of a short run."""
 
 
 class PackedType(types.Type):

@@ -4,14 +4,15 @@ In space the lengths of quaternions are constraints too.
 """
 
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.joints.kernels.planar.joint_design import joint_design
-from toolkit.joints.kernels.planar.joint_jacobian import joint_jacobian
-from toolkit.joints.kernels.planar.joint_kernel import evaluate_planar_joint, joint_residual
-from toolkit.joints.kernels.planar.pin_kernel import add_pin, pin_design, pin_jacobian
+from toolkit.joints.kernels.planar_joint import evaluate_planar_joint, joint_design, joint_jacobian, joint_residual
+from toolkit.joints.kernels.planar_pin import add_pin, pin_design, pin_jacobian
 from toolkit.joints.kernels.records import DESIGN, DESIGNED, PINNED
-from toolkit.joints.kernels.spatial.joint_design import spatial_joint_design
-from toolkit.joints.kernels.spatial.joint_jacobian import spatial_joint_jacobian
-from toolkit.joints.kernels.spatial.joint_kernel import evaluate_spatial_joint, spatial_joint_residual
+from toolkit.joints.kernels.spatial_joint import (
+    evaluate_spatial_joint,
+    spatial_joint_design,
+    spatial_joint_jacobian,
+    spatial_joint_residual,
+)
 from toolkit.kinematics.spatial import lengths_jacobian, lengths_residual
 
 

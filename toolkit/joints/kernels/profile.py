@@ -10,9 +10,8 @@ middle m, and the coefficients of the powers of t - m. So every number of the cu
 import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner, kernel
-from toolkit.joints.kernels.laws import FORMS, PROFILE, angle_of
+from toolkit.joints.kernels.laws import FORMS, PROFILE, add_angle, angle_of
 from toolkit.joints.kernels.records import FORM, GRADIENT, LAW
-from toolkit.joints.kernels.turn_laws import add_angle
 
 DEGREE = 9
 """Degree of the polynomials."""

@@ -31,7 +31,7 @@ MARKER, FIRST_ROW, N_ROWS, CURVE, DESIGNED, CURVED, FORM, TURNED, POSITION, DESI
 """Columns of `Joints.of`: markers a and b; number of its first multiplier among all unknowns; number of rows; time curve that its last row
 follows, or -1; 1 if any design variable matters to it; 1 if g_zz is not zero; its first form; in the plane 1 if the axes of marker a
 count, and of marker b; start in `position`; start and end in `design`; in the plane 1 if it is a
-pin, see `planar.pin_kernel`; and for each row which function, or PLAIN or ANGLE, and how many forms."""
+pin, see `planar_pin`; and for each row which function, or PLAIN or ANGLE, and how many forms."""
 
 
 class Joints(NamedTuple):
@@ -47,7 +47,7 @@ class Joints(NamedTuple):
     of: np.ndarray  # (n_j, LAW + 2 * most rows)
     start: np.ndarray  # (n_forms + 1, 2) into the next two: the constant, the first pair
     place: np.ndarray  # (n,) of a linear term which number of the poses, of a pair (i, k) which vectors
-    value: np.ndarray  # (n,) of a pair (p, q) in the plane, see `planar.form_kernel`, in space only the first
+    value: np.ndarray  # (n,) of a pair (p, q) in the plane, see `planar_forms`, in space only the first
     design: np.ndarray  # (n_d, 5) variable, row of the joint, form of the row, kind of number (CONSTANT, LINEAR, PAIR), its place
     design_value: np.ndarray  # (n_d, 2) derivative of the value, of a pair of both
     position: np.ndarray  # where local entries are stored: coordinates x coordinates, rows x coordinates, transposed

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.joints.places import AtPoints
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rod
+from toolkit.joints.joint import AtPoints
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.model import Outline
 from toolkit.render.moment import Moment

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.render.curves import SEEN, Panels, draw_panels, merged, motion_panels
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.stress_told import stress_range

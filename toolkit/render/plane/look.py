@@ -15,7 +15,7 @@ from toolkit.render.plane.solid_shape import solid_shape
 from toolkit.render.plane.window import drawn_thickness, window
 from toolkit.render.round_numbers import round_up
 from toolkit.render.stress_told import round_off, told
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 
 MOST_MOMENTS = 60
@@ -108,7 +108,7 @@ def drawn_points(moment: Configuration) -> np.ndarray:
     return np.vstack([np.zeros((0, 2)), *shapes, *moment.rods(), *moment.wheels(), *joints])
 
 
-def _thickness(scene: Scene, body: str) -> float:
+def _thickness(scene: ResolvedScene, body: str) -> float:
     """Thickness of a skin or of all sections of a frame; zero where they differ."""
     path = f"bodies.{body}.thickness"
     found = {

@@ -14,7 +14,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.tri import Triangulation
 
-from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.springs import SpringDamper
 from toolkit.render.colors import INK, ROD, SUPPORT, TARGET, UNDEFORMED
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.flexible import Flexible
 from toolkit.foundation.near_ties import first_largest
 from toolkit.render.plane.configuration import Configuration
 from toolkit.responses.stress.stress import stress_components

@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.joints.both.rigid_joint import RigidJoint
-from toolkit.joints.both.tie import Tie
 from toolkit.joints.joint import Joint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.slider import Slider
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint, Tie
+from toolkit.joints.slider import Slider
 from toolkit.kinematics.planar import unit_vector
 from toolkit.render.moment import POINT
 from toolkit.render.plane.configuration import Configuration

@@ -6,16 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.curves.curve import Curve
-from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.loads.spatial.pressure import Pressure
-from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component
 from toolkit.render.space.configuration import SpatialConfiguration
 
 _CLOSED = 1e-12
-"""Square of a pressure's resultant that is round-off, relative to that of its moments over the size of the scene."""
+"""Square of a pressure's resultant that is round-off, relative to that of its moments over the model size."""
 
 
 class Arrow(NamedTuple):

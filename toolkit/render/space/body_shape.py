@@ -9,14 +9,14 @@ import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.reduced_model.cut.spatial_part import rows_of_pieces
 from toolkit.reduced_model.model import StressPoints
 from toolkit.reduced_model.parts.pieces import Pieces
 from toolkit.reduced_model.spatial_model import SURFACE_POSITION, Surface
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.responses.stress.stress import stress_components
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 
 UNSEEN = ("youngs_modulus", "density", "poisson_ratio", "damping")
 """Beginnings of the names of parameters that no picture shows."""
@@ -36,13 +36,13 @@ class BodyShape:
     still: np.ndarray  # (n,) whether no elastic coordinate moves the point
 
 
-def has_shape(scene: Scene, body: str) -> bool:
+def has_shape(scene: ResolvedScene, body: str) -> bool:
     """Whether a flexible body's reduced model contains its surface."""
     found = scene.body(body)
     return isinstance(found, SpatialFlexible) and scene.model(found.model, "surface").surface is not None
 
 
-def drawn_as_built(scene: Scene, body: str) -> bool:
+def drawn_as_built(scene: ResolvedScene, body: str) -> bool:
     """Whether a scene gives a body other sizes or form than its reduced model has, while its drawn surface is the model's."""
     found = scene.body(body)
     assert isinstance(found, SpatialFlexible)
@@ -94,7 +94,7 @@ def _points(moment: SpatialConfiguration, body: str, surface: Surface) -> np.nda
     return points
 
 
-def _rows(surface: Surface, pieces: Pieces | None, part: FramedPart, scene: Scene) -> np.ndarray:
+def _rows(surface: Surface, pieces: Pieces | None, part: FramedPart, scene: ResolvedScene) -> np.ndarray:
     """Numbers of the surface points that a part of a cut body contains."""
     if pieces is not None:
         return rows_of_pieces(pieces, part.first, part.last)

@@ -7,12 +7,11 @@ from itertools import product
 
 import numpy as np
 
+from toolkit.bodies.body import SpatialBody, SpatialMarkerNumbers
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.spatial.body import SpatialBody, SpatialMarkerNumbers
-from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
-from toolkit.joints.places import AtPoints
-from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.rigid import SpatialRigidBody, SpatialRod
+from toolkit.joints.joint import AtPoints, SpatialJoint
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.render.moment import Moment
 from toolkit.system.solution import Solution

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.near_ties import first_smallest
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.loads.springs import SpatialSpringDamper
 from toolkit.render.body_places import body_places
 from toolkit.render.colors import BODY, INK, ROD, SUPPORT, UNDEFORMED
 from toolkit.render.label_places import Name, Panel, Side, panel_of, placed, sides

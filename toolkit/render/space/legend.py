@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.loads.springs import SpatialSpringDamper
 from toolkit.render.colors import INK, SUPPORT, UNDEFORMED
 from toolkit.render.readable_units import readable
 from toolkit.render.space import parts

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.bodies.rigid import SpatialRod
 from toolkit.foundation.spread import spread
-from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.joint import SpatialJoint
 from toolkit.render.readable_units import Readable, readable_stress
 from toolkit.render.round_numbers import round_up
 from toolkit.render.space.arrows import Arrow, arrows

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.gravity import SpatialGravity
 from toolkit.render.motion.names import NamesOfMotion
 from toolkit.render.round_numbers import even
 from toolkit.render.space.body_shape import body_shape

@@ -9,11 +9,10 @@ import pyvista
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from toolkit.bodies.spatial.rigid import SpatialRigidBody
+from toolkit.bodies.rigid import SpatialRigidBody
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
-from toolkit.joints.joint import Joint
-from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.joint import Joint, SpatialJoint
 from toolkit.kinematics.spatial import axes_along
 from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration

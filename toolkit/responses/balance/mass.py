@@ -11,12 +11,11 @@ from pydantic import field_validator
 from toolkit.bodies.body import CENTRE
 from toolkit.compilation.dependence import items_of
 from toolkit.compilation.quantities import STEP
-from toolkit.compilation.remembered import Remembered
 from toolkit.responses.instant import Instant
 from toolkit.responses.kinematics.marker_formula import one_of, place_of, refuse_component
 from toolkit.responses.kinematics.marker_motion import MarkerMotion, Motion
 from toolkit.responses.response import Partials
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -116,7 +115,6 @@ def masses(system: System, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarr
     return _masses(system.scene, list(names)), by_x
 
 
-def _masses(scene: Scene, names: list[str]) -> np.ndarray:
-    placed: Any = Remembered(scene)
+def _masses(scene: ResolvedScene, names: list[str]) -> np.ndarray:
     bodies = scene.all_bodies()
-    return np.array([bodies[name].whole_mass(placed) for name in names])
+    return np.array([bodies[name].whole_mass(scene) for name in names])

@@ -19,7 +19,7 @@ from toolkit.responses.kinematics.marker_formula import one_of
 from toolkit.responses.kinematics.marker_motion import MarkerMotion, Motion
 from toolkit.responses.kinematics.rates import OfRates
 from toolkit.responses.response import Partials
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 
 
@@ -109,7 +109,7 @@ class Power(Doer, OfRates):
                 f"joint {self.joint!r} has no driver, so it does no work; joints with a driver: {', '.join(driven) or 'none'}."
             )
 
-    def grips(self, scene: Scene) -> tuple[tuple[str, str], ...]:
+    def grips(self, scene: ResolvedScene) -> tuple[tuple[str, str], ...]:
         """Pairs of body and centre of mass where gravity acts; empty for other loads, whose points are there anyway."""
         gravity = self.load is not None and isinstance(scene.loads[self.load], UniformGravity)
         return tuple((name, CENTRE) for name in scene.pieces()) if gravity else ()

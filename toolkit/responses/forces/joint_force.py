@@ -10,7 +10,7 @@ import numpy as np
 
 from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.planar.joint_kernel import change_number, evaluate_planar_joint
+from toolkit.joints.kernels.planar_joint import change_number, evaluate_planar_joint
 from toolkit.joints.kernels.records import CURVED, DESIGN
 from toolkit.responses.forces.least_squares_forces import least_squares_forces, lengths_of_joints
 from toolkit.responses.forces.spatial_joint_force import Force, SpatialJointForce

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.equations.equations import allocate_work
-from toolkit.joints.kernels.planar.joint_kernel import evaluate_planar_joint
-from toolkit.joints.kernels.spatial.joint_kernel import evaluate_spatial_joint
+from toolkit.joints.kernels.planar_joint import evaluate_planar_joint
+from toolkit.joints.kernels.spatial_joint import evaluate_spatial_joint
 from toolkit.responses.forces.least_squares_forces import least_squares, lengths_of_joints
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.marker_states import MarkerStates

@@ -52,7 +52,7 @@ def lengths_of_joints(system: System) -> tuple[np.ndarray, np.ndarray]:
     It is twice the root of the mean square distance of the undeformed places of joints from their mean, of all joints that bodies connect
     with this one other than through the ground: the distance of two hinges. So forces do not depend on what else is in the scene.
     """
-    found: tuple[np.ndarray, np.ndarray] = system.placed.once(
+    found: tuple[np.ndarray, np.ndarray] = system.scene.once(
         ("lengths of joints", *system.design.names), lambda: _lengths_of_joints(system)
     )
     return found

@@ -15,7 +15,7 @@ import numpy as np
 from toolkit.equations.equations import Work, allocate_work
 from toolkit.foundation.compiled.calls import in_memory
 from toolkit.joints.kernels.records import DESIGN
-from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, change_spatial_number, evaluate_spatial_joint
+from toolkit.joints.kernels.spatial_joint import NUMBERS, change_spatial_number, evaluate_spatial_joint
 from toolkit.system.marker_states import MarkerStates
 from toolkit.system.system import System
 

@@ -14,7 +14,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.responses.instant import Instant
 from toolkit.responses.kinematics.marker_formula import one_of, place_of, refuse_component
 from toolkit.responses.response import Partials
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 
@@ -78,7 +78,7 @@ class Deflection(Instant):
 
         return look
 
-    def _shape(self, scene: Scene) -> np.ndarray:
+    def _shape(self, scene: ResolvedScene) -> np.ndarray:
         body = scene.bodies[self.body]
         assert isinstance(body, ModelBody)
         return body.point(scene, self.point, self.body)[0][:, 1:]

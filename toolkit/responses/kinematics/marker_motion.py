@@ -1,7 +1,7 @@
 """Motion of markers, and the chain rule from a formula of it to a response's partial derivatives.
 
-With the pose y(q) of a marker, its rate w = B v and its acceleration s = B a + b (see `markers.planar.marker_kernel` and
-`markers.spatial.marker_kernel`), a value f(y, w, s) has
+With the pose y(q) of a marker, its rate w = B v and its acceleration s = B a + b (see `markers.planar` and
+`markers.spatial`), a value f(y, w, s) has
 
     f_q = f_y B + f_w B_v + f_s (B_a + b_q),   f_v = f_w B + 2 f_s B_v,   f_a = f_s B
     f_x = f_y y_x + f_w w_x + f_s s_x

@@ -19,7 +19,7 @@ from toolkit.responses.stress.aggregation import kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import design_rates, stress_operator
 from toolkit.responses.stress.stress_places import stress_places
 from toolkit.responses.stress.von_mises import point_slope, point_stress
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 
@@ -45,14 +45,14 @@ class LocalStress(Instant):
     fibre: Literal["outer", "inner"] | None = None
 
     @abstractmethod
-    def rows(self, scene: Scene) -> list[int]:
+    def rows(self, scene: ResolvedScene) -> list[int]:
         """Numbers of the stress points that the response uses."""
 
     @abstractmethod
     def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
         """Value of the response from the stresses (r,) at these points, and its derivatives by them (r,)."""
 
-    def check(self, scene: Scene) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a body that is not flexible, or has no stress points there."""
         super().check(scene)
         self.rows(scene)
@@ -97,7 +97,7 @@ class StressAtPoint(LocalStress):
 
     place: Annotated[Pair | Triple, Quantity("length")]
 
-    def rows(self, scene: Scene) -> list[int]:
+    def rows(self, scene: ResolvedScene) -> list[int]:
         """Number of the stress point that is nearest to the place."""
         refuse_other_space(self.place, scene)
         return [stress_places(scene, self.body).near(np.array(self.place), FIBRES[self.fibre])]
@@ -132,7 +132,7 @@ class StressAlongLine(LocalStress):
             raise ValueError('`aggregation` belongs to take = "ks" and to no other')
         return self
 
-    def rows(self, scene: Scene) -> list[int]:
+    def rows(self, scene: ResolvedScene) -> list[int]:
         """Numbers of the stress points nearest to places along the line, each once."""
         for place in self.places:
             refuse_other_space(place, scene)
@@ -152,7 +152,7 @@ class StressAlongLine(LocalStress):
         return stress[place], (np.arange(len(stress)) == place).astype(float)
 
 
-def refuse_other_space(place: tuple[float, ...], scene: Scene) -> None:
+def refuse_other_space(place: tuple[float, ...], scene: ResolvedScene) -> None:
     """Refuse a place with more or fewer numbers than the scene's space has.
 
     Raises

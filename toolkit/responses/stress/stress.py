@@ -21,6 +21,7 @@ from toolkit.reduced_model.thin_arrays import LARGE
 from toolkit.responses.response import Partials, Response, felt_steps
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress.von_mises import point_slope, point_stress
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
@@ -29,20 +30,20 @@ KEPT = 1_000_000
 """Components of stress up to which a solution keeps them for its next response."""
 
 
-def stress_operator(scene: Scene, body: str) -> np.ndarray:
+def stress_operator(scene: ResolvedScene, body: str) -> np.ndarray:
     """Components of stress per elastic coordinate at the scene's parameter values, shape (n_s, 1 or 6, n_f)."""
     operator = flexible_body(scene, body).stress_operator(scene)
     return operator[:, None] if operator.ndim == 2 else operator
 
 
-def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
+def stress_components(scene: ResolvedScene, body: str, q_f: np.ndarray) -> np.ndarray:
     """Components of stress (..., n_s, 1 or 6) at elastic coordinates (..., n_f)."""
     found = by_instant(q_f.reshape(-1, q_f.shape[-1]), stress_rows(scene, body).T)
     points, *components, _ = design_point(scene, body).model.invariants.stress_operator.shape
     return found.reshape(*q_f.shape[:-1], points, *(components or [1]))
 
 
-def stress_rows(scene: Scene, body: str) -> Any:
+def stress_rows(scene: ResolvedScene, body: str) -> Any:
     """Stress operator as a matrix (n_s times components, n_f); sparse if it is large and zero nearly everywhere."""
     if isinstance(scene.bodies.get(body), CutBody):
         operator = flexible_body(scene, body).stress_operator(scene)
@@ -78,12 +79,14 @@ def products(one: np.ndarray, other: np.ndarray, entry: np.ndarray) -> np.ndarra
 
 def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
     """Derivatives of an array of a body's reduced model by the design variables, numbered as these are."""
-    found: Derivatives = solution.system.placed.once(("rates", body, item), lambda: _rates(solution, body, item, *parts))
+    found: Derivatives = solution.system.scene.once(
+        ("rates", body, item, *solution.system.design.names), lambda: _rates(solution, body, item, *parts)
+    )
     return found
 
 
 def _rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
-    scene = solution.system.placed
+    scene = solution.system.scene
     driven = [
         (model_parameter(scene, body, path), x, factor)
         for x, variable in enumerate(solution.system.design)
@@ -153,7 +156,7 @@ class StressResponse(Response):
     measure: Literal["signed", "absolute"] = "signed"
     when: Literal["all", "end"] = "all"
 
-    def check(self, scene: Scene) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a body that is not flexible."""
         flexible_body(scene, self.body)
 
@@ -181,7 +184,7 @@ class StressResponse(Response):
             return kept
         where = elastic_coordinates(solution, self.body)
         q = solution.q[:, where] if self.when == "all" else solution.q[-1:, where]
-        found = stress_components(solution.system.placed, self.body, q)
+        found = stress_components(solution.system.scene, self.body, q)
         if found.size <= KEPT:
             known[key] = found
         return found
@@ -201,7 +204,7 @@ class StressResponse(Response):
         felt, where = felt_steps(by_component), elastic_coordinates(solution, self.body)
         by_component, q = by_component[felt], solution.q[:, where]
         by_q, value_q = np.zeros(q.shape), np.zeros(solution.q.shape)
-        by_q[felt] = by_instant(by_component, stress_rows(solution.system.placed, self.body).real)
+        by_q[felt] = by_instant(by_component, stress_rows(solution.system.scene, self.body).real)
         value_q[:, where] = by_q
         rates = design_rates(solution, self.body, "stress_operator")
         by_operator = np.real(products(by_component, q[felt], rates.entry))

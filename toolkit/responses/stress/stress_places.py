@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import first_smallest
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import flexible_body
 
 FAR = 0.25
@@ -54,7 +54,7 @@ class StressPlaces(NamedTuple):
         return found
 
 
-def stress_places(scene: Scene, body: str) -> StressPlaces:
+def stress_places(scene: ResolvedScene, body: str) -> StressPlaces:
     """Places of the stress points of a flexible body.
 
     Raises

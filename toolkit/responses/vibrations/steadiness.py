@@ -42,7 +42,7 @@ def refuse_unsteady(solution: Solution, frequency: float) -> None:
         name = system.numbering.names[first_largest(left)]
         raise InputError(
             f"the motion does not end in an equilibrium, nor in a steady spin: {name} is still on its way by about {left.max():.1e} of the "
-            "scene's size (or rad). Vibrations about such a state have no frequency. Let the motion come to rest (damping, a longer "
+            "model size (or rad). Vibrations about such a state have no frequency. Let the motion come to rest (damping, a longer "
             "end_time, smaller steps: a spin needs a hundred in a turn), or ask for the equilibrium itself: ffrf statics, of a scene that "
             'spins with solver.equilibrium = "spinning".'
         )

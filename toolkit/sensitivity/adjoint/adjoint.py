@@ -16,17 +16,18 @@ import numpy as np
 from toolkit.analyses.run_start import known_start
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.responses.response import Partials
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.backward_sweep import begin_sweep, end_sweep, sweep, transposition
 from toolkit.sensitivity.adjoint.checkpointed import checkpointed_adjoint, fits
-from toolkit.sensitivity.clock import Clock, Progress, once
+from toolkit.sensitivity.clock import Progress, price
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.evaluation import by_name
-from toolkit.sensitivity.preparation import Kind, check_kind, check_names, moving, responses_of, solve
-from toolkit.sensitivity.result import Result, result
+from toolkit.sensitivity.preparation import ANALYSES, Kind, check_kind, check_names, moving, responses_of, solve
+from toolkit.sensitivity.run import Run, run_of
 from toolkit.solvers.spin.steady_state import steady_adjoint
 from toolkit.solvers.start.initial_conditions import Motion, State
 from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at, static_matrix
@@ -38,7 +39,7 @@ from toolkit.system.system import System
 NO_BACKWARD_RUN = 'stabilised index 2 (solver.formulation = "ggl") has no backward run'
 
 
-def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, timed: bool = False) -> Run:
     """Responses with gradients by the discrete adjoint; parameters and errors as `sensitivity.direct.direct`.
 
     A run whose states exceed `solver.memory` is computed twice, in windows between checkpoints.
@@ -50,21 +51,25 @@ def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | No
     """
     check_kind(kind)
     check_names(design)
-    return by_adjoint(Compiled(scene, tuple(design)), kind, progress, clock)
+    return by_adjoint(Compiled(scene, tuple(design)), kind, progress, timed)
 
 
-def by_adjoint(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
-    """The same of a compiled scene."""
+def by_adjoint(compiled: Compiled, kind: Kind, progress: Progress | None = None, timed: bool = False) -> Run:
+    """Responses of a compiled scene with gradients by the discrete adjoint."""
     scene = compiled.scene
     if not has_adjoint(scene, kind):
         raise NeedsDirectError(NO_BACKWARD_RUN)
     if kind == "transient" and not fits(scene, compiled.primal):
         return replace(checkpointed_adjoint(compiled, progress), repeat=partial(_again_in_windows, scene, compiled.names))
-    primal, solution = clock(partial(solve, compiled.primal, kind), progress)
-    extra, (found, gradient) = clock(partial(adjoint_gradients, compiled.full, solution), progress)
+    with watched_compilation() as first:
+        solution = ANALYSES[kind](compiled.primal, progress=progress)
+    with watched_compilation() as second:
+        found, gradient = adjoint_gradients(compiled.full, solution, progress)
+    primal = price(first, timed, partial(solve, compiled.primal, kind))
+    extra = price(second, timed, partial(adjoint_gradients, compiled.full, solution))
     values, gradients = _named(compiled.full, found, gradient)
     repeat = partial(again_backwards, compiled.primal, compiled.full, known_start(solution))
-    return result(scene, solution, values, gradients, "adjoint", primal, extra, repeat)
+    return run_of(solution, values, gradients, "adjoint", primal, extra, repeat)
 
 
 def again_backwards(

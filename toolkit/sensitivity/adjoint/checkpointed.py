@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -21,8 +20,8 @@ from toolkit.sensitivity.adjoint.backward_sweep import begin_sweep, end_sweep, s
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.preparation import Progress, responses_of
-from toolkit.sensitivity.result import Result, result
-from toolkit.solvers.transient.run import Run, prepare_run
+from toolkit.sensitivity.run import Run, run_of
+from toolkit.solvers.transient.run import Integration, prepare_run
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -41,7 +40,7 @@ def fits(scene: Scene, system: System) -> bool:
 class Forwards(NamedTuple):
     """Results that a run in windows leaves behind."""
 
-    run: Run
+    run: Integration
     bounds: list[int]
     kept: list[Checkpoint]
     last: Solution  # the last window
@@ -51,7 +50,7 @@ class Forwards(NamedTuple):
 
 
 @one_thread()
-def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -> Result:
+def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -> Run:
     """Responses with gradients of a transient run, in the memory of about sqrt(n_t) states; the run is computed twice.
 
     Raises
@@ -60,15 +59,12 @@ def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -
         As `adjoint_gradients`, or a response cannot be put together from windows.
     """
     tell = progress or (lambda *_: None)
-    begun = clock.perf_counter()
     with watched_compilation() as first:
         forwards = run_forwards(compiled.primal, tell)
-    turned = clock.perf_counter()
     with watched_compilation() as second:
         system = compiled.full
         gradients = by_name(system.design, forwards.values, run_backwards(system, forwards, tell).T)
-    primal, extra = turned - begun - first.seconds, clock.perf_counter() - turned - second.seconds
-    return result(compiled.scene, forwards.solution, forwards.values, gradients, "adjoint", primal, extra)
+    return run_of(forwards.solution, forwards.values, gradients, "adjoint", first.rest, second.rest)
 
 
 def run_forwards(system: System, tell: Progress) -> Forwards:

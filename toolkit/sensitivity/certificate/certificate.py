@@ -8,6 +8,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.certificate.differences import (
@@ -27,7 +28,7 @@ from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import Kind, Progress, frozen
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.sensitivity.sizes import response_scales, variable_sizes
 
 MOST_DIGITS = 16.0
@@ -53,8 +54,8 @@ class Certificate:
 
     Attributes
     ----------
-    exact : Result
-        Result by direct differentiation.
+    exact : Run
+        Run with gradients by direct differentiation.
     differences : dict
         "adjoint" (where the run has one) and "complex-step" -> response -> variable -> relative difference to `exact`.
     limits : dict
@@ -77,10 +78,10 @@ class Certificate:
     zeros : dict
         Response -> variable -> largest difference between the methods of a derivative that is negligible or that round-off does not tell
         from zero, and so has no digits of its own: in parts of the derivative by which a change of the variable by its size would change
-        the response by all that it is or does (a place or an angle by the size of the scene or 1 rad).
+        the response by all that it is or does (a place or an angle by the model size or 1 rad).
     """
 
-    exact: Result
+    exact: Run
     differences: dict[str, Gradients]
     limits: Gradients
     rates: dict[str, float]
@@ -191,7 +192,7 @@ def certify(
 
 
 def compare(
-    exact: Result, kind: Kind, stepped: Gradients, progress: Progress = lambda *_: None, unseen: float = UNSEEN
+    exact: Run, kind: Kind, stepped: Gradients, progress: Progress = lambda *_: None, unseen: float = UNSEEN
 ) -> Certificate:
     """The certificate of a result of direct differentiation, whose gradients by a complex step are at hand."""
     system = exact.solution.system
@@ -235,7 +236,7 @@ def digits(difference: float) -> float:
     )
 
 
-def _relative(exact: Result, floors: Gradients, other: Gradients) -> Gradients:
+def _relative(exact: Run, floors: Gradients, other: Gradients) -> Gradients:
     """Differences to other derivatives relative to each derivative, or to its floor where it is smaller."""
     return {
         f: {x: abs(slope - other[f][x]) / max(abs(slope), floors[f][x], TINY) for x, slope in slopes.items()}
@@ -243,9 +244,9 @@ def _relative(exact: Result, floors: Gradients, other: Gradients) -> Gradients:
     }
 
 
-def _zeros(scene: Scene, exact: Result, limits: Gradients, others: dict[str, Gradients]) -> Gradients:
+def _zeros(scene: Scene, exact: Run, limits: Gradients, others: dict[str, Gradients]) -> Gradients:
     """Largest differences between the methods for derivatives that are next to zero, relative to what a zero is measured by."""
-    sizes, whole = variable_sizes(scene, exact), {"angle": 1.0, "length": scene.size}
+    sizes, whole = variable_sizes(scene, exact), {"angle": 1.0, "length": loaded(scene).size}
     found: Gradients = {}
     for f, scale in response_scales(exact, sizes).items():
         unit = max(scale, whole.get(getattr(scene.responses.get(f), "unit_quantity", ""), 0.0), TINY)

@@ -16,7 +16,7 @@ from toolkit.sensitivity.certificate.round_off import can_move
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.preparation import Kind, frozen, moving
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.sensitivity.sizes import response_scales, variable_sizes
 from toolkit.solvers.start.kept_start import moves_kept_run
 
@@ -28,7 +28,7 @@ NEGLIGIBLE = 1e-6
 """Part of a response's scale below which a directional derivative is compared with that instead of with itself."""
 
 
-def direction(scene: Scene, exact: Result) -> dict[str, float]:
+def direction(scene: Scene, exact: Run) -> dict[str, float]:
     """Variable -> its part of the direction: half to all of its size, evenly spread so that changes do not cancel by symmetry.
 
     Numbers that only preprocessing can change (or that are zero and cannot be negative) stay, and so do those that a kept start follows.
@@ -49,13 +49,13 @@ def moved(scene: Scene, along: dict[str, float], step: float) -> Scene:
     return scene
 
 
-def slopes_along(exact: Result, along: dict[str, float]) -> dict[str, float]:
+def slopes_along(exact: Run, along: dict[str, float]) -> dict[str, float]:
     """Response -> its derivative along the direction."""
     return {f: sum(slopes[x] * part for x, part in along.items()) for f, slopes in exact.gradients.items()}
 
 
 def taylor_rates(
-    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = (2e-3, 1e-3, 5e-4), exact: Result | None = None
+    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = (2e-3, 1e-3, 5e-4), exact: Run | None = None
 ) -> dict[str, float]:
     """Rate at which |f(x + h d) - f(x) - h g . d| vanishes along `direction`: 2 if g is the gradient.
 
@@ -105,7 +105,7 @@ class Quotient(NamedTuple):
 
 
 def difference_quotients(
-    scene: Scene, design: list[str], kind: Kind, exact: Result, steps: Sequence[float] = STEPS
+    scene: Scene, design: list[str], kind: Kind, exact: Run, steps: Sequence[float] = STEPS
 ) -> dict[float, dict[str, float]]:
     """Relative step h -> response -> [f(x + h d) - f(x - h d)] / 2h along `direction`; a step so large that its runs fail is left out."""
     scene = frozen(scene, exact.solution)
@@ -153,7 +153,7 @@ def jumping(
 
 
 def step_study(
-    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = STEPS, exact: Result | None = None
+    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = STEPS, exact: Run | None = None
 ) -> list[tuple[float, float]]:
     """Central differences along `direction` against the gradient, over steps h: the V of truncation and round-off.
 
@@ -168,7 +168,7 @@ def step_study(
     return curve_of(scene, base, difference_quotients(scene, design, kind, base, steps))
 
 
-def curve_of(scene: Scene, base: Result, quotients: Mapping[float, Mapping[str, float]]) -> list[tuple[float, float]]:
+def curve_of(scene: Scene, base: Run, quotients: Mapping[float, Mapping[str, float]]) -> list[tuple[float, float]]:
     """Step and largest relative difference of difference quotients, as `step_study`."""
     scene = frozen(scene, base.solution)
     slopes, scales = slopes_along(base, direction(scene, base)), response_scales(base, variable_sizes(scene, base))

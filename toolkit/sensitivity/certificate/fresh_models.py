@@ -27,7 +27,7 @@ from toolkit.sensitivity.certificate.rebuilt_bodies import build_all, given_valu
 from toolkit.sensitivity.errors.basis_errors import UNIMPORTANT
 from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.preparation import Kind
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.sensitivity.sizes import typical_size, variable_sizes
 from toolkit.validity.bodies.deformation import LIMIT
 
@@ -83,7 +83,7 @@ class FreshGradients:
     frozen: dict[str, str] = field(default_factory=dict)  # variable -> what its difference means
 
 
-def disagreements(found: FreshGradients, exact: Result) -> Iterator[str]:
+def disagreements(found: FreshGradients, exact: Run) -> Iterator[str]:
     """Sentences on gradients that differ from those of fresh models by more than `TOLERANCE` and their uncertainty.
 
     Gradients of a frozen basis are left out: that they differ is what freezing means, see `doubts_of_fresh`.
@@ -98,7 +98,7 @@ def disagreements(found: FreshGradients, exact: Result) -> Iterator[str]:
                 )
 
 
-def doubts_of_fresh(found: FreshGradients, exact: Result) -> Iterator[Caution]:
+def doubts_of_fresh(found: FreshGradients, exact: Run) -> Iterator[Caution]:
     """Doubts about gradients of frozen bases that differ too much from those of fresh models."""
     sizes, off = variable_sizes(exact.solution.system.scene, exact), []
     for response, slopes in found.slopes.items():

@@ -10,6 +10,7 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes.preprocessing_process import run
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 
 PROGRAM = "preprocessing.commands.designs_command"
@@ -36,7 +37,7 @@ def is_built_from(scene: Scene, body: str, skin: Path) -> bool:
 def given_values(scene: Scene, body: str) -> dict[str, Any]:
     """Parameters to which the scene gives values of its own, by their names for the preprocessing."""
     flexible: Any = scene.bodies[body]
-    places = {f"interface_points.{name}.arc_length": s for name, s in scene.arc_lengths(flexible).items()}
+    places = {f"interface_points.{name}.arc_length": s for name, s in loaded(scene).arc_lengths(flexible).items()}
     return {**flexible.model_values(), **places}
 
 

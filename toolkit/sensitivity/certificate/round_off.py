@@ -10,11 +10,12 @@ from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.numbering import number
 from toolkit.compilation.quantities import evaluate_quantities
 from toolkit.foundation.errors import InputError
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.preparation import Kind, frozen, prepare, responses_of, solve
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.sensitivity.sizes import response_scales, variable_sizes
 
 Gradients = dict[str, dict[str, float]]
@@ -30,7 +31,7 @@ SAMPLES, SAFETY = 4, 10.0
 distribution with long tails."""
 
 
-def round_off(scene: Scene, exact: Result, kind: Kind, unseen: float = UNSEEN) -> Gradients:
+def round_off(scene: Scene, exact: Run, kind: Kind, unseen: float = UNSEEN) -> Gradients:
     """Estimated round-off of each derivative, as an absolute number.
 
     The scene is solved with other last digits of its own numbers, and differentiated directly and backwards. All that differs is
@@ -67,7 +68,8 @@ def can_move(scene: Scene, path: str) -> bool:
         return True
     try:
         for step in (-TRIAL, TRIAL):
-            evaluate_quantities(moved := scene.with_number(path, value + step * (abs(value) or 1.0)), number(moved))
+            moved = loaded(scene.with_number(path, value + step * (abs(value) or 1.0)))
+            evaluate_quantities(moved, number(moved))
             check_numbers(moved)
     except InputError:
         return False

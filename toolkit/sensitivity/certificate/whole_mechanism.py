@@ -13,14 +13,14 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.verdict import Caution
-from toolkit.scene.cut_scene import cuttable, most_frames, written
+from toolkit.scene.resolution import cuttable, most_frames
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import evaluated, values_alone
 from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.numerical import derivative
 from toolkit.sensitivity.preparation import Kind, frozen, moving
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.cut.places import has_places, is_moving, largest_displacement, node_places, relative_distance
 from toolkit.validity.bodies.deformation import LIMIT
@@ -51,8 +51,8 @@ class Mechanism:
 
     elements: Mapping[str, int]
     distances: Mapping[str, float] = field(default_factory=dict)
-    own: Result | None = None
-    corotational: Result | None = None
+    own: Run | None = None
+    corotational: Run | None = None
     quotients: Slopes = field(default_factory=dict)
     failure: str = ""
 
@@ -122,7 +122,7 @@ def compare_mechanism(solution: Solution, names: Sequence[str]) -> Mechanism | N
         Design variables whose gradients are compared.
     """
     kind: Kind = "transient" if moving(solution) else "static"
-    scene = frozen(written(solution.system.scene), solution)
+    scene = frozen(solution.system.scene.written, solution)
     elements = {name: most_frames(scene, name) for name in cuttable(scene)}
     if not elements:
         return None
@@ -143,7 +143,7 @@ def _distance(own: Solution, corotational: Solution, name: str) -> float:
     return relative_distance(node_places(own, name), node_places(corotational, name), size, moves)
 
 
-def _quotients(scene: Scene, kind: Kind, found: Result) -> Slopes:
+def _quotients(scene: Scene, kind: Kind, found: Run) -> Slopes:
     slopes: Slopes = {name: {} for name in found.gradients}
     for variable in scene.design_variables(list(next(iter(found.gradients.values()), {}))):
         try:

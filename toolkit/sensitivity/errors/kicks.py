@@ -14,7 +14,7 @@ from toolkit.solvers.direct_solve import solve_linear
 from toolkit.system.solution import Solution
 
 QUIET = 1e-7
-"""Part of the scene's size (or rad) by which a jump of accelerations moves anything in a step, below which it excites nothing."""
+"""Part of the model size (or rad) by which a jump of accelerations moves anything in a step, below which it excites nothing."""
 MOST_KICKS = 6
 """So many of them are looked at, the largest."""
 FORCES, ACCELERATIONS = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])

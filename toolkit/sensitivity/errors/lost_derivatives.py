@@ -21,7 +21,7 @@ from toolkit.sensitivity.errors.lost_motion import Lost, swing
 from toolkit.system.solution import Solution
 
 FAR = 1e-4
-"""Part of the scene's size (or rad) by which a mode is moved for the change of its stiffness."""
+"""Part of the model size (or rad) by which a mode is moved for the change of its stiffness."""
 TURNED = 1e-3
 """Change of any phase, in rad, or of any size, by a change of the design: small, but far above round-off."""
 

@@ -99,7 +99,7 @@ class StepError:
         return max([*self.values.values(), *slopes], default=0.0)
 
 
-class Run(NamedTuple):
+class ComparisonRun(NamedTuple):
     """A run with other steps: the ratio of their lengths, a phrase for it, and the values and gradients."""
 
     ratio: float
@@ -134,7 +134,7 @@ def step_error(
         options = options.model_copy(update={"times": tuple(map(float, solution.whole_run))})
     else:
         options = options.model_copy(update={"halvings": 0})  # other steps are to be what they are called
-    known = Known(values, gradients, scales, slope_scales, 1 if first_order(options) else 2)
+    known = JudgedNumbers(values, gradients, scales, slope_scales, 1 if first_order(options) else 2)
     if lost is not None and (resolved := _resolved(known, lost, solution, repeat)) is not None:
         return resolved
     longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
@@ -151,7 +151,7 @@ def step_error(
     return found if lost is None or found is None else _with_lost(found, known, lost, solution)
 
 
-def _resolved(known: Known, lost: LostVibrations, solution: Solution, repeat: Repeat) -> StepError | None:
+def _resolved(known: JudgedNumbers, lost: LostVibrations, solution: Solution, repeat: Repeat) -> StepError | None:
     """Time-step error by a run with steps that keep the lost vibrations; None if that takes too many steps."""
     options, variables = solution.options or solution.system.scene.solver, len(next(iter(known.gradients.values()), {}))
     most = min(MOST_STEPS, MOST_NUMBERS // _numbers_of_a_state(solution, variables))
@@ -173,10 +173,10 @@ def _numbers_of_a_state(solution: Solution, variables: int) -> int:
     """Count of numbers in a state: coordinates and multipliers with derivatives, and stresses asked for at all times."""
     system = solution.system
     asked = {each.body for each in system.scene.responses.values() if isinstance(each, StressResponse) and each.when == "all"}
-    return system.n * (1 + variables) + sum(stress_rows(system.placed, body).shape[0] for body in asked)
+    return system.n * (1 + variables) + sum(stress_rows(system.scene, body).shape[0] for body in asked)
 
 
-def _with_lost(found: StepError, known: Known, lost: LostVibrations, solution: Solution) -> StepError:
+def _with_lost(found: StepError, known: JudgedNumbers, lost: LostVibrations, solution: Solution) -> StepError:
     """An estimate completed by the linearised motion of the lost vibrations."""
     more = {f: error for f, error in lost.errors.items() if error > found.values.get(f, 0.0)}
     own = {f: _own(error, known.values[f], known.scales[f]) for f, error in more.items()}
@@ -193,7 +193,7 @@ def _with_lost(found: StepError, known: Known, lost: LostVibrations, solution: S
     )
 
 
-def _with_lost_slopes(found: StepError, known: Known, lost: LostVibrations) -> StepError:
+def _with_lost_slopes(found: StepError, known: JudgedNumbers, lost: LostVibrations) -> StepError:
     """An estimate with the changes of derivatives by lost vibrations.
 
     They are nan, unknown, where the run has no derivatives of its states.
@@ -211,7 +211,7 @@ def _with_lost_slopes(found: StepError, known: Known, lost: LostVibrations) -> S
     return replace(found, gradients=errors, own_gradients=own, other_gradients=others)
 
 
-class Known(NamedTuple):
+class JudgedNumbers(NamedTuple):
     """Values and gradients of the run that is judged, what their errors are compared with, and the order of its scheme."""
 
     values: Values
@@ -226,7 +226,7 @@ def first_order(options: RunOptions) -> bool:
     return options.quasi_static or (options.scheme == "paper" and options.rho_inf < 1)
 
 
-def _estimate(known: Known, runs: list[Run]) -> StepError:
+def _estimate(known: JudgedNumbers, runs: list[ComparisonRun]) -> StepError:
     """Time-step error by comparison with other runs, in the order of their steps."""
 
     def estimated(number: float, others: list[float], scale: float) -> float:
@@ -272,14 +272,14 @@ def _relative(error: float, scale: float) -> float:
     return error / scale if scale > 0 else (0.0 if error == 0 else np.inf)
 
 
-def _tried(repeat: Repeat, wanted: Iterable[tuple[float, str, RunOptions] | None]) -> list[Run]:
+def _tried(repeat: Repeat, wanted: Iterable[tuple[float, str, RunOptions] | None]) -> list[ComparisonRun]:
     """Runs with other steps, up to the first that fails."""
     found = []
     for each in wanted:
         if each is None:
             break
         try:
-            found.append(Run(*each[:2], *repeat(each[2])))
+            found.append(ComparisonRun(*each[:2], *repeat(each[2])))
         except ToolkitError:
             break
     return found

@@ -24,7 +24,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.motion import Displacement
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.sensitivity.errors.step_cautions import VALUES
 from toolkit.sensitivity.errors.step_error import LENIENT, Gradients, StepError, Values, first_order, shorter_steps
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
@@ -161,7 +161,7 @@ def turned_displacements(solution: Solution, values: Mapping[str, float], scales
                 )
 
 
-def _is_held_by_its_frame(scene: Scene, body: str) -> bool:
+def _is_held_by_its_frame(scene: ResolvedScene, body: str) -> bool:
     """Whether a body stands on the ground and joints tie it to nothing, which could hold it back."""
     found: Any = deforming(scene).get(body)
     return found is not None and found.frame == "grounded" and not any(body in each.bodies for each in scene.joints.values())

@@ -16,15 +16,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.cut.cuttable_body import CuttableBody
-from toolkit.bodies.cut.frame_choice import FrameChoice
+from toolkit.bodies.cut.cuttable_body import ChosenFrames, CuttableBody
 from toolkit.description.time_grid import time_grid
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError, InputError, SingularSystemError
 from toolkit.kept_run.end_state import end_state
-from toolkit.scene.cut_scene import branches, fewest_cut, most_frames
+from toolkit.scene.resolution import branches, fewest_cut, loaded, most_frames
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import Kind, frozen, prepare, solve
 from toolkit.system.flexible_bodies import elements_of
@@ -43,7 +43,7 @@ TWICE = 2
 
 
 @dataclass(frozen=True)
-class _Run:
+class _FramedRun:
     """Node positions of one body with a number of frames, and the geometric error that they leave, as far as it is known."""
 
     number: int
@@ -74,7 +74,7 @@ def automatic(scene: Scene) -> list[str]:
     return [name for name, body in scene.bodies.items() if isinstance(body, CuttableBody) and body.frames == "auto"]
 
 
-Choices = Mapping[str, tuple[int, FrameChoice]]
+Choices = Mapping[str, tuple[int, ChosenFrames]]
 
 
 def with_chosen_frames(scene: Scene, kind: Kind) -> Scene:
@@ -128,7 +128,7 @@ def _of_kept_run(scene: Scene, kind: Kind) -> Choices:
     end = end_state(scene.start_file)
     found = {name: end.bodies.get(name, {}).get("frames", 1) for name in automatic(scene)}
     return {
-        name: (number, FrameChoice(_wanted(scene, name), np.nan, (), kind, kept_run=end.path.name))
+        name: (number, ChosenFrames(_wanted(scene, name), np.nan, (), kind, kept_run=end.path.name))
         for name, number in found.items()
         if isinstance(number, int)
     }
@@ -147,7 +147,7 @@ def _range_of(scene: Scene, name: str) -> _Range:
     """
     least, most = fewest_cut(scene, name), most_frames(scene, name)
     return _Range(
-        1 if has_places(scene, name) else min(least, most), least, most, branches(scene, name), elements_of(scene, name)
+        1 if has_places(scene, name) else min(least, most), least, most, branches(scene, name), elements_of(loaded(scene), name)
     )
 
 
@@ -188,9 +188,11 @@ def _metered(solution: Solution, name: str, unknown: float) -> float:
     return unknown if found is None else found.relative
 
 
-def _run_of(solution: Solution, name: str, number: int) -> _Run:
+def _run_of(solution: Solution, name: str, number: int) -> _FramedRun:
     places, displacement = _at_times_asked_for(solution, node_places(solution, name)), largest_displacement(solution, name)
-    return _Run(number, places, displacement, is_moving(solution.system.scene, name), _metered(solution, name, unknown=np.inf))
+    return _FramedRun(
+        number, places, displacement, is_moving(solution.system.scene, name), _metered(solution, name, unknown=np.inf)
+    )
 
 
 def _at_times_asked_for(solution: Solution, places: np.ndarray) -> np.ndarray:
@@ -200,13 +202,13 @@ def _at_times_asked_for(solution: Solution, places: np.ndarray) -> np.ndarray:
     return places[np.isin(solution.times, time_grid(solution.options or solution.system.scene.solver))]
 
 
-def _judged(run: _Run, before: _Run) -> _Run:
+def _judged(run: _FramedRun, before: _FramedRun) -> _FramedRun:
     """The run with the geometric error that it leaves, from its distance to the run before."""
     apart = relative_distance(run.places, before.places, run.displacement, run.moving)
     return replace(run, error=apart / ((run.number / before.number) ** 2 - 1))
 
 
-def _next(name: str, runs: list[_Run], can_be: _Range, wanted: float) -> int:
+def _next(name: str, runs: list[_FramedRun], can_be: _Range, wanted: float) -> int:
     """Number of frames to go on with; the last one again if it, or the one before, is good enough.
 
     Of a body that branches every member needs more, so that the number is twice as large at least.
@@ -222,19 +224,19 @@ def _next(name: str, runs: list[_Run], can_be: _Range, wanted: float) -> int:
     return can_be.near(max(predicted, TWICE * last.number if can_be.branches else last.number + 1))
 
 
-def _suffices(runs: list[_Run], wanted: float) -> bool:
+def _suffices(runs: list[_FramedRun], wanted: float) -> bool:
     """Whether the last run says that the number of the one before is good enough."""
     before, last = runs[-2:]
     apart = before.number == 1 or last.number % before.number > 0  # else, by symmetry, both can be off alike
     return last.number >= TWICE * before.number and apart and _of_before(before, last) <= wanted
 
 
-def _of_before(before: _Run, last: _Run) -> float:
+def _of_before(before: _FramedRun, last: _FramedRun) -> float:
     """Geometric error of a run, estimated from the next one."""
     return last.error * (last.number / before.number) ** 2
 
 
-def _refuse_too_coarse(name: str, last: _Run, can_be: _Range, wanted: float) -> None:
+def _refuse_too_coarse(name: str, last: _FramedRun, can_be: _Range, wanted: float) -> None:
     """Refuse an error that even one frame to every element does not reach."""
     most, elements = can_be.most, can_be.elements
     if last.number == most and last.error > wanted:
@@ -246,15 +248,15 @@ def _refuse_too_coarse(name: str, last: _Run, can_be: _Range, wanted: float) -> 
         )
 
 
-def _choice(runs: list[_Run], wanted: float, kind: Kind) -> tuple[int, FrameChoice]:
+def _choice(runs: list[_FramedRun], wanted: float, kind: Kind) -> tuple[int, ChosenFrames]:
     """The last number of frames, or the one before where that is good enough, with the error that it leaves."""
     numbers = tuple(run.number for run in runs)
     if len(runs) > 1 and _suffices(runs, wanted):
-        return runs[-2].number, FrameChoice(wanted, _of_before(*runs[-2:]), numbers, kind, metered=runs[-2].metered)
-    return runs[-1].number, FrameChoice(wanted, runs[-1].error, numbers, kind, metered=runs[-1].metered)
+        return runs[-2].number, ChosenFrames(wanted, _of_before(*runs[-2:]), numbers, kind, metered=runs[-2].metered)
+    return runs[-1].number, ChosenFrames(wanted, runs[-1].error, numbers, kind, metered=runs[-1].metered)
 
 
-def _unfinished(chosen: tuple[int, FrameChoice], tried: int, before: int) -> tuple[int, FrameChoice]:
+def _unfinished(chosen: tuple[int, ChosenFrames], tried: int, before: int) -> tuple[int, ChosenFrames]:
     """A choice after the run with the number `tried` has failed.
 
     The error of a number that no other run was compared with is known by the meter alone.
@@ -269,11 +271,8 @@ def with_choices(scene: Scene, choices: Choices) -> Scene:
     """The scene with numbers of frames that were chosen."""
     if not choices:
         return scene
-    plain = with_frames(scene, {name: number for name, (number, _) in choices.items()}).bodies
-    chosen = {
-        name: scene.space.chosen_frames.model_construct(**{**dict(plain[name]), **plain[name].model_values()}, choice=choice)
-        for name, (_, choice) in choices.items()
-    }
+    plain: dict[str, Any] = dict(with_frames(scene, {name: number for name, (number, _) in choices.items()}).bodies)
+    chosen = {name: plain[name].as_chosen(choice) for name, (_, choice) in choices.items()}
     return scene.model_copy(update={"bodies": {**plain, **chosen}})
 
 

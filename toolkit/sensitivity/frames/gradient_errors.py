@@ -18,7 +18,7 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.magnitude import Largest, magnitude_that_counts
-from toolkit.scene.cut_scene import branches, cuttable, fewest_cut, most_frames
+from toolkit.scene.resolution import branches, cuttable, fewest_cut, most_frames
 from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution

@@ -7,7 +7,7 @@ from itertools import groupby
 import numpy as np
 
 from toolkit.equations.equations import Inputs
-from toolkit.joints.both.distance import KeptDistance
+from toolkit.joints.distance import KeptDistance
 from toolkit.solvers.closing.nearest import CLOSED, Nearest, nearest
 from toolkit.solvers.closing.openings import joint_of, label, opening
 from toolkit.solvers.closing.rigid_bodies import RigidBodies

@@ -15,7 +15,7 @@ def opening(system: System, row: int, violation: float) -> float:
     """
     name, within = joint_of(system, row)
     return (
-        violation if name is None else float(system.scene.joints[name].opening(system.placed, within, float(np.real(violation))))
+        violation if name is None else float(system.scene.joints[name].opening(system.scene, within, float(np.real(violation))))
     )
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from toolkit.equations.equations import Inputs, Terms
-from toolkit.joints.both.tie import Tie
+from toolkit.joints.rigid_joint import Tie
 from toolkit.system.system import System
 
 MOST = 400

@@ -11,7 +11,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import quoted
-from toolkit.joints.both.driver import DrivenAngle
+from toolkit.joints.driver import DrivenAngle
 from toolkit.solvers.spin.generator import Generator, axis_of_turning, generator
 from toolkit.system.system import System
 

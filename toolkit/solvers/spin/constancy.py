@@ -35,7 +35,7 @@ def refuse_what_changes(system: System, inputs: Inputs, motion: Generator, speed
     here, largest = _balanced(system, inputs, real, q)
     free = free_motions(here.by_acc[:n_q, n_q:].T, weights)
     own = _reduced(here, real, free, free)
-    inertia = speed**2 * float((np.abs(here.by_acc[:n_q, :n_q]) / np.outer(weights, weights)).max())  # at the scene's size
+    inertia = speed**2 * float((np.abs(here.by_acc[:n_q, :n_q]) / np.outer(weights, weights)).max())  # at the model size
     for angle in ANGLES:
         there, turn = real.turned(q, angle / speed)
         state, _ = _balanced(system, inputs, real, there)

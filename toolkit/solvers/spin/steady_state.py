@@ -134,7 +134,7 @@ def _newton(
         if (size <= reachable and size > 0.5 * before) or size <= ROUND_OFF:
             return q, multipliers, iteration + 1
     raise ConvergenceError(
-        f"Newton did not converge to a steady spin: its correction is {size:.1e} of the scene's size (or rad), largest in "
+        f"Newton did not converge to a steady spin: its correction is {size:.1e} of the model size (or rad), largest in "
         f"{system.most_moved(correction)}. Spin slower, or give positions nearer to those of the spin."
     )
 

@@ -93,7 +93,7 @@ def _far(system: System, given: np.ndarray, q: np.ndarray) -> str:
     i = first_largest(_counted(system) * np.abs(np.real(q - given))[: system.n_q])
     return (
         f"the joints do not close near the given positions: {system.numbering.names[i]} would move by "
-        f"{system.weights[i] * abs(np.real(q - given)[i]):.2g} of the scene's size (or rad). Give positions, a length or a curve that fit "
+        f"{system.weights[i] * abs(np.real(q - given)[i]):.2g} of the model size (or rad). Give positions, a length or a curve that fit "
         "together better."
     )
 

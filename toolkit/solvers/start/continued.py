@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
-from toolkit.solvers.start.initial_conditions import closed
+from toolkit.solvers.start.initial_conditions import Motion, closed
 from toolkit.solvers.start.start_velocities import project_velocities
 from toolkit.system.system import System
 
@@ -20,15 +18,6 @@ AGAIN = (
     "A motion with a start begins at t = 0 again, and so do its time curves: give the drivers curves that begin where the start is, and "
     "the same geometry."
 )
-
-
-class Motion(NamedTuple):
-    """Coordinates and velocities, padded to n, and their total design derivatives (n, n_x)."""
-
-    q: np.ndarray
-    v: np.ndarray
-    dq: np.ndarray
-    dv: np.ndarray
 
 
 def continued_start(system: System, q: np.ndarray, v: np.ndarray, options: RunOptions) -> tuple[np.ndarray, np.ndarray, float]:
@@ -72,7 +61,7 @@ def closed_start(system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, d
     slow = options.drift_tolerance / options.end_time  # of a scene that rests, whose velocities are round-off
     if moved > MOVED * options.drift_tolerance or changed > CHANGED * max(largest, slow):
         raise InputError(
-            f"the start is off the joints of this scene at t = 0: by {moved:.1e} of the scene's size in position, by {changed:.1e} of "
+            f"the start is off the joints of this scene at t = 0: by {moved:.1e} of the model size in position, by {changed:.1e} of "
             f"it per unit of time in velocity, of at most {largest:.1e}. {AGAIN}"
         )
     return Motion(position, velocity, dposition, dvelocity)

@@ -73,7 +73,10 @@ def consistent_motion(
     system: System, q: np.ndarray | None, v: np.ndarray | None, time: float, options: RunOptions | None = None
 ) -> Motion:
     """Coordinates and velocities of `consistent_start`, with their design derivatives."""
-    position, dq = closed_positions(system, q, time, options)
+    position, _, dq, _ = system.start()
+    if q is not None:
+        position, dq = _padded(system, q), np.zeros_like(dq)
+    position, dq = closed(system, position, dq, time, options)
     return moving(system, position, dq, v, time)
 
 
@@ -90,16 +93,6 @@ def with_accelerations(
     v, dv = rates_of_states(system, q, dq, v, dv, time)
     acc, dacc = initial_accelerations(system, q, v, dq, dv, levels, time)
     return State(q, v, acc, dq, dv, dacc)
-
-
-def closed_positions(
-    system: System, q: np.ndarray | None, time: float, options: RunOptions | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Positions that satisfy every joint, (n,), and their design derivatives (n, n_x); parameters and errors as `consistent_start`."""
-    position, _, dq, _ = system.start()
-    if q is not None:
-        position, dq = _padded(system, q), np.zeros_like(dq)
-    return closed(system, position, dq, time, options)
 
 
 def closed(

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import InputError
 from toolkit.kept_run.end_state import EndState
-from toolkit.scene.cut_scene import written
 from toolkit.system.system import System
 
 READ_ANEW = ("model", "extrapolation")
@@ -53,7 +52,7 @@ def refuse_other_run(system: System, known: System) -> None:
     InputError
         Names what differs.
     """
-    scene = written(known.scene)
+    scene = known.scene.written
     tables = {name: _words(body) | {"model": getattr(body, "model", None)} for name, body in scene.bodies.items()}
     files = {body.model: _digest(scene.directory / body.model) for body in scene.bodies.values() if isinstance(body, ModelBody)}
     names = known.numbering.names[: known.n_q]
@@ -70,7 +69,7 @@ def _refuse(system: System, known: _Known) -> None:
         missing = next((each for each in ours if each not in known.coordinates), None)
         which = f"it has no {missing}" if missing else f"it has the {foreign}" if foreign else "its bodies are in another order"
         raise InputError(f"{known.what} of another scene: {which}. {known.again}")
-    for name, body in written(scene).bodies.items():
+    for name, body in scene.written.bodies.items():
         there = known.bodies.get(name, {})
         for key, word in _words(body).items():
             if there.get(key) != word:

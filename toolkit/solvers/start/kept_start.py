@@ -15,7 +15,8 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.kept_run.end_state import EndState, end_state
 from toolkit.scene.scene import Scene
-from toolkit.solvers.start.continued import Motion, closed_start
+from toolkit.solvers.start.continued import closed_start
+from toolkit.solvers.start.initial_conditions import Motion
 from toolkit.solvers.start.kept_scene import refuse_other_scene
 from toolkit.system.system import System
 

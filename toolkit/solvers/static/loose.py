@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import scipy
 
-from toolkit.bodies.spatial.rigid import SpatialRigidBody
+from toolkit.bodies.rigid import SpatialRigidBody
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.listed_names import quoted
@@ -53,7 +53,7 @@ def _told_idle(system: System, body: str) -> str:
         return ""
     points = [point for each in joints.values() for gripped, point in each.grips if gripped == body]
     start, end = (np.real(scene.position(point)) for point in points)
-    line, centre = end - start, np.real(written.mass_properties(system.placed)[1])
+    line, centre = end - start, np.real(written.mass_properties(system.scene)[1])
     aside = np.cross(line, centre - start)
     if not line @ line > 0 or np.sqrt(aside @ aside) > ASIDE * (line @ line):
         return ""

@@ -19,7 +19,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.transient.formulation import relaxed
 from toolkit.solvers.transient.newton import CONVERGED, EASY, REJECTED
-from toolkit.solvers.transient.run import Run, check_memory, empty_history, failure, take_steps
+from toolkit.solvers.transient.run import Integration, check_memory, empty_history, failure, take_steps
 from toolkit.solvers.transient.step_memory import LAST_ERROR, LATE_ERROR, STATUS, STEP, History
 from toolkit.system.system import System
 
@@ -34,7 +34,9 @@ SMALLEST = 1e-9
 """Part of the run below which a step is not shortened any more."""
 
 
-def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], None] | None) -> tuple[Run, History]:
+def advance_adaptively(
+    run: Integration, start: State, progress: Callable[[int, int], None] | None
+) -> tuple[Integration, History]:
     """States of the whole run from a start, and the run over the times that were chosen.
 
     Raises
@@ -74,7 +76,9 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
     return run, History(*states, *(array.reshape(len(found), -1) for array in states[3:]))
 
 
-def _attempt(run: Run, state: tuple, time: float, stop: float, h: float) -> tuple[int, Run, tuple[np.ndarray, ...]]:
+def _attempt(
+    run: Integration, state: tuple, time: float, stop: float, h: float
+) -> tuple[int, Integration, tuple[np.ndarray, ...]]:
     """Result of steps of about the length h towards a stop, as that of `attempt`."""
     needed = max(1, int(np.ceil((stop - time) / h * (1 - SMALLEST))))
     count = min(needed, MOST)
@@ -87,7 +91,9 @@ def _attempt(run: Run, state: tuple, time: float, stop: float, h: float) -> tupl
     return attempt(run, state, times, np.full(count, length))
 
 
-def attempt(run: Run, state: tuple, times: np.ndarray, lengths: np.ndarray) -> tuple[int, Run, tuple[np.ndarray, ...]]:
+def attempt(
+    run: Integration, state: tuple, times: np.ndarray, lengths: np.ndarray
+) -> tuple[int, Integration, tuple[np.ndarray, ...]]:
     """Result of steps through times (n_t,): how many were accepted, the run that they are of, and their states.
 
     The state at the first time is given.

@@ -7,8 +7,8 @@ import numpy as np
 from toolkit.bodies.kernels.constant_kernel import LEFT_OUT
 from toolkit.equations.design_sums import DesignSums, GatheredPlan, add_up, design_sums, gather
 from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
+from toolkit.foundation.compiled.rows import add_rows, filled_up
 from toolkit.foundation.kernel import inner, loop
-from toolkit.foundation.vectors.rows import add_rows, filled_up
 from toolkit.linear.factored_matrix import add_factored_block
 from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
 from toolkit.linear.sparse_analysis import LUPlan

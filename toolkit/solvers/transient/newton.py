@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import EXACT, ROUGH
-from toolkit.bodies.kernels.spatial.floating_kernel import is_mixed
+from toolkit.bodies.kernels.spatial_floating import is_mixed
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import UNREFINED as UNREFINED_BLOCK
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked

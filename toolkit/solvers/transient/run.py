@@ -1,4 +1,4 @@
-"""One run over time: what its steps share, the compiled loop over them, memory for their states, and what a failed one deserves."""
+"""An integration over time: what its steps share, the compiled loop over them, memory for their states, and what a failed one deserves."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from toolkit.solvers.transient.generalized_alpha import integrate
 from toolkit.solvers.transient.ggl.ggl_memory import allocate_ggl, idle_ggl
 from toolkit.solvers.transient.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
 from toolkit.solvers.transient.scheme import Scheme
-from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, STEP, History, Memory, Outcome, taken_memory
+from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, STEP, History, LoopReport, Memory, taken_memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -25,7 +25,7 @@ OVER_ALL, OF_FORCES = 100.0, 1e-3
 without inertia."""
 
 
-class Run(NamedTuple):
+class Integration(NamedTuple):
     """Everything that all steps of a run share, and the memory of what one leaves to the next."""
 
     system: System
@@ -37,7 +37,7 @@ class Run(NamedTuple):
     control: Control
     memory: Memory
     ggl: Any  # `Ggl`; idle in other formulations
-    outcome: Outcome
+    outcome: LoopReport
 
     @property
     def largest_local_error(self) -> float | None:
@@ -46,8 +46,8 @@ class Run(NamedTuple):
         return float(self.outcome.correction[LARGEST_ERROR]) if estimated else None
 
 
-def prepare_run(system: System, options: RunOptions | None = None) -> Run:
-    """Run with everything but the states; options by default the scene's own."""
+def prepare_run(system: System, options: RunOptions | None = None) -> Integration:
+    """Integration with everything but the states; options by default the scene's own."""
     options = options or system.scene.solver
     times = time_grid(options)
     lengths = step_lengths(times)
@@ -58,8 +58,8 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     closed_twice = options.formulation == "ggl"
     memory = taken_memory(system, not closed_twice)
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if closed_twice else idle_ggl(system.dtype)
-    outcome = Outcome(np.zeros(5, np.int64), np.zeros(6))
-    return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)
+    outcome = LoopReport(np.zeros(5, np.int64), np.zeros(6))
+    return Integration(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)
 
 
 def left_by_kept(options: RunOptions) -> float:
@@ -69,7 +69,9 @@ def left_by_kept(options: RunOptions) -> float:
     return OVER_ALL * options.tolerance / options.end_time**2
 
 
-def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray], begins: bool, first: int, last: int) -> None:
+def take_steps(
+    run: Integration, history: History, curves: tuple[np.ndarray, np.ndarray], begins: bool, first: int, last: int
+) -> None:
     """Take steps first ... last - 1 of a run, whose state 0 is the consistent start if it `begins`.
 
     The outcome tells how far they came.
@@ -81,8 +83,8 @@ def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray]
     )  # fmt: skip
 
 
-def foreseen(run: Run, history: History, along: Solution) -> Run:
-    """Run whose Newton begins at the states of a motion through the same times.
+def foreseen(run: Integration, history: History, along: Solution) -> Integration:
+    """Integration whose Newton begins at the states of a motion through the same times.
 
     Without inertia it keeps no unknowns of the loop.
     """
@@ -133,7 +135,7 @@ NEARBY = 0.05
 """Part of the run, or ten steps, within which a limit position behind a failed step is its cause."""
 
 
-def failure(run: Run, q: np.ndarray, v: np.ndarray) -> Exception:
+def failure(run: Integration, q: np.ndarray, v: np.ndarray) -> Exception:
     """Error that a failed step deserves, from the coordinates and velocities (n,) before it."""
     step = int(run.outcome.counts[STEP])
     error = at_limit_position(run, q, float(run.times[step]), float(run.lengths[step]), failure_of_step(run))
@@ -142,7 +144,7 @@ def failure(run: Run, q: np.ndarray, v: np.ndarray) -> Exception:
     return error
 
 
-def at_limit_position(run: Run, q: np.ndarray, time: float, step_length: float, error: Exception) -> Exception:
+def at_limit_position(run: Integration, q: np.ndarray, time: float, step_length: float, error: Exception) -> Exception:
     """Error of a run at a time, or one that tells of the mechanism's limit position, if drivers lead to it right then."""
     system, end = run.system, run.options.end_time
     limit = limit_of_drivers(system, lambda at: system.inputs(at, LEVELS), q, (0.0, time, end))
@@ -152,7 +154,7 @@ def at_limit_position(run: Run, q: np.ndarray, time: float, step_length: float, 
     return LimitPositionError(told_limit(system, lambda at: system.inputs(at, LEVELS), limit, end, where))
 
 
-def failure_of_step(run: Run) -> Exception:
+def failure_of_step(run: Integration) -> Exception:
     """Error that a failed step deserves by what the step itself tells."""
     status, step, iterations, worst, _ = (int(count) for count in run.outcome.counts)
     name, time, tolerance = run.system.numbering.names[worst], run.times[step + 1], run.options.tolerance

@@ -1,7 +1,7 @@
 """Sensitivities of one converged step (staggered direct differentiation, paper eqs. 40-46), and the terms that a step carries over."""
 
+from toolkit.foundation.compiled.rows import add_rows
 from toolkit.foundation.kernel import inner
-from toolkit.foundation.vectors.rows import add_rows
 from toolkit.linear.factored_matrix import add_factored_block
 from toolkit.linear.linear_solver import copy_columns, solve_refined_block
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict

@@ -1,11 +1,11 @@
 """Memory of the step loop: histories of all states, what one step leaves to the next, scratch."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
-from toolkit.foundation.vectors.rows import LANES, filled_up
+from toolkit.foundation.compiled.rows import LANES, filled_up
 from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.solvers.transient.fitted_trend import HIGHEST
@@ -61,17 +61,17 @@ class Memory(NamedTuple):
 
 
 STATUS, STEP, ITERATIONS, AT_FAULT, ALL_ITERATIONS = range(5)
-"""Places in `Outcome.counts`: what became of the last step, its number, its Newton iterations, the unknown at fault; those of all steps."""
+"""Places in `LoopReport.counts`: fate of the last step, its number, its Newton iterations, the unknown at fault; those of all steps."""
 LAST, LARGEST, LAST_ERROR, LATE_ERROR, LARGEST_ERROR, REST = range(6)
-"""Places in `Outcome.correction`: Newton's last correction, the largest that a step was content with; the last local error, the largest of
-late, the largest of all steps; the last correction, or what it left by estimate where that is why Newton stopped."""
+"""Places in `LoopReport.correction`: Newton's last correction, the largest that a step was content with; the last local error, the largest
+of late, the largest of all steps; the last correction, or what it left by estimate where that is why Newton stopped."""
 
 
-class Outcome(NamedTuple):
+class LoopReport(NamedTuple):
     """Report of the loop on its steps."""
 
     counts: np.ndarray  # (5,) by `STATUS` and its neighbours
-    correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the scene's size
+    correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the model size
 
 
 def taken_memory(system: System, apart: bool) -> Memory:
@@ -81,18 +81,16 @@ def taken_memory(system: System, apart: bool) -> Memory:
     """
     plan, weights = system.plan, system.weights[: system.n_q]
     memory = system.scratch(Memory, lambda: allocate_memory(plan, system.lu_plan, weights.copy(), system.dtype))
-    _clear(tuple(part for part in memory if not isinstance(part, Work | LinearSolver)))
+    parts: list[Any] = list(memory)
+    while parts:
+        part = parts.pop()
+        if isinstance(part, np.ndarray):
+            part.fill(0)
+        elif isinstance(part, tuple) and not isinstance(part, Work | LinearSolver):
+            parts.extend(part)
     cleared(memory.solver, weights)
     memory.work.care[1] = apart and len(memory.rest) > 0
     return memory  # in `work` states are evaluated one after the other anyway
-
-
-def _clear(part: tuple) -> None:
-    for each in part:
-        if isinstance(each, tuple):
-            _clear(each)
-        elif isinstance(each, np.ndarray):
-            each.fill(0)
 
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:

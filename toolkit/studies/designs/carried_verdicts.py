@@ -16,12 +16,12 @@ import numpy as np
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.sensitivity.errors.step_cautions import GRADIENTS, VALUES
 from toolkit.sensitivity.frames.gradient_errors import SMALL, UNCERTAIN, FrameErrors, Slopes, doubtful_gradients
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.studies.designs.indicators import Indicators, distances, indicators, joined, sizes_of_variables
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.compressed.critical_load import Compression, compression
 from toolkit.validity.bodies.deformation import LIMIT
-from toolkit.validity.instabilities import CODES, instabilities
+from toolkit.validity.judge import codes_of_instabilities, instabilities
 from toolkit.validity.motion.motion import ENERGY
 from toolkit.validity.motion.noisy_forces import NOISY
 
@@ -33,8 +33,6 @@ SAME = 0.01
 """Distance up to which one verdict is enough; from farther, one is carried where those measured around it agree."""
 OF_FRAMES = "geometric-gradients"
 """Code of the doubt that is found anew for every design, by errors that are carried and by its own gradients."""
-OWN = CODES | {OF_FRAMES}
-"""Codes of cautions that are found anew for every design."""
 BY_HALF_STEPS = "energy"
 """Code of a caution that a comparison with half the step makes a doubt or a remark: it is measured at every design."""
 
@@ -74,7 +72,7 @@ class Measured(NamedTuple):
     @property
     def doubts(self) -> frozenset[str]:
         """Codes of the doubts, without those that are found anew for every design."""
-        return frozenset(each.code for each in self.verdict.warnings if each.doubt) - OWN
+        return frozenset(each.code for each in self.verdict.warnings if each.doubt) - _own_codes()
 
 
 class Carried(NamedTuple):
@@ -84,14 +82,14 @@ class Carried(NamedTuple):
     distance: float
 
 
-def answers(result: Result, judged: bool = False) -> Answers:
+def answers(result: Run, judged: bool = False) -> Answers:
     """Numbers of a run that verdicts are carried by; of one that is judged itself, without cautions that its own verdict has already."""
     sizes = sizes_of_variables(result) if result.gradients else {}
     unstable = () if judged else tuple(instabilities(result.solution, result.values))
     return Answers(indicators(result), result.gradients, sizes, unstable)
 
 
-def measured(result: Result, alone: bool = False) -> Measured:
+def measured(result: Run, alone: bool = False) -> Measured:
     """The verdict on a run, with the shares of their limits that its main measures have.
 
     These are left out if no other design is near.
@@ -102,7 +100,7 @@ def measured(result: Result, alone: bool = False) -> Measured:
     return Measured(verdict, _room(_shares(result)), errors, {} if errors is None else result.gradient_scales, _of_values(result))
 
 
-def _shares(result: Result) -> np.ndarray:
+def _shares(result: Run) -> np.ndarray:
     """Measures relative to their limits, both of comparisons with other runs and of what decides whether these are made."""
     found = result.measures
     shares = [each / ENERGY for each in found.get("energy_balance", {}).values()]
@@ -125,7 +123,7 @@ def _largest(errors: Iterable[float]) -> float:
     return float(np.max([0.0, *errors]))
 
 
-def _of_values(result: Result) -> float:
+def _of_values(result: Run) -> float:
     """The largest error of a value by frames, as a part of its scale."""
     errors, scales = result.weighed_frames, result.scales
     return 0.0 if errors is None else _largest(abs(error) / scales[f] for f, error in errors.values.items() if scales[f] > 0)
@@ -215,7 +213,8 @@ class CarriedVerdicts:
         carried = self.source(k)
         assert carried is not None
         judged, mine = self.measured[carried.source], self.found[k]
-        others = [_said_there(each, carried) for each in judged.verdict.warnings if each.code not in OWN]
+        own = _own_codes()
+        others = [_said_there(each, carried) for each in judged.verdict.warnings if each.code not in own]
         about_gradients = doubtful_gradients(judged.frame_errors, mine.gradients, mine.sizes, judged.gradient_scales)
         measures = {**judged.verdict.measures, "carried": {"design": carried.source, "distance": carried.distance}}
         return Verdict.of([*others, *mine.unstable, *about_gradients, _remark(carried)], measures)
@@ -237,6 +236,11 @@ def _room(shares: np.ndarray) -> float:
     with np.errstate(divide="ignore"):
         found = np.maximum(abs(shares), 1 / abs(shares)).min(initial=np.inf)
     return float(np.nan_to_num(found, nan=0.0, posinf=np.inf))
+
+
+def _own_codes() -> frozenset[str]:
+    """Codes of cautions that are found anew for every design."""
+    return codes_of_instabilities() | {OF_FRAMES}
 
 
 def _said_there(each: Caution, carried: Carried) -> Caution:

@@ -14,9 +14,10 @@ import numpy as np
 
 from toolkit.foundation.errors import ToolkitError
 from toolkit.responses.over_time.missed_peaks import peaks
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_error import LENIENT
-from toolkit.sensitivity.result import UNIMPORTANT, Result
+from toolkit.sensitivity.run import UNIMPORTANT, Run
 from toolkit.sensitivity.sizes import response_scales, typical_size, variable_sizes
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates
 from toolkit.system.solution import Solution
@@ -71,7 +72,8 @@ def written_numbers(scene: Scene, designs: Sequence[Mapping[str, float]]) -> lis
     """Numbers that designs are written as: all that any of them gives; where one gives none, the scene's own."""
     names = [name for name in dict.fromkeys(name for each in designs for name in each) if _is_known(scene, name)]
     own = {name: scene.value_of(name) for name in names}
-    least = np.array([OF_A_SCENE * scene.size if scene.paths_of(name)[0].startswith("points.") else 0.0 for name in names])
+    size = loaded(scene).size
+    least = np.array([OF_A_SCENE * size if scene.paths_of(name)[0].startswith("points.") else 0.0 for name in names])
     return [Indicators(np.array([_real(each.get(name, own[name])) for name in names]), least) for each in designs]
 
 
@@ -97,7 +99,7 @@ def joined(parts: Sequence[Indicators]) -> Indicators:
     return Indicators(numbers, least, tuple(word for part in parts for word in part.kind))
 
 
-def indicators(result: Result) -> Indicators:
+def indicators(result: Run) -> Indicators:
     """Indicators of a run: its answers, the sizes of its states, and what must be equal in designs near to it."""
     solution = result.solution
     found = joined([_of_answers(result), *_of_states(solution)])
@@ -119,7 +121,7 @@ def _peaks(solution: Solution) -> Iterator[float]:
             yield later if abs(abs(later) - 0.25) < BETWEEN else np.sign(later) * (abs(later) > 0.25)
 
 
-def sizes_of_variables(result: Result) -> dict[str, float]:
+def sizes_of_variables(result: Run) -> dict[str, float]:
     """Sizes of the variables as by `variable_sizes`, without looking at the answers where that is not needed."""
     scene, variables = result.solution.system.scene, list(result.solution.system.design)
     if variables and all(each.value != 0 or each.path.startswith("points.") for each in variables):
@@ -127,7 +129,7 @@ def sizes_of_variables(result: Result) -> dict[str, float]:
     return variable_sizes(scene, result)
 
 
-def _of_answers(result: Result) -> Indicators:
+def _of_answers(result: Run) -> Indicators:
     """Indicators of the responses: their values, and their gradients relative to the largest of each."""
     values = np.array(list(result.values.values()), dtype=float)
     if not result.gradients:

@@ -89,7 +89,7 @@ class RunOutcome(JobOutcome):
     steps, newton_iterations
         Of the run.
     drift
-        Largest opening of a joint, relative to the scene's size or in rad.
+        Largest opening of a joint, relative to the model size or in rad.
     """
 
     values: dict[str, float] = field(default_factory=dict)

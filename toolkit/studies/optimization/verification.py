@@ -15,7 +15,7 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import direct, values_alone
-from toolkit.sensitivity.result import Result
+from toolkit.sensitivity.run import Run
 from toolkit.studies.designs.case_run import CaseRun
 from toolkit.studies.designs.gradient_norms import norms
 from toolkit.studies.designs.solved_design import load_margin, scene_at, solve_design
@@ -53,7 +53,7 @@ class Verification:
         Case -> load factor of the first limit point, or of what was searched without finding any; whether one was found.
     """
 
-    results: dict[str, Result]
+    results: dict[str, Run]
     refusal: str
     changes: dict[str, float]
     margins: dict[str, tuple[float, bool]]
@@ -62,7 +62,7 @@ class Verification:
 
 def solved_again(problem: Problem, found: DesignOutcome) -> Verification:
     """Solve a design of a search again in all cases, without anything that the search knew."""
-    results: dict[str, Result] = {}
+    results: dict[str, Run] = {}
     margins: dict[str, tuple[float, bool]] = {}
     changes: dict[str, float] = {}
     cautions: list[Caution] = []
@@ -119,7 +119,7 @@ def _has_margin(problem: Problem) -> bool:
     return problem.kind == "static" and solver.equilibrium == "rest" and solver.continuation == "load"
 
 
-def _margin(problem: Problem, result: Result, where: str, cautions: list[Caution]) -> tuple[float, bool]:
+def _margin(problem: Problem, result: Run, where: str, cautions: list[Caution]) -> tuple[float, bool]:
     """Load factor of the first limit point, and whether there is one.
 
     A path that cannot be followed gives a remark, or an error if the load margin is asked for.

@@ -12,6 +12,7 @@ import numpy as np
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.errors import ConvergenceError, InputError, ModelFileError, NeedsDirectError, ToolkitError
 from toolkit.responses.response import Response
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
 from toolkit.sensitivity.evaluation import by_name, evaluate_with_gradients
@@ -96,8 +97,8 @@ def _measured(scene: Scene, design: list[str], sizes: Mapping[str, float] | None
 
 
 def _undecided(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
-    """Up to where slopes are round-off: a part of the response, and of the scene's size or a rad, where it is a place or an angle."""
-    sizes, known = {"angle": 1.0, "length": scene.size}, scene.responses
+    """Up to where slopes are round-off: a part of the response, and of the model size or a rad, where it is a place or an angle."""
+    sizes, known = {"angle": 1.0, "length": loaded(scene).size}, scene.responses
     own = {name: sizes.get(each.unit_quantity, 0.0) for name, each in known.items() if isinstance(each, Response)}
     return {name: ROUND_OFF * max(abs(value), own.get(name, 0.0)) for name, value in values.items()}
 

@@ -75,7 +75,7 @@ def _ended(ending: Ending) -> CellClass | None:
 
 def _drifting(cell: CellOutcome, limits: Limits) -> CellClass | None:
     if not cell.drift <= limits.drift:
-        return CellClass("drifting", f"joints open by {cell.drift:.1e} of the scene's size, more than {limits.drift:g}")
+        return CellClass("drifting", f"joints open by {cell.drift:.1e} of the model size, more than {limits.drift:g}")
     if not cell.created <= limits.energy:
         return CellClass("drifting", f"energy created: {100 * cell.created:.3g} % of the largest energy or work")
     return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from typing import Any
 
@@ -14,14 +13,14 @@ from toolkit.studies.stability.map_result import Cell, MapResult, StabilityResul
 
 
 def record_of(study: StabilityResult) -> dict[str, Any]:
-    """Everything that was found; numbers that are not finite are None."""
+    """Everything that was found; numbers that do not exist are nan, in JSON null."""
     best = study.reference
     return {
         "criteria": asdict(study.limits),
         "variables": study.design,
         "as_it_stands": _cell(study.own),
         "reference": None if best is None else {
-            "step": best.step, "next_step_differs_by": {"responses": _finite(best.next_values), "gradients": _finite(best.next_slopes)},
+            "step": best.step, "next_step_differs_by": {"responses": best.next_values, "gradients": best.next_slopes},
         },
         "maps": {each.map.name: _map(each) for each in study.maps},
         "without_map": study.missing,
@@ -32,7 +31,7 @@ def record_of(study: StabilityResult) -> dict[str, Any]:
 def criteria(limits: Limits) -> list[str]:
     """When a cell is called stable."""
     return [
-        f"Stable: the run ends, joints open by at most {limits.drift:g} of the scene's size, at most {100 * limits.energy:g} % of the "
+        f"Stable: the run ends, joints open by at most {limits.drift:g} of the model size, at most {100 * limits.energy:g} % of the "
         f"energy is created, and responses are within {100 * limits.accuracy:g} % of the reference (solver maps: the finest step of the "
         "scene; other maps: half the step).",
         f"Stable gradient: the run is not drifting, direct differentiation and adjoint agree to {limits.agreement:g}, and the gradient is "
@@ -66,19 +65,12 @@ def _class(found: CellClass) -> dict[str, str]:
 
 
 def _outcome(found: CellOutcome) -> dict[str, Any]:
-    numbers = {
+    return {
         "drift": found.drift,
         "energy_created": found.created,
         "methods_differ_by": found.disagreement,
         "seconds": found.seconds,
-    }
-    return {
-        **{name: _finite(value) for name, value in numbers.items()},
         "steps": found.steps,
         "newton_iterations": found.newton_iterations,
-        "values": {name: _finite(value) for name, value in found.values.items()},
+        "values": dict(found.values),
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -11,6 +11,7 @@ import numpy as np
 
 from toolkit.responses.response import MeanSquare, Response
 from toolkit.responses.vibrations.vibration import Frequency
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import variable_unit
 from toolkit.sensitivity.compiled import Compiled
@@ -177,7 +178,7 @@ class Problem:
             return self.undecided(of, values)
         if (several := self.statistics.get(response)) is not None:
             return sum(abs(weight) * self.undecided(name, values) for name, weight in several.weights.items())
-        described, sizes = self.scene.responses.get(response), {"angle": 1.0, "length": self.scene.size}
+        described, sizes = self.scene.responses.get(response), {"angle": 1.0, "length": loaded(self.scene).size}
         size = sizes.get(described.unit_quantity, 0.0) if isinstance(described, Response) else 0.0
         return ROUND_OFF * float(np.max(np.abs(values))) + self.scene.solver.tolerance * size
 

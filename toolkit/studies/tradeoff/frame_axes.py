@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 from toolkit.foundation.errors import InputError
-from toolkit.scene.cut_scene import cuttable, fewest_cut, most_frames
+from toolkit.scene.resolution import cuttable, fewest_cut, most_frames
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.frames.chosen_frames import with_frames
 from toolkit.studies.tradeoff.setting import ALL_SHAPES, EVERY_ELEMENT, Choice

@@ -7,16 +7,14 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
 
 from toolkit.foundation.errors import NeedsDirectError, ToolkitError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
 from toolkit.sensitivity.choice import choose
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.evaluation import by_name, evaluate_responses, evaluate_with_gradients
-from toolkit.sensitivity.preparation import solve
-from toolkit.sensitivity.result import result
+from toolkit.sensitivity.direct import by_direct, values_alone
+from toolkit.sensitivity.methods import DIFFERENTIATED
+from toolkit.sensitivity.run import Run
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.studies.engine.executor import Executor, Progress
 from toolkit.studies.engine.jobs import run_jobs
@@ -24,7 +22,6 @@ from toolkit.studies.engine.store import RunFolder
 from toolkit.studies.tradeoff.case import Case
 from toolkit.studies.tradeoff.setting import Setting
 from toolkit.studies.tradeoff.setting_outcome import SettingOutcome
-from toolkit.system.solution import Solution
 
 
 def kept_outcomes(case: Case) -> RunFolder[SettingOutcome]:
@@ -65,16 +62,15 @@ def run_setting(case: Case, setting: Setting) -> SettingOutcome:
 
 
 def _outcome(scene: Scene, names: tuple[str, ...]) -> SettingOutcome:
-    found = PreparedRun.of(scene, names).once()
-    solution = found.solution
-    named = result(scene, solution, found.values, found.gradients, found.method, 0.0, 0.0)
+    run, seconds = PreparedRun.of(scene, names).once()
+    solution = run.solution
     return SettingOutcome(
-        values=named.values,
-        gradients=named.gradients,
-        seconds=found.seconds,
-        units=named.units,
-        sizes=variable_sizes(scene, named) if names else {},
-        method=found.method,
+        values=run.values,
+        gradients=run.gradients,
+        seconds=seconds,
+        units=run.units,
+        sizes=variable_sizes(scene, run) if names else {},
+        method=run.method if names else "",
         steps=solution.steps,
         newton_iterations=solution.newton_iterations,
         drift=float(solution.drift),
@@ -108,19 +104,9 @@ def time_settings(
 
 
 def _once_more(ready: PreparedRun, outcome: SettingOutcome) -> SettingOutcome:
-    primal = ready.once(gradients=False).seconds
-    whole = ready.once().seconds if ready.method else primal
+    primal = ready.once(gradients=False)[1]
+    whole = ready.once()[1] if ready.method else primal
     return replace(outcome, primal=[*outcome.primal, primal], whole=[*outcome.whole, whole])
-
-
-class TimedRun(NamedTuple):
-    """Values, gradients and solution of one run, the method of its gradients, and its time in s."""
-
-    values: dict[str, Any]
-    gradients: dict[str, dict[str, float]]
-    solution: Solution
-    method: str
-    seconds: float
 
 
 @dataclass(frozen=True)
@@ -134,21 +120,20 @@ class PreparedRun:
     def of(cls, scene: Scene, names: tuple[str, ...], method: str = "") -> PreparedRun:
         """A scene ready to run; by default with the method for gradients that is estimated to be the cheaper one."""
         compiled = Compiled(scene, names)
-        return cls(compiled, (method or choose(compiled, "transient").method) if names else "")
+        return cls(compiled, (method or choose(compiled, "transient")[0]) if names else "")
 
-    def once(self, gradients: bool = True) -> TimedRun:
-        """One run to values and gradients, or to the values alone; the adjoint may turn out to need direct differentiation."""
+    def once(self, gradients: bool = True) -> tuple[Run, float]:
+        """One run to values and gradients, or to the values alone, and its time in s.
+
+        The adjoint may turn out to need direct differentiation.
+        """
+        begun = clock.perf_counter()
+        if not (gradients and self.method):
+            run = values_alone(self.compiled, "transient")
+            return run, clock.perf_counter() - begun
         try:
-            return self._by(self.method if gradients else "")
+            run = DIFFERENTIATED[self.method](self.compiled, "transient")
         except NeedsDirectError:
-            return self._by("direct")
-
-    def _by(self, method: str) -> TimedRun:
-        begun, compiled = clock.perf_counter(), self.compiled
-        solution = solve(compiled.full if method == "direct" else compiled.primal, "transient")
-        if method == "adjoint":
-            found, slopes = adjoint_gradients(compiled.full, solution)
-            values, gradients = {name: each.value for name, each in found.items()}, by_name(compiled.full.design, found, slopes.T)
-        else:
-            values, gradients = evaluate_with_gradients(solution) if method else (evaluate_responses(solution), {})
-        return TimedRun(values, gradients, solution, method, clock.perf_counter() - begun)
+            begun = clock.perf_counter()
+            run = by_direct(self.compiled, "transient")
+        return run, clock.perf_counter() - begun

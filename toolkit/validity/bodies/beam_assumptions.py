@@ -22,11 +22,11 @@ from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.compilation.quantities import pressures_of
 from toolkit.foundation.spread import spread
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.energy import StrainEnergy
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.stress.local_stress import LocalStress
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates, elements_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.chain import Chain
@@ -39,14 +39,14 @@ from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
 
-def is_pressed(scene: Scene) -> bool:
+def is_pressed(scene: ResolvedScene) -> bool:
     """Whether any load is a pressure."""
     return bool(pressures_of(scene))
 
 
 def pressure_on_elements(solution: Solution, name: str, behind: Chain, instants: np.ndarray) -> np.ndarray | float:
     """Forces per length of pressures on the elements of a body in pieces, or of a part of one, (n_t, n_e, 3); zero of others."""
-    scene, found = solution.system.placed, 0.0
+    scene, found = solution.system.scene, 0.0
     part: Any = scene.body(name)
     whole, own = getattr(part, "whole", name), slice(getattr(part, "first", None), getattr(part, "last", None))
     for load in pressures_of(scene).values():
@@ -94,9 +94,14 @@ def _bending(behind: Chain) -> np.ndarray:
     return bending
 
 
+@check("weight-between-nodes", STATES)
 def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
-    """Doubts about bodies whose stress is asked for and lacks what weight and inertia do between their nodes."""
-    scene, moving = solution.system.placed, has_inertia(solution)
+    """A stress or a strain energy lacks what weight, pressure and inertia do between the nodes of beam elements.
+
+    Limit: 5 % of the largest.
+    Fix: more elements, or more modes.
+    """
+    scene, moving = solution.system.scene, has_inertia(solution)
     pressed, heavy = is_pressed(scene), moving or bool(np.real(scene.gravity).any())
     for body in whole_bodies(scene) if pressed or heavy else ():
         parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
@@ -110,14 +115,14 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
             known = {"its weight": heavy, "pressures on it": pressed, "forces of inertia": moving}
             forces = " and ".join(words for words, there in known.items() if there)
             named = f"{forces} {'does' if forces == 'its weight' else 'do'}"
-            yield Caution(
-                "weight-between-nodes",
-                f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that: it is "
-                f"off by some {part:.0%} of the largest, while interface points are where they should be. Build the model with "
+            yield bent_between_nodes.caution(
+                f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that. It is off by some "
+                f"{part:.0%} of the largest, while interface points are where they should be. Fix: build the model with "
                 f"{times_as_many(factor)} as many {elements_of(scene, body)}, or with more modes.",
             )
 
 
+@check("weight-between-nodes", STATES)
 def energy_between_nodes(solution: Solution) -> Iterator[Caution]:
     """Doubts about strain energies at an instant that lack what weight and inertia do between nodes."""
     scene, last = solution.system.scene, len(solution.times) - 1
@@ -132,10 +137,9 @@ def energy_between_nodes(solution: Solution) -> Iterator[Caution]:
             )
             if missing > LIMIT * (largest + missing):
                 part = missing / (largest + missing)
-                yield Caution(
-                    "weight-between-nodes",
-                    f"{name} lacks what weight and forces of inertia bend and stretch elements by between their nodes: some {part:.0%} of "
-                    "the largest that it is, while interface points are where they should be. Build the model with "
+                yield energy_between_nodes.caution(
+                    f"{name} lacks what weight and forces of inertia bend and stretch elements by between their nodes. It is off by some "
+                    f"{part:.0%} of the largest that it is, while interface points are where they should be. Fix: build the model with "
                     f"{times_as_many((part / LIMIT) ** 0.25)} as many elements.",
                 )
 
@@ -161,7 +165,7 @@ def _energy_missed(solution: Solution, asked: str | None, step: int) -> float:
     return total
 
 
-def _density(scene: Scene, body: Any, found: Beams) -> np.ndarray:
+def _density(scene: ResolvedScene, body: Any, found: Beams) -> np.ndarray:
     """Mass per length of the elements (n_e,), as of one material."""
     (mass,) = body.some_invariants(scene, "mass")
     per_length: np.ndarray = float(np.real(mass)) * found.axial / (found.axial @ found.lengths)
@@ -205,7 +209,7 @@ def _missed(parts: list[Strains], anywhere: bool) -> tuple[float, float, float]:
     return share * across, share * along, told
 
 
-def _looks_anywhere(scene: Scene, body: str) -> bool:
+def _looks_anywhere(scene: ResolvedScene, body: str) -> bool:
     """Whether a response asks for the body's stress at a place of its own, and not for the largest."""
     asked = [each.source if isinstance(each, OverTime) else each for each in scene.responses.values()]
     return any(isinstance(each, LocalStress) and each.body == body for each in asked)
@@ -213,7 +217,7 @@ def _looks_anywhere(scene: Scene, body: str) -> bool:
 
 def _strains(solution: Solution, name: str) -> Strains | None:
     """Strains of a part at its largest deformations; None where these are not known."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     behind, body = chain(scene, name), scene.body(name)
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
         return None
@@ -267,7 +271,7 @@ def _fibre_strains(found: Beams, forces: np.ndarray) -> np.ndarray:
     return _strain(found, forces[:, :, 0], moments)
 
 
-def _outside_the_basis(scene: Scene, name: str, behind: Chain, found: Beams, pull: np.ndarray) -> np.ndarray:
+def _outside_the_basis(scene: ResolvedScene, name: str, behind: Chain, found: Beams, pull: np.ndarray) -> np.ndarray:
     """Displacements of the plane's nodes under forces per length (n_t, n_e, 2) that no shape of the basis knows, (n_t, n)."""
     half = pull * found.lengths[:, None] / 2
     turn = (found.along[:, 0] * half[:, :, 1] - found.along[:, 1] * half[:, :, 0]) * found.lengths / 6

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import chain
@@ -23,19 +23,23 @@ from toolkit.validity.bodies.cut.places import displacements
 from toolkit.validity.bodies.deformation import LIMIT, instants_of, whole_bodies
 
 
+@check("bent-pieces", STATES)
 def bent_pieces(solution: Solution) -> Iterator[Caution]:
-    """Doubts about solids whose pieces bend so far that more of them are needed, whatever the number of frames."""
-    scene = solution.system.placed
+    """A solid in pieces bends inside of its pieces so far that they shorten, which no frame of a whole piece knows.
+
+    Limit: 5 % of its largest displacement.
+    Fix: more pieces in the body file.
+    """
+    scene = solution.system.scene
     for body in whole_bodies(scene):
         if not is_in_pieces(scene, body):
             continue
         error, turn, count = shortening(solution, body)
         if error > LIMIT:
-            yield Caution(
-                "bent-pieces",
-                f"{body} is cut into {count} pieces, which bend by up to {turn:.2g} rad against the lines through their ends: by what "
-                f"they shorten, which no frame of a whole piece knows, nodes are off by about {error:.1%} of its displacement (limit "
-                f"{LIMIT:.0%}). Cut it into some {int(np.ceil(count * np.sqrt(error / LIMIT)))} pieces.",
+            yield bent_pieces.caution(
+                f"{body} is cut into {count} pieces, which bend by up to {turn:.2g} rad against the lines through their ends. They "
+                f"shorten, which no frame of a whole piece knows: nodes are off by about {error:.1%} of its displacement (limit "
+                f"{LIMIT:.0%}). Fix: cut it into some {int(np.ceil(count * np.sqrt(error / LIMIT)))} pieces.",
             )
 
 
@@ -44,7 +48,7 @@ def shortening(solution: Solution, body: str) -> tuple[float, float, int]:
 
     With it the largest angle of an end in rad, and the number of pieces.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     instants = instants_of(solution, body)
     bows, turns = [], []
     for name, part in deforming(scene).items():

@@ -11,14 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
-from toolkit.scene.scene import Scene
+from toolkit.foundation.verdict import STATES, Caution, check
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain
@@ -27,7 +28,7 @@ from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import (
     LIMIT,
     ROUND_OFF,
-    Measured,
+    Deformation,
     deformations,
     instants_of,
     whole_bodies,
@@ -58,12 +59,17 @@ class Bending:
         return self.error / self.displacement if self.displacement > ROUND_OFF * self.size else 0.0
 
 
+Measured: TypeAlias = Deformation | Bending
+"""Deformation of a body in its frame, and its estimated geometric error."""
+
+
+@check("large-deformation", STATES)
 def bent_surfaces(solution: Solution) -> Iterator[Caution]:
     """Bodies whose elements are not known that leave the range of small deformations, or come near to buckling."""
-    for body in whole_bodies(solution.system.placed):
+    for body in whole_bodies(solution.system.scene):
         found = bending(solution, body)
         if found is not None and not found.relative <= LIMIT:
-            yield Caution("large-deformation", _told(solution.system.placed, body, found), body=body, part=found.relative)
+            yield bent_surfaces.caution(_told(solution.system.scene, body, found), body=body, part=found.relative)
         if found is not None and found.load > LIMIT:
             part = found.load / (1 - found.load) if found.load < 1 else np.inf
             yield Caution("critical-load", _compressed(body, found.load), not found.load <= DOUBTFUL, body, part)
@@ -76,7 +82,7 @@ def geometric_errors(solution: Solution) -> dict[str, Measured | None]:
 
 def bending(solution: Solution, body: str) -> Bending | None:
     """How far one body bends; None where its finite elements tell it better, or nothing does."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     if isinstance(scene.bodies[body], CutBody) or has_chain(scene, body):
         return None
     design = design_point(scene, body, "surface", "outline")
@@ -133,16 +139,16 @@ def _compressed(body: str, load: float) -> str:
     )
     return (
         f"{body} is compressed with some {load:.2g} times what buckles a slender bar of its stiffness: {lost}. Linear FFRF has no "
-        "geometric stiffness of a body in its frame. Load it less, stiffen it, or make several bodies in a row of it, which buckle as "
+        "geometric stiffness of a body in its frame. Fix: load it less, stiffen it, or make several bodies in a row of it, which buckle as "
         "they should."
     )
 
 
-def _told(scene: Scene, body: str, found: Bending) -> str:
+def _told(scene: ResolvedScene, body: str, found: Bending) -> str:
     length = unit(scene.units, "length")
     return (
         f"{body} leaves the range of small deformations: it is displaced by up to {found.displacement:.3g} {length} in its frame at "
-        f"t = {found.time:.4g}, and bodies that bend so far are off by some {found.error:.2g} {length}, {found.relative:.0%} of that "
+        f"t = {found.time:.4g}. Bodies that bend so far are off by some {found.error:.2g} {length}, {found.relative:.0%} of that "
         f"(limit {LIMIT:.0%}), because their lines grow where they turn. Fix: "
         f"{divided(scene, body, found.relative / LIMIT)}, or stiffen the body."
     )

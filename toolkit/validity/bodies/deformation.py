@@ -10,14 +10,14 @@ It knows beam elements, in the plane and in space; `bent_surfaces` estimates it 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.chain import Chain
@@ -34,34 +34,6 @@ Up to here the estimate is good to some ten percent, and the errors of stresses 
 
 INSTANTS = 50
 """Number of instants of a run that the meter examines, those of the largest elastic coordinates."""
-
-
-class Measured(Protocol):
-    """Deformation of a body, and its estimated geometric error."""
-
-    @property
-    def rotation(self) -> float:
-        """Largest rotation in the frame, in rad."""
-
-    @property
-    def displacement(self) -> float:
-        """Largest displacement in the frame."""
-
-    @property
-    def error(self) -> float:
-        """Estimated geometric error as a distance."""
-
-    @property
-    def size(self) -> float:
-        """Extent of the undeformed body."""
-
-    @property
-    def time(self) -> float:
-        """Time of the largest error."""
-
-    @property
-    def relative(self) -> float:
-        """Geometric error relative to the largest displacement."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +57,7 @@ class Deformation:
         return not self.relative <= LIMIT
 
 
-def flexible_bodies(scene: Scene) -> list[str]:
+def flexible_bodies(scene: ResolvedScene) -> list[str]:
     """Names of the bodies that deform; for a cut body the names of its parts."""
     return list(deforming(scene))
 
@@ -93,22 +65,22 @@ def flexible_bodies(scene: Scene) -> list[str]:
 def deformations(solution: Solution) -> dict[str, Deformation | None]:
     """Measured deformation of every flexible body; None where the reduced model does not hold its finite elements."""
     if Deformation not in solution.known:
-        solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.placed)}
+        solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
     found: dict[str, Deformation | None] = solution.known[Deformation]
     return found
 
 
-def whole_bodies(scene: Scene) -> list[str]:
+def whole_bodies(scene: ResolvedScene) -> list[str]:
     """Names of the flexible bodies, cut or not."""
     return [name for name, body in scene.bodies.items() if isinstance(body, ModelBody)]
 
 
 def deformation(solution: Solution, body: str) -> Deformation | None:
     """Measured deformation of one body; None where its finite elements are not known."""
-    written = solution.system.placed.bodies.get(body)
+    written = solution.system.scene.bodies.get(body)
     if isinstance(written, CutBody):
         return _of_parts(solution, body, written)
-    behind = chain(solution.system.placed, body)
+    behind = chain(solution.system.scene, body)
     return None if behind is None else deformation_of(behind, solution, body)
 
 
@@ -117,7 +89,7 @@ def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | 
 
     The errors of its parts, each in its own frame, add up to one of the whole, relative to the whole's displacement.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     instants = instants_of(solution, body)
     found = [_bent_part(solution, name, instants) for name in written.parts(body)]
     parts = [each[0] for each in found if each is not None]
@@ -134,7 +106,7 @@ def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | 
 
 def _bent_part(solution: Solution, name: str, instants: np.ndarray) -> tuple[BentPart, np.ndarray] | None:
     """A part with its errors, and the largest rotation of its nodes in its frame, (n_t,); None without known elements."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     part: Any = scene.body(name)
     behind = chain(scene, name)
     if behind is None:
@@ -148,7 +120,7 @@ def _bent_part(solution: Solution, name: str, instants: np.ndarray) -> tuple[Ben
     return BentPart(part.node_numbers(scene), in_space(places), errors), behind.rotations(u).max(axis=1)
 
 
-def _held_node(scene: Scene, written: Any) -> int | None:
+def _held_node(scene: ResolvedScene, written: Any) -> int | None:
     """Number of a node that holds a grounded body; None of other bodies."""
     model = scene.model(written.model, "elements", "mesh")
     if written.frame != "grounded" or model.elements is None:

@@ -28,7 +28,7 @@ def has_inertia(solution: Solution) -> bool:
 
 def pull_on_elements(solution: Solution, name: str, behind: Chain, instants: np.ndarray) -> np.ndarray:
     """Force per mass on the middles of all elements at some instants, (n_t, n_e, d)."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     body: Any = scene.body(name)
     q, v, a = (np.real(x[instants][:, solution.coordinates(name)]) for x in (solution.q, solution.v, solution.a))
     axes, sides = body.poses(q)[1], sides_of(behind)
@@ -54,7 +54,7 @@ def pull_of_frame(solution: Solution, name: str, instants: np.ndarray) -> tuple[
 
     All are in the axes of the reduced model.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     body: Any = scene.body(name)
     q, v, a = (np.real(x[instants][:, solution.coordinates(name)]) for x in (solution.q, solution.v, solution.a))
     axes, d = body.poses(q)[1], scene.dimension

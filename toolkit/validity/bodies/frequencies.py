@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
-from toolkit.scene.scene import Scene
+from toolkit.foundation.verdict import Caution, check
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import elements_of, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.beam_assumptions import beams_of, times_as_many
@@ -27,7 +27,7 @@ ITERATIONS = 40
 """Iterations of Newton's method, which gains a factor of 1.5 far from the root of a cubic, and doubles the digits near it."""
 
 
-def resolved_frequency(scene: Scene, body: str) -> float:
+def resolved_frequency(scene: ResolvedScene, body: str) -> float:
     """Frequency that the elements of a body make too large by `LIMIT`, in 1/time; inf where they are not known."""
     behind = chain(scene, body)
     if behind is None:
@@ -52,8 +52,13 @@ def raised_by_elements(frequency: float, limit: float) -> float:
     return error
 
 
-def too_fast_for_elements(scene: Scene, frequencies: Mapping[str, float], doubt: bool) -> Iterator[Caution]:
-    """Cautions about frequencies, by name, that the elements of a flexible body make too large."""
+@check("coarse-vibrations")
+def too_fast_for_elements(scene: ResolvedScene, frequencies: Mapping[str, float], doubt: bool) -> Iterator[Caution]:
+    """The elements of a body are too long for vibrations as fast as those that are asked for.
+
+    Limit: 5 % of a frequency.
+    Fix: more elements.
+    """
     label = unit(scene.units, "rate")
     for body in whole_bodies(scene):
         if is_in_pieces(scene, body):
@@ -63,10 +68,9 @@ def too_fast_for_elements(scene: Scene, frequencies: Mapping[str, float], doubt:
         if beyond:
             parts = {name: raised_by_elements(value, limit) for name, value in beyond.items()}
             most = max(beyond.values())
-            yield Caution(
-                "coarse-vibrations",
+            yield too_fast_for_elements.caution(
                 f"frequencies are too high where {body} vibrates, {listed_parts(parts, 'about')}: from {limit:.4g} {label} on, where "
-                f"it is {LIMIT:.0%}, its {elements_of(scene, body)} are too long. Build the model with "
+                f"it is {LIMIT:.0%}, its {elements_of(scene, body)} are too long. Fix: build the model with "
                 f"{times_as_many(np.sqrt(most / limit))} as many.",
                 doubt,
             )

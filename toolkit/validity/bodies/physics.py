@@ -8,11 +8,11 @@ import numpy as np
 
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import MOTION, SPIN, STATES, Caution, check
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.responses.vibrations.least_frequency import LeastFrequency
 from toolkit.responses.vibrations.vibration import OfVibration
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain
 from toolkit.validity.bodies.compressed.critical_load import Compression, critical_compressions
@@ -28,14 +28,19 @@ ROUND_OFF = 1e-9
 """Part of the critical load below which forces compress nothing: what eigenvalues of a stiffness leave of zero."""
 
 
+@check("large-deformation", STATES)
 def large_deformations(solution: Solution) -> Iterator[Caution]:
-    """Flexible bodies that leave the range of small deformations in their frame."""
+    """A body leaves the range of small deformations in its frame, or a component that is asked for changes where elements turn.
+
+    Limit: 5 % of its largest displacement, or of the component's scale; a remark in a motion whose answers a softer body hardly
+    changes, or a run with more frames, made for gradients.
+    Fix: more frames, or a stiffer body.
+    """
     length = unit(solution.system.scene.units, "length")
-    scene = solution.system.placed
+    scene = solution.system.scene
     for body, each in deformations(solution).items():
         if each is not None and each.exceeded:
-            yield Caution(
-                "large-deformation",
+            yield large_deformations.caution(
                 f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame. A corotational "
                 f"model would differ by about {each.error:.2g} {length} under the same forces, {each.relative:.1%} of its displacement "
                 f"(limit {LIMIT:.0%}){_cause(each)}. ffrf check-deformation computes this error. Fix: "
@@ -50,8 +55,13 @@ def _cause(found: Deformation) -> str:
     return "" if found.rotation > SMALL else ", by what forces along it and torques do to its bending"
 
 
+@check("critical-load", STATES)
 def critical_loads(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
-    """Flexible bodies whose compression is near or beyond the critical load, which linear FFRF does not know in a body's frame.
+    """A body is compressed near its critical load, or beyond, which linear deformations in a body's own frame do not know.
+
+    Limit: 5 % of lateral deflections, of frequencies, or a tenth of the critical load where elements are not known; a remark where a
+    run with more frames, made for gradients, changes no answer by half of that.
+    Fix: more floating frames (`frames`), or a stiffer body.
 
     Parameters
     ----------
@@ -59,18 +69,18 @@ def critical_loads(solution: Solution, lateral: bool = False) -> Iterator[Cautio
         Whether anything is asked for that depends on the stiffness across the compression: frequencies, or derivatives that the
         solution does not hold. Otherwise an equilibrium that nothing bends is right below the critical load, and this is no doubt.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     lateral = lateral or any(isinstance(each, OfVibration | LoadMargin | LeastFrequency) for each in scene.responses.values())
     for found in critical_compressions(solution):
         if found.straight and found.missed >= found.feigned and found.load < 1 and not lateral:
-            yield Caution("critical-load", _straight(found), doubt=False)
+            yield critical_loads.caution(_straight(found), doubt=False)
             continue
         if found.load < ROUND_OFF and found.missed >= found.feigned:
-            yield Caution("critical-load", _stiffened(found), doubt=False)
+            yield critical_loads.caution(_stiffened(found), doubt=False)
             continue
         text = _feigned(found) if found.feigned > found.missed else _buckling(found, solution)
         part = max(found.feigned, found.missed) if found.load < 1 else np.inf
-        yield Caution("critical-load", text + advice_of_frame(scene, found.body), body=_written(scene, found.body), part=part)
+        yield critical_loads.caution(text + advice_of_frame(scene, found.body), body=_written(scene, found.body), part=part)
 
 
 def _stiffened(found: Compression) -> str:
@@ -87,29 +97,32 @@ def _straight(found: Compression) -> str:
     )
 
 
+@check("reference-condition", STATES)
 def turning(solution: Solution) -> Iterator[Caution]:
-    """Flexible bodies whose frame turns with one of the two ends that joints hold, where that falsifies their deflection.
+    """A frame turns with one end of its body, and a force along the line through both ends turns with it: deflections across are false.
+
+    Limit: 5 % of the deflection; a remark where a run with more frames, made for gradients, changes no answer by half of that.
+    Fix: another `frame`, such as that of the chord, or more frames.
 
     `critical_loads` says the same of equilibria of plane beams.
     """
     force = unit(solution.system.scene.units, "force")
     for found in turning_frames(solution):
-        if found.exceeded and (solution.steps or not has_chain(solution.system.placed, found.body)):
+        if found.exceeded and (solution.steps or not has_chain(solution.system.scene, found.body)):
             what = "too large" if found.force > 0 else "too small"
             when = f" at t = {found.time:.4g}" if solution.steps else ""
             how = f"up to about {found.error:.0%} {what}" if found.error < 1 else f"far {what}, or of any size"
-            yield Caution(
-                "reference-condition",
-                f"{found.body} has a frame that turns with one of its parts, and forces of {abs(found.force):.4g} {force} along the line "
+            yield turning.caution(
+                f"{found.body} has a frame that turns with one of its parts. Forces of {abs(found.force):.4g} {force} along the line "
                 f"through {found.chord.first!r} and {found.chord.second!r} turn with it{when}: deflections across this line are {how}."
-                f"{advice_of_frame(solution.system.placed, found.body)}",
+                f"{advice_of_frame(solution.system.scene, found.body)}",
                 body=found.body,
                 part=found.error,
             )
 
 
 def _buckling(found: Compression, solution: Solution) -> str:
-    moving, scene = solution.steps > 0, solution.system.placed
+    moving, scene = solution.steps > 0, solution.system.scene
     when = f" at t = {found.time:.4g}" if moving else ""
     how = "compressed" if scene.space.rotations_add else "loaded"  # in space forces across it make it give way sideways, too
     if found.load >= 1:
@@ -118,18 +131,18 @@ def _buckling(found: Compression, solution: Solution) -> str:
         what = f"lateral deflections are up to {found.missed:.0%} larger than these equations say, and frequencies lower"
     return (
         f"{found.body} is {how}{when} with {found.load:.2g} times the critical load: {what}. Linear FFRF has no geometric stiffness "
-        f"of a body in its frame. Load it less, stiffen it, or {_more_parts(scene, found.body)}, which buckle as they should. "
-        "ffrf check-deformation solves it with elements that turn."
+        f"of a body in its frame. ffrf check-deformation solves it with elements that turn. Fix: load it less, stiffen it, or "
+        f"{_more_parts(scene, found.body)}, which buckle as they should."
     )
 
 
-def _written(scene: Scene, body: str) -> str:
+def _written(scene: ResolvedScene, body: str) -> str:
     """The body that a scene writes, of one of its parts."""
     found = scene.body(body)
     return found.whole if isinstance(found, FramedPart) else body
 
 
-def _more_parts(scene: Scene, body: str) -> str:
+def _more_parts(scene: ResolvedScene, body: str) -> str:
     """What has more frames than the body, or than the one that it is a part of."""
     found = scene.body(body)
     if not isinstance(found, FramedPart):
@@ -139,24 +152,28 @@ def _more_parts(scene: Scene, body: str) -> str:
 
 def _feigned(found: Compression) -> str:
     return (
-        f"{found.body} is softer under its tension than it should be: these equations make lateral deflections {found.feigned:.0%} too "
-        "large or more, and frequencies too low. Linear FFRF has no geometric stiffness of a body in its frame, which tension would raise, "
-        "while the frame turns with the ends. Load it less, stiffen it, or make several bodies in a row of it."
+        f"{found.body} is softer under its tension than it should be. These equations make lateral deflections {found.feigned:.0%} too "
+        "large or more, and frequencies too low: the frame turns with the ends, and linear FFRF has no geometric stiffness of a body in "
+        "its frame. Fix: load it less, stiffen it, or make several bodies in a row of it."
     )
 
 
+@check("critical-speed", (MOTION, SPIN))
 def excessive_speeds(solution: Solution) -> Iterator[Caution]:
-    """Flexible bodies whose frame spins beyond their critical speed."""
+    """A body spins faster than the speed from which on its own equations bend it out without bound.
+
+    Limit: its critical speed.
+    Fix: `spin_stiffening = true`, several bodies in a row, or a slower spin.
+    """
     for body, speed, critical in too_fast_in_motion(solution):
-        yield Caution(
-            "critical-speed",
+        yield excessive_speeds.caution(
             f"{body} spins with {speed:.4g} rad/s, faster than its critical speed of {critical:.4g} rad/s. Linear FFRF lacks "
-            "centrifugal stiffening, so that the body bends out without bound or to a wrong state. Spin it slower, write "
-            "spin_stiffening = true in its table, or make several bodies in a row of it.",
+            "centrifugal stiffening, so that the body bends out without bound or to a wrong state. Fix: a slower spin, "
+            "spin_stiffening = true in its table, or several bodies in a row.",
         )
 
 
-def speed_limits(scene: Scene, bodies: Iterable[str]) -> str:
+def speed_limits(scene: ResolvedScene, bodies: Iterable[str]) -> str:
     """What to know of the critical speeds of flexible bodies that spin where a run failed; empty without any."""
     limits: dict[str, float] = {}
     for body in bodies:

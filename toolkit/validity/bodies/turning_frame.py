@@ -50,7 +50,7 @@ class TurningFrame(NamedTuple):
 
 def turning_frames(solution: Solution) -> Iterator[TurningFrame]:
     """Bodies that two joints hold and whose frame is tied to one end."""
-    for body, choice in frame_choices(solution.system.placed).items():
+    for body, choice in frame_choices(solution.system.scene).items():
         if choice.chord is not None and choice.advice:
             compliance = lateral_compliance(solution, body, choice.chord)
             steps = np.arange(len(solution.times))[:: -(-len(solution.times) // INSTANTS)]
@@ -70,7 +70,7 @@ def _error(mu: float) -> float:
 
 def lateral_compliance(solution: Solution, body: str, chord: Chord) -> float:
     """mu for a unit force: the most that c K^-1 c^T / L can be across the chord."""
-    one, other = (np.real(design_point(solution.system.placed, body).interface(name).here[0]) for name in chord)
+    one, other = (np.real(design_point(solution.system.scene, body).interface(name).here[0]) for name in chord)
     return _largest(compliance_across(solution, body, other - one))
 
 
@@ -81,7 +81,7 @@ def bending_compliance(solution: Solution, body: str, chord: Chord) -> float:
 
 def motion_against_tangent(solution: Solution, body: str, chord: Chord) -> np.ndarray:
     """The line of a chord and how each elastic coordinate moves its second end against the tangent at the first, (d, 1 + n_f)."""
-    (one, turn), (other, _) = (design_point(solution.system.placed, body).interface(name).here for name in chord)
+    (one, turn), (other, _) = (design_point(solution.system.scene, body).interface(name).here for name in chord)
     found = np.real(other - one)
     side, turned = found[:, 0], np.real(turn)[..., 1:]
     found[:, 1:] -= np.outer([-side[1], side[0]], turned) if turned.ndim == 1 else np.cross(turned, side, axisa=0, axisc=0)
@@ -90,7 +90,7 @@ def motion_against_tangent(solution: Solution, body: str, chord: Chord) -> np.nd
 
 def compliance_across(solution: Solution, body: str, motion: np.ndarray) -> np.ndarray:
     """c K^-1 c^T / L (d, d) across a line, of its own vector and displacements per elastic coordinate (d, 1 + n_f)."""
-    stiffness, side, moved = np.real(design_point(solution.system.placed, body).value("stiffness")), motion[:, 0], motion[:, 1:]
+    stiffness, side, moved = np.real(design_point(solution.system.scene, body).value("stiffness")), motion[:, 0], motion[:, 1:]
     length = np.linalg.norm(side)
     across = moved - np.outer(side, side @ moved) / length**2
     found = across @ static_deflection(stiffness, across.T)

@@ -8,8 +8,8 @@ import numpy as np
 
 from toolkit.compilation.quantities import curves_of
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.table import Table
-from toolkit.foundation.verdict import Caution
+from toolkit.curves.table import Table
+from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.system.solution import Solution
 
 BEYOND = 0.1
@@ -19,8 +19,13 @@ DOUBTFUL = 0.5
 """The same that nobody means: a pulse of a few close rows in a long table may swing to a hundred thousand times its height before it."""
 
 
+@check("curve-overshoot", (MOTION,))
 def overshooting_tables(solution: Solution) -> Iterator[Caution]:
-    """Cubic tables that leave the range of their values within a motion: a remark, or a doubt where they do by far."""
+    """A cubic table swings beyond its values between its rows.
+
+    Limit: 10 % of the range of its values; a doubt from 50 % on.
+    Fix: `interpolation = "monotone"` or `"linear"`, or more rows.
+    """
     times = solution.whole_run
     for (group, name), curve in curves_of(solution.system.scene):
         for path, table, start, end in _cubics(f"{group}.{name}.curve", curve, float(times[0]), float(times[-1])):
@@ -28,11 +33,10 @@ def overshooting_tables(solution: Solution) -> Iterator[Caution]:
             low, high = np.real(min(table.values, key=np.real)), np.real(max(table.values, key=np.real))
             beyond = max(value - high, low - value)
             if beyond > BEYOND * (high - low) > 0:
-                yield Caution(
-                    "curve-overshoot",
-                    f"{path} swings beyond its values, which are from {low:g} to {high:g}: it reaches {value:.4g} at t = {time:.4g}, "
-                    f"{beyond / (high - low):.3g} times their range outside, because it is a cubic through all of them. "
-                    f'{path}.interpolation = "monotone" does not, and neither do "linear", more rows where it is steep, or smooth steps.',
+                yield overshooting_tables.caution(
+                    f"{path} swings beyond its values, which are from {low:g} to {high:g}. It reaches {value:.4g} at t = {time:.4g}, "
+                    f"{beyond / (high - low):.3g} times their range outside: it is a cubic through all of them. "
+                    f'Fix: {path}.interpolation = "monotone" or "linear", more rows where it is steep, or smooth steps.',
                     doubt=bool(beyond > DOUBTFUL * (high - low)),
                 )
 

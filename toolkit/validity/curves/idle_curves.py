@@ -8,12 +8,17 @@ import numpy as np
 
 from toolkit.compilation.quantities import curves_of
 from toolkit.curves.curve import Curve, Part
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.system.solution import Solution
 
 
+@check("idle-curve", (MOTION,))
 def idle_curves(solution: Solution) -> Iterator[Caution]:
-    """Remarks about curves, or parts of them, that change nothing before the end of a motion."""
+    """A curve begins to change after the run has ended.
+
+    Limit: any.
+    Fix: a later `solver.end_time`.
+    """
     end = float(solution.times[-1])
     for (group, name), curve in curves_of(solution.system.scene):
         part = next((each for each in _parts(curve) if each.begin >= end), None)
@@ -40,6 +45,4 @@ def _first_change(curve: Curve, times: np.ndarray) -> float | None:
 
 
 def _idle(what: str, end: float) -> Caution:
-    return Caution(
-        "idle-curve", f"{what}, and the run ends at t = {end:g}: it has no effect. Try a later solver.end_time.", doubt=False
-    )
+    return idle_curves.caution(f"{what}, and the run ends at t = {end:g}: it has no effect. {idle_curves.fix}", doubt=False)

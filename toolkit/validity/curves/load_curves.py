@@ -10,7 +10,7 @@ import numpy as np
 
 from toolkit.compilation.quantities import curves_of
 from toolkit.curves.curve import Curve
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.system.solution import Solution
 
 LOST = 0.2
@@ -71,16 +71,20 @@ class Loss:
     corners: np.ndarray
 
 
+@check("load-curve", (MOTION,))
 def unseen_curves(solution: Solution) -> Iterator[Caution]:
-    """Doubts about curves that change between the times of a motion."""
+    """A load's curve changes between the times of the run.
+
+    Limit: 20 % of its variation, 5 % within one step.
+    Fix: a smaller `solver.step`, or `solver.times` where it changes.
+    """
     for (group, name), curve in curves_of(solution.system.scene):
         loss = loss_of(curve, solution.whole_run, has_zero=group == "loads")
         if loss is not None and (loss.part > LOST or loss.in_one > IN_ONE):
             how_much = f"{loss.part:.0%} of its variation (limit {LOST:.0%})"
             if loss.part <= LOST:
                 how_much = f"{loss.in_one:.0%} of its variation within one step (limit {IN_ONE:.0%})"
-            yield Caution(
-                "load-curve",
+            yield unseen_curves.caution(
                 f"{group}.{name}.curve changes between the times of the run: the straight lines between them miss it by {how_much}, most "
                 f"near t = {loss.time:.4g}. Runs with other steps may miss the same and agree. {_advice(curve, loss)}",
             )
@@ -173,7 +177,7 @@ def _advice(curve: Curve, loss: Loss) -> str:
     """Sentence on steps that would see the curve."""
     period = min(curve.periods(), default=np.inf)
     what, shortest = ("period", period) if period < loss.shortest else ("piece", loss.shortest)
-    told = f"Try solver.step = {shortest / 10:.2g}, a tenth of its shortest {what}"
+    told = f"Fix: solver.step = {shortest / 10:.2g}, a tenth of its shortest {what}"
     if what == "period" or not len(loss.corners):
         return f"{told}."
     named = ", ".join(f"{corner:.6g}" for corner in loss.corners[:6]) + ", ..." * (len(loss.corners) > 6)

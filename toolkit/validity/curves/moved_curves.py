@@ -14,9 +14,9 @@ import numpy as np
 from toolkit.compilation.quantities import STEP, curves_of
 from toolkit.curves.curve import Curve
 from toolkit.foundation.dimensions import LABELLED
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import Caution, check
 from toolkit.scene.measures import number_measure
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 from toolkit.validity.curves.load_curves import loss_of
 
@@ -41,8 +41,13 @@ class Slope:
         return np.imag(self.curve.evaluate(time)) / STEP
 
 
+@check("gradient-curve")
 def unseen_moves(solution: Solution, variables: Collection[str]) -> Iterator[Caution]:
-    """Doubts about derivatives by variables that move the times of curves, in gradients of a motion."""
+    """Steps do not see when a curve changes whose times a variable of the design moves.
+
+    Limit: 50 % of what the variable does to the curve.
+    Fix: a curve that changes over several steps, or `solver.times` there.
+    """
     scene = solution.system.scene
     for name in variables:
         moved = _moved(scene, name)
@@ -51,16 +56,15 @@ def unseen_moves(solution: Solution, variables: Collection[str]) -> Iterator[Cau
                 continue
             loss = loss_of(Slope(curve), solution.whole_run)
             if loss is not None and loss.part > HIDDEN:
-                yield Caution(
-                    "gradient-curve",
+                yield unseen_moves.caution(
                     f"derivatives by {name} miss {min(loss.part, 1):.0%} (limit {HIDDEN:.0%}) of what it does to {'.'.join(item)}.curve, "
-                    f"most near t = {loss.time:.4g}: the curve changes faster there than steps are short, so that they do not see when. "
-                    "Runs with other steps may miss the same and agree. Let the curve change over several steps, or take steps of "
-                    f"{loss.shortest / 10:.2g} there and beside (solver.times).",
+                    f"most near t = {loss.time:.4g}. The curve changes faster there than steps are short. Runs with other steps may miss "
+                    f"the same and agree. Fix: a curve that changes over several steps, or steps of {loss.shortest / 10:.2g} there "
+                    "(solver.times).",
                 )
 
 
-def _moved(scene: Scene, variable: str) -> Scene | None:
+def _moved(scene: ResolvedScene, variable: str) -> ResolvedScene | None:
     """The scene with a complex step in the times that a variable drives; None if it drives none."""
     moved = None
     for path, factor in zip(scene.paths_of(variable), scene.factors_of(variable), strict=True):

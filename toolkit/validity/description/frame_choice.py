@@ -72,7 +72,7 @@ def _held(scene: Scene, name: str) -> Iterator[tuple[str, bool]]:
     turns, interfaces = Counter[str](), scene.model(scene.bodies[name].model).interfaces or {}  # type: ignore[attr-defined]
     for joint in (each for each in scene.joints.values() if isinstance(each, Joint)):
         for grip, point in joint.grips:
-            interface = getattr(scene.interface(point), "interface", None)
+            interface = getattr(scene.points[point], "interface", None)
             if grip == name and interface in interfaces:
                 turns[interface] += sum(quantity == "angle" for _, quantity in joint.rows)
     rotations = scene.dimension * (scene.dimension - 1) // 2

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import SCENE, Caution, check
 from toolkit.reduced_model.questions.face_questions import face_questions
 from toolkit.reduced_model.questions.mesh_questions import COARSE, TOO_STIFF, mesh_questions
 from toolkit.responses.over_time.over_time import OverTime
@@ -15,6 +15,7 @@ from toolkit.responses.stress.stress import StressResponse
 from toolkit.scene.scene import Scene
 
 
+@check("coarse-mesh", (SCENE,))
 def cautions_of_meshes(scene: Scene) -> Iterator[Caution]:
     """A doubt for every body with a mesh that is too coarse for its stress, if that is asked for, or for its deflections, or with faces
     between its pieces that count."""

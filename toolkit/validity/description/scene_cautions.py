@@ -6,65 +6,95 @@ from collections.abc import Iterator
 
 from toolkit.bodies.model_body import MASS_DAMPING, ModelBody
 from toolkit.compilation.frame_hints import floats_with_its_clamp
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import SCENE, STATES, Caution, check, checks
+from toolkit.joints.cylindrical import Cylindrical
 from toolkit.joints.joint import Joint
-from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.spherical import Spherical
-from toolkit.joints.spatial.universal import Universal
+from toolkit.joints.revolute import SpatialRevolute
+from toolkit.joints.spherical import Spherical
+from toolkit.joints.universal import Universal
 from toolkit.loads.friction import Friction
-from toolkit.loads.places import BetweenBodies, BetweenPoints
+from toolkit.loads.load import BetweenBodies, BetweenPoints
+from toolkit.scene.resolution import ResolvedScene, loaded
 from toolkit.scene.scene import Scene
-from toolkit.validity.description.frame_number import choices_of_frames
-from toolkit.validity.description.mesh_cautions import cautions_of_meshes
-from toolkit.validity.description.stale_models import stale_models
-from toolkit.validity.description.unit_cautions import cautions_of_units
+from toolkit.system.solution import Solution
 
 TURNING = (Spherical, SpatialRevolute, Universal, Cylindrical)
 """Kinds of joints in space that are there to let bodies turn; in the plane every frame that moves also turns."""
 
 
-def cautions_of_joints(scene: Scene) -> Iterator[Caution]:
-    """Cautions of all joints of a scene."""
+@check("joint-cannot-turn", (SCENE,))
+def joints_without_turns(scene: ResolvedScene) -> Iterator[Caution]:
+    """A joint lets two bodies turn of which neither can turn as a whole.
+
+    Limit: any.
+    Fix: a frame that turns, or a joint without rotation.
+    """
     for name, joint in scene.joints.items():
-        if not any(scene.body(body).has_frame for body in joint.bodies):
-            yield from _between_fixed_frames(scene, name, joint)
-        elif isinstance(joint, TURNING) and not any(scene.body(body).turns for body in joint.bodies):
-            yield Caution(
-                "joint-cannot-turn",
-                f"joint {name!r} lets {_both(joint)} turn against each other, but neither can turn as a whole: the ground cannot, nor can "
-                'a frame that is "translating" or "grounded". It holds them like a joint without rotation.',
+        framed = [scene.body(body) for body in joint.bodies if scene.body(body).has_frame]
+        if framed and isinstance(joint, TURNING) and not any(scene.body(body).turns for body in joint.bodies):
+            yield joints_without_turns.caution(
+                f"joint {name!r} lets {_both(joint)} turn against each other, but neither can turn as a whole. The ground cannot, nor can "
+                'a frame that is "translating" or "grounded". The joint holds them like one without rotation.',
                 doubt=False,
             )
 
 
-def _between_fixed_frames(scene: Scene, name: str, joint: Joint) -> Iterator[Caution]:
-    """A joint at a point that deforms is legitimate where the other side is the ground; anything else is worth a word."""
-    deform = [_moves(scene, *grip) for grip in joint.grips]
-    flexible = [isinstance(scene.body(body), ModelBody) for body in joint.bodies]
-    if not any(deform):
-        yield Caution(
-            "joint-holds-nothing",
-            f"joint {name!r} holds nothing: {_both(joint)} cannot move there, because their frames are fixed to the ground. Its force is "
-            'not found. Write frame = "moving" for a body that is a part of the mechanism, or remove the joint.',
-        )
-    elif all(flexible) and not all(deform):
-        moving, fixed = sorted(zip(deform, joint.bodies, strict=True), reverse=True)
-        yield Caution(
-            "joint-ties-to-the-ground",
-            f"joint {name!r} ties {moving[1]!r} to the ground: {fixed[1]!r} cannot move there, because its frame is fixed to the ground. "
-            f'Write frame = "moving" for {fixed[1]!r} if it is to move with {moving[1]!r}.',
-        )
-    elif all(flexible):
-        yield Caution(
-            "joint-of-grounded-bodies",
-            f"joint {name!r} ties the deformations of {_both(joint)} alone: both frames are fixed to the ground, and neither body moves as "
-            'a whole. A body that is a part of the mechanism has frame = "moving".',
-            doubt=False,
-        )
+@check("joint-holds-nothing", (SCENE,))
+def joints_without_effect(scene: ResolvedScene) -> Iterator[Caution]:
+    """A joint ties two points that cannot move; its force is not found.
+
+    Limit: any.
+    Fix: `frame = "moving"` for a body that is a part of the mechanism, or no joint.
+    """
+    for name, joint, deform, _ in _fixed_joints(scene):
+        if not any(deform):
+            yield joints_without_effect.caution(
+                f"joint {name!r} holds nothing: {_both(joint)} cannot move there, because their frames are fixed to the ground. Its force "
+                f"is not found. {joints_without_effect.fix}",
+            )
 
 
-def _moves(scene: Scene, body: str, point: str) -> bool:
+@check("joint-ties-to-the-ground", (SCENE,))
+def joints_to_the_ground(scene: ResolvedScene) -> Iterator[Caution]:
+    """A joint ties a body to a point of another that cannot move, because its frame is fixed to the ground.
+
+    Limit: any.
+    Fix: `frame = "moving"` for the other.
+    """
+    for name, joint, deform, flexible in _fixed_joints(scene):
+        if flexible and any(deform) and not all(deform):
+            moving, fixed = sorted(zip(deform, joint.bodies, strict=True), reverse=True)
+            yield joints_to_the_ground.caution(
+                f"joint {name!r} ties {moving[1]!r} to the ground: {fixed[1]!r} cannot move there, because its frame is fixed to the "
+                f'ground. Fix: frame = "moving" for {fixed[1]!r} if it is to move with {moving[1]!r}.',
+            )
+
+
+@check("joint-of-grounded-bodies", (SCENE,))
+def joints_of_grounded_bodies(scene: ResolvedScene) -> Iterator[Caution]:
+    """A joint ties the deformations of two bodies alone, whose frames are both fixed to the ground.
+
+    Limit: any.
+    Fix: `frame = "moving"` for a body that is a part of the mechanism.
+    """
+    for name, joint, deform, flexible in _fixed_joints(scene):
+        if flexible and all(deform):
+            yield joints_of_grounded_bodies.caution(
+                f"joint {name!r} ties the deformations of {_both(joint)} alone: both frames are fixed to the ground, and neither body "
+                f"moves as a whole. {joints_of_grounded_bodies.fix}",
+                doubt=False,
+            )
+
+
+def _fixed_joints(scene: ResolvedScene) -> Iterator[tuple[str, Joint, list[bool], bool]]:
+    """Joints between fixed frames: name, joint, which of both points deform, and whether both bodies are flexible."""
+    for name, joint in scene.joints.items():
+        if not any(scene.body(body).has_frame for body in joint.bodies):
+            flexible = all(isinstance(scene.body(body), ModelBody) for body in joint.bodies)
+            yield name, joint, [_moves(scene, *grip) for grip in joint.grips], flexible
+
+
+def _moves(scene: ResolvedScene, body: str, point: str) -> bool:
     """Whether any coordinate moves a point of a body."""
     return len(scene.body(body).marker(scene, point, body).columns) > 0
 
@@ -73,42 +103,64 @@ def _both(joint: Joint) -> str:
     return f"{joint.bodies[0]!r} and {joint.bodies[1]!r}"
 
 
-def damping_in_the_frame(scene: Scene) -> Iterator[Caution]:
-    """Bodies with a moving frame, whose elements have mass-proportional damping of their own."""
+@check("frame-damping", (SCENE,))
+def damping_in_the_frame(scene: ResolvedScene) -> Iterator[Caution]:
+    """Elements or groups of elements have mass-proportional damping of their own, and the body's frame moves: it acts on motion in the
+    frame alone.
+
+    Limit: any above zero.
+    Fix: one mass damping for the whole body, or damping that follows the stiffness.
+    """
     given = scene.model_parameters()
     for name, body in scene.bodies.items():
         own = any(path.startswith(f"bodies.{name}.{MASS_DAMPING}_") for path in given)
         if own and isinstance(body, ModelBody) and body.has_frame and body.damping_differs(scene):
-            yield Caution(
-                "frame-damping",
-                f"elements of {name} have mass-proportional damping of their own: it acts on what moves in the body's frame alone, so that "
-                "it is less the more the frame moves with the body, and depends on where the frame is tied to it. Give the whole body "
-                "one mass-proportional damping, which acts on all of its velocity, or damp the elements by their stiffness.",
+            yield damping_in_the_frame.caution(
+                f"elements of {name} have mass-proportional damping of their own. It acts on what moves in the body's frame alone, so it "
+                f"depends on where the frame is tied to the body. {damping_in_the_frame.fix}",
             )
 
 
 def cautions_of_scene(scene: Scene) -> list[Caution]:
     """All cautions that follow from what is written, in the scene and beside its models, before anything runs."""
-    found = [*cautions_of_joints(scene), *_held_by_nothing(scene), *cautions_of_units(scene), *stale_models(scene)]
-    found += _between_points_of_one(scene)
-    return [*found, *choices_of_frames(scene), *damping_in_the_frame(scene), *cautions_of_meshes(scene)]
+    asked = loaded(scene)
+    return [caution for each in checks() if SCENE in each.applies_to for caution in each(asked)]
 
 
-def _between_points_of_one(scene: Scene) -> Iterator[Caution]:
-    """Loads along a line between two points of one body that does not deform."""
+@check("extrapolated", STATES)
+def extrapolated_bodies(solution: Solution) -> Iterator[Caution]:
+    """Bodies that follow the tangent at their nominal design."""
+    for body, names in solution.system.scene.extrapolated().items():
+        yield extrapolated_bodies.caution(
+            f"bodies.{body} follows the tangent at its nominal design in {', '.join(names)}: an error of second order in the change.",
+            doubt=False,
+        )
+
+
+@check("load-within-body", (SCENE,))
+def loads_within_bodies(scene: ResolvedScene) -> Iterator[Caution]:
+    """A load acts along a line between two points of one rigid body: it has no effect.
+
+    Limit: any.
+    Fix: name two bodies.
+    """
     for name, load in scene.loads.items():
         if isinstance(load, BetweenPoints) and load.bodies[0] == load.bodies[1]:
             body = load.bodies[0]
             if not isinstance(scene.body(body), ModelBody):
-                yield Caution(
-                    "load-within-body",
-                    f"loads.{name} acts between two points of {body!r}, which stay as far apart as they are: it has no effect. Name two "
-                    "bodies.",
+                yield loads_within_bodies.caution(
+                    f"loads.{name} acts between two points of {body!r}, which stay as far apart as they are: it has no effect. "
+                    f"{loads_within_bodies.fix}",
                 )
 
 
-def _held_by_nothing(scene: Scene) -> Iterator[Caution]:
-    """Flexible bodies that no joint and no spring grips, although their model clamps them."""
+@check("held-by-nothing", (SCENE,))
+def held_by_nothing(scene: ResolvedScene) -> Iterator[Caution]:
+    """No joint and no spring holds a flexible body that its model clamps.
+
+    Limit: any.
+    Fix: `frame = "grounded"`, which fixes what its model clamps, or a joint.
+    """
     holding = [
         each
         for each in (*scene.joints.values(), *scene.loads.values())
@@ -117,9 +169,7 @@ def _held_by_nothing(scene: Scene) -> Iterator[Caution]:
     gripped = {body for each in holding for body in each.bodies}
     for name in scene.bodies:
         if name not in gripped and floats_with_its_clamp(scene, name):
-            yield Caution(
-                "held-by-nothing",
-                f'no joint holds {name!r}, which moves freely with its frame. frame = "grounded" fixes what its reduced model clamps to '
-                "the ground.",
+            yield held_by_nothing.caution(
+                f"no joint holds {name!r}, which moves freely with its frame. {held_by_nothing.fix}",
                 doubt=False,
             )

@@ -12,7 +12,7 @@ from typing import Any
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.files.regular_file import read_whole
 from toolkit.foundation.listed_names import listed
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import SCENE, Caution, check
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene
 
@@ -24,8 +24,14 @@ GONE = "left out"
 """What stands for a key that one of two texts does not have."""
 
 
+@check("stale-model", (SCENE,))
 def stale_models(scene: Scene) -> list[Caution]:
-    """A doubt for every flexible body whose reduced model is older than the files that it was built from.
+    """A reduced model is older than what it was built from.
+
+    Limit: any changed number of its files.
+    Fix: build it again.
+
+    A doubt for every flexible body whose reduced model is older than the files that it was built from.
 
     A model holds the SHA-256 of each of these, and the text of the TOML file among them. A file that is not there says nothing: an
     installation that only simulates has the models alone. Nor does a change of comments or of the layout of the TOML file.
@@ -74,10 +80,9 @@ def _caution(bodies: list[str], model: ReducedModel, changes: list[str]) -> Caut
     command += [f"--parameter {name}={value!r}" for name, value in model.changes.items()]
     if model.path and not any(model.path.name == Path(source).with_suffix(".h5").name for source in model.source):
         command.append(f"--output {model.path}")
-    return Caution(
-        "stale-model",
+    return stale_models.caution(
         f"the reduced model {model.label} of {listed(bodies)} is older than what it was built from: there are changes in "
-        f"{' and in '.join(changes)}. These numbers are those of the old files. Build it again: {' '.join(command)}",
+        f"{' and in '.join(changes)}. These numbers are those of the old files. Fix: build it again, {' '.join(command)}",
     )
 
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.mass import GivenMass, UniformRod
 from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.rigid import GivenMass, UniformRod
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import SCENE, Caution, check
 from toolkit.markers.component import Component
 from toolkit.reduced_model.questions.material_questions import IN_SI, material_questions
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 
 THICK, THIN = 3.0, 2e-5
 """Thickness of a flexible body in radii of gyration above and below which it is questioned."""
@@ -32,77 +33,123 @@ LIKE_EARTH = 0.06
 """Relative distance from the earth's gravity within which a number is meant to be it: also 10 m/s^2 and 9.78, but no other planet's."""
 
 
-def cautions_of_units(scene: Scene) -> Iterator[Caution]:
-    """Cautions of all numbers of a scene that no material has, or that are those of other units; what many bodies share is said once."""
+@check("unit-of-density", (SCENE,))
+def unlikely_materials(scene: ResolvedScene) -> Iterator[Caution]:
+    """Materials of bodies that no material is, or that are those of other units."""
+    return _said_once(scene, _of_material)
+
+
+def _said_once(scene: ResolvedScene, check_of: Callable[[ResolvedScene, str, Any], Iterator[Caution]]) -> Iterator[Caution]:
+    """Cautions about the bodies of a scene; what many of them share is said once."""
     said: set[str] = set()
     for name, body in scene.bodies.items():
-        for caution in _of_body(scene, name, body):
+        for caution in check_of(scene, name, body):
             alike = caution.text.replace(f"bodies.{name}", "")
             if alike not in said:
                 said.add(alike)
                 yield caution
-    yield from _of_gravity(scene)
 
 
-def _of_body(scene: Scene, name: str, body) -> Iterator[Caution]:
-    where = f"bodies.{name}"
+def _numbers(scene: ResolvedScene, body: ModelBody) -> dict[str, float]:
+    values = {**scene.model(body.model).nominal, **body.model_values()}
+    return {key: float(np.real(value)) for key, value in values.items()}
+
+
+def _of_material(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
     if isinstance(body, ModelBody):
-        values = {**scene.model(body.model).nominal, **body.model_values()}
-        numbers = {key: float(np.real(value)) for key, value in values.items()}
-        yield from material_questions(numbers, scene.units, where)
-        yield from _of_thickness(scene, where, body, numbers)
+        yield from material_questions(_numbers(scene, body), scene.units, f"bodies.{name}")
     elif isinstance(body, UniformRod):
-        yield from material_questions({"density": float(np.real(body.density))}, scene.units, where)
-        yield from _of_rod(scene, where, body)
-    elif isinstance(body, GivenMass):
-        yield from _of_mass(scene, name, body)
+        yield from material_questions({"density": float(np.real(body.density))}, scene.units, f"bodies.{name}")
 
 
-def _of_thickness(scene: Scene, where: str, body: ModelBody, values: dict[str, float]) -> Iterator[Caution]:
-    size, length = body.radius_of_gyration(scene), unit(scene.units, "length")
-    odd = {key: t for key, t in values.items() if key.startswith("thickness") and not THIN * size <= t <= THICK * size}
+@check("unit-of-thickness", (SCENE,))
+def unlikely_thicknesses(scene: ResolvedScene) -> Iterator[Caution]:
+    """The thickness of a body is out of proportion to its size.
+
+    Limit: 3 times the radius of gyration, or 2e-5 of it.
+    Fix: the unit system of the scene.
+    """
+    return _said_once(scene, _of_thickness)
+
+
+def _of_thickness(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
+    if not isinstance(body, ModelBody):
+        return
+    where, size, length = f"bodies.{name}", body.radius_of_gyration(scene), unit(scene.units, "length")
+    values = {key: value for key, value in _numbers(scene, body).items() if key.startswith("thickness")}
+    odd = {key: t for key, t in values.items() if not THIN * size <= t <= THICK * size}
     for key, thickness in list(odd.items())[:1]:
-        yield Caution(
-            "unit-of-thickness",
+        yield unlikely_thicknesses.caution(
             f"{where}.{key} = {thickness:g} {length} is {thickness / size:.2g} times the size of the body, whose radius of gyration is "
             f"{size:.3g} {length}: is it in another unit?",
             doubt=False,
         )
 
 
-def _of_rod(scene: Scene, where: str, body: UniformRod) -> Iterator[Caution]:
+@check("unit-of-area", (SCENE,))
+def unlikely_areas(scene: ResolvedScene) -> Iterator[Caution]:
+    """The area of a rod makes it thicker than it is long: it may be in another unit.
+
+    Limit: 3 times as thick as long.
+    Fix: the unit system of the scene.
+    """
+    return _said_once(scene, _of_rod)
+
+
+def _of_rod(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
+    if not isinstance(body, UniformRod):
+        return
     start, end = (np.real(scene.position(point)) for point in body.between)
     long, thick = float(np.linalg.norm(end - start)), float(np.sqrt(np.real(body.area)))
     if thick > STOUT * long:
-        yield Caution(
-            "unit-of-area",
-            f"{where}.area = {np.real(body.area):g} {unit(scene.units, 'area')} makes the rod {thick / long:.2g} times as thick as it is "
-            "long: is it in another unit?",
+        yield unlikely_areas.caution(
+            f"bodies.{name}.area = {np.real(body.area):g} {unit(scene.units, 'area')} makes the rod {thick / long:.2g} times as "
+            "thick as it is long: is it in another unit?",
             doubt=False,
         )
 
 
-def _of_mass(scene: Scene, name: str, body: GivenMass) -> Iterator[Caution]:
-    mass, length = float(np.real(body.mass)), unit(scene.units, "length")
-    span = _span(scene, name)
-    if span > APART * _extent(scene) and mass / span**3 * IN_SI[scene.units]["density"] > DENSEST:
-        yield Caution(
-            "unit-of-mass",
-            f"bodies.{name}.mass = {mass:g} {unit(scene.units, 'mass')} is that of no body whose joints are {span:.3g} {length} apart: is "
-            "it in another unit?",
+@check("unit-of-mass", (SCENE,))
+def unlikely_masses(scene: ResolvedScene) -> Iterator[Caution]:
+    """The mass of a rigid body is that of none of its size.
+
+    Limit: 1000 times the density of osmium.
+    Fix: the unit system of the scene.
+    """
+    return _said_once(scene, _of_mass)
+
+
+def _of_mass(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
+    span = _span(scene, name) if isinstance(body, GivenMass) else 0.0
+    if span > APART * _extent(scene) and float(np.real(body.mass)) / span**3 * IN_SI[scene.units]["density"] > DENSEST:
+        yield unlikely_masses.caution(
+            f"bodies.{name}.mass = {float(np.real(body.mass)):g} {unit(scene.units, 'mass')} is that of no body whose joints are "
+            f"{span:.3g} {unit(scene.units, 'length')} apart: is it in another unit?",
             doubt=False,
         )
-    extent = _extent(scene)
-    if extent and (radius := body.radius_of_gyration(scene)) > FAR_OUT * extent:
-        yield Caution(
-            "unit-of-inertia",
+
+
+@check("unit-of-inertia", (SCENE,))
+def unlikely_inertias(scene: ResolvedScene) -> Iterator[Caution]:
+    """The inertia of a rigid body with its mass is that of one far larger than the scene.
+
+    Limit: a radius of gyration of 30 times the extent of the scene's points.
+    Fix: the unit system of the scene.
+    """
+    return _said_once(scene, _of_inertia)
+
+
+def _of_inertia(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
+    extent, length = _extent(scene), unit(scene.units, "length")
+    if isinstance(body, GivenMass) and extent and (radius := body.radius_of_gyration(scene)) > FAR_OUT * extent:
+        yield unlikely_inertias.caution(
             f"bodies.{name}.inertia with its mass is that of a body with a radius of gyration of {radius:.3g} {length}, in a scene of "
             f"{extent:.3g} {length}: is one of them in another unit?",
             doubt=False,
         )
 
 
-def _span(scene: Scene, name: str) -> float:
+def _span(scene: ResolvedScene, name: str) -> float:
     """Largest distance between points where joints and loads grip a body; 0 with fewer than two."""
     components = [each for each in (*scene.joints.values(), *scene.loads.values()) if isinstance(each, Component)]
     places = {point for each in components for body, point in each.grips if body == name}
@@ -110,18 +157,23 @@ def _span(scene: Scene, name: str) -> float:
     return float(np.linalg.norm(positions[:, None] - positions[None], axis=-1).max()) if len(positions) > 1 else 0.0
 
 
-def _extent(scene: Scene) -> float:
+def _extent(scene: ResolvedScene) -> float:
     """Extent of the points; 0 if there are fewer than two."""
     positions = np.array([np.real(scene.position(point)) for point in scene.points])
     return float(np.ptp(positions, axis=0).max()) if len(positions) > 1 else 0.0
 
 
-def _of_gravity(scene: Scene) -> Iterator[Caution]:
+@check("unit-of-gravity", (SCENE,))
+def unlikely_gravity(scene: ResolvedScene) -> Iterator[Caution]:
+    """Gravity has the digits of 9.81 m/s2 in a scene in mm.
+
+    Limit: 9.78 to 9.84 in mm-t-s.
+    Fix: 9810 mm/s2.
+    """
     size, (reads, meant) = float(np.linalg.norm(np.real(scene.gravity))), READ_AS[scene.units]
     if abs(size / meant - 1) <= LIKE_EARTH:
         label = f"{unit(scene.units, 'length')}/s^2"
-        yield Caution(
-            "unit-of-gravity",
+        yield unlikely_gravity.caution(
             f"gravity of {size:g} reads as {reads}; in {scene.units} its unit is {label}, and that of the earth is "
             f"{EARTH[scene.units]:g} {label}.",
             doubt=scene.units == "mm-t-s" and STANDARD[0] <= size <= STANDARD[1],

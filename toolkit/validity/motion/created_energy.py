@@ -30,7 +30,7 @@ LOOKED_AT = 200
 LOOKED_AT_AGAIN = 0.01
 """Part of the largest energy or work from which on a defect is compared with what friction and dampers took, too."""
 ROUND_OFF = 1e-12
-"""Part of `held_energy` that is no energy of a motion: positions are exact to 1e-16 of the scene's size, over some thousand steps."""
+"""Part of `held_energy` that is no energy of a motion: positions are exact to 1e-16 of the model size, over some thousand steps."""
 
 
 def energy_defects(solution: Solution) -> tuple[float, float]:
@@ -70,7 +70,7 @@ def _surplus(times: np.ndarray, balance: EnergyBalance) -> np.ndarray:
 
 
 def held_energy(solution: Solution) -> float:
-    """Largest force of a joint times the scene's size, or moment times 1 rad: round-off of positions works against it where all rests."""
+    """Largest force of a joint times the model size, or moment times 1 rad: round-off of positions works against it where all rests."""
     weights = solution.system.weights[solution.system.n_q :]
     return float((np.abs(np.real(solution.multipliers)) / weights).max(initial=0.0))
 
@@ -93,7 +93,7 @@ def largest_work(solution: Solution) -> float:
 
     Zero with inertia, where the sum of the works is a size itself.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     if not (solution.options or scene.solver).quasi_static:
         return 0.0
     steps = np.array(spread(len(solution.times) - 1, LOOKED_AT))

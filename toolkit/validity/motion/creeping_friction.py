@@ -11,7 +11,7 @@ from toolkit.compilation.quantities import named_loads
 from toolkit.foundation.kernel import plain
 from toolkit.foundation.spread import spread
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import MOTION, REST, Caution, check
 from toolkit.loads.friction import Friction
 from toolkit.responses.kinematics.marker_motion import MarkerMotion
 from toolkit.system.solution import Solution
@@ -28,8 +28,13 @@ ACCELERATIONS = np.array([1.0, 0.0, 0.0])
 """Weights of the constraints' accelerations, velocities and positions."""
 
 
+@check("friction-width", (MOTION,))
 def creeping_friction(solution: Solution) -> Iterator[Caution]:
-    """A remark for every friction: its width, for how much of the time the motion was slower, and how far it crept meanwhile."""
+    """What the width of a regularised friction is, for how long the motion was slower, and how far it crept meanwhile.
+
+    Limit: any friction.
+    Fix: a smaller width if the creep matters.
+    """
     scene = solution.system.scene
     for k, (name, load) in enumerate(named_loads(scene).items()):
         if not isinstance(load, Friction):
@@ -41,24 +46,26 @@ def creeping_friction(solution: Solution) -> Iterator[Caution]:
         label, crept = unit(scene.units, load.rate), _integral(times, np.where(slow, rates, 0))
         crept = crept if crept > STILL * width * (times[-1] - times[0]) else 0.0
         way = f"{crept:.3g} {label.partition('/')[0]}"
-        said = f"; slower than that it does not hold but lets creep: {part:.0%} of the time, by {way}. Narrow the width if that matters"
-        yield Caution(
-            "friction-width",
-            f"loads.{name} is friction regularised by velocity, with a width of {width:g} {label}"
-            f"{said if np.any(slow) else ', and nothing was slower than that at any time'}.",
+        said = f"Slower than that, {part:.0%} of the time, it lets creep: by {way}. {creeping_friction.fix}"
+        yield creeping_friction.caution(
+            f"loads.{name} is friction regularised by velocity, with a width of {width:g} {label}. "
+            f"{said if np.any(slow) else 'Nothing was slower than that at any time.'}",
             doubt=False,
         )
 
 
+@check("friction-at-rest", (REST,))
 def friction_at_rest(solution: Solution) -> Iterator[Caution]:
-    """A remark for every friction in an equilibrium, where it is zero and in truth may hold."""
+    """Friction that is regularised by velocity holds nothing in an equilibrium.
+
+    Limit: any friction.
+    Fix: a motion that comes to rest.
+    """
     for name, load in solution.system.scene.loads.items():
         if isinstance(load, Friction) and load.level:
-            yield Caution(
-                "friction-at-rest",
-                f"loads.{name} is friction regularised by velocity, which holds nothing in an equilibrium: this is the one without it, of "
-                "which true friction would hold the scene somewhere short, and vibrations feel a damper of level / width. Take a "
-                "motion that comes to rest where that matters.",
+            yield friction_at_rest.caution(
+                f"loads.{name} is friction regularised by velocity, which holds nothing in an equilibrium. True friction would hold the "
+                f"scene somewhere short of this one. Vibrations feel a damper of level / width. {friction_at_rest.fix}",
                 doubt=False,
             )
 

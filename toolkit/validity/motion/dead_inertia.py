@@ -50,7 +50,7 @@ def dead_inertia(system: System, q: np.ndarray, residual: np.ndarray) -> tuple[n
         Coordinates of the states, and what is left of their forces without inertia.
     """
     rows, columns, values = [], [], []
-    for each in system.placed.once(("turning bodies",), lambda: turning_bodies(system)):
+    for each in system.scene.once(("turning bodies",), lambda: turning_bodies(system)):
         d, body = len(each.centre), each.body
         own = q[:, each.first : each.first + each.elastic.stop]
         at = each.first + body.moves + np.arange(body.turns)
@@ -65,7 +65,7 @@ def turning_bodies(system: System) -> list[TurningBody]:
     found = []
     for name, body in deforming(system.scene).items():
         if body.moves and body.turns in (1, QUATERNION):
-            mass, moment = body.some_invariants(system.placed, "mass", "first_moment")
+            mass, moment = body.some_invariants(system.scene, "mass", "first_moment")
             elastic = slice(body.frame_size, body.frame_size + moment.shape[1] - 1)
             found.append(TurningBody(body, system.numbering.first[name], elastic, np.real(moment) / np.real(mass)))
     return found

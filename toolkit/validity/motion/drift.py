@@ -6,7 +6,7 @@ from toolkit.foundation.kernel import inlined, kernel
 from toolkit.foundation.near_ties import BAND
 from toolkit.joints.kernels.all_joints import evaluate_any_joint
 from toolkit.joints.kernels.composition import gap
-from toolkit.joints.kernels.planar.pin_kernel import pin_rows
+from toolkit.joints.kernels.planar_pin import pin_rows
 from toolkit.joints.kernels.records import CURVE, FIRST_ROW, N_ROWS, PHI, PINNED
 from toolkit.markers.poses import update_positions
 

@@ -5,20 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from toolkit.foundation.listed_names import quoted
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.responses.response import Response
 from toolkit.system.solution import Solution
 
 
+@check("left-out", (MOTION,))
 def left_out(solution: Solution) -> Iterator[Caution]:
-    """One remark that names them all."""
+    """Responses of an equilibrium were left out of a motion.
+
+    Limit: any.
+    Fix: `ffrf statics`; or `when = "end"`, for frequencies and damping about the last state.
+    """
     asked = solution.system.scene.responses.items()
     names = [name for name, each in asked if isinstance(each, Response) and each.needs_rest]
     if names:
         which = f"{quoted(names)} {'is a response' if len(names) == 1 else 'are responses'}"
-        yield Caution(
-            "left-out",
-            f"{which} of an equilibrium, and left out of this motion: ffrf statics has {'it' if len(names) == 1 else 'them'}. Frequencies "
-            'and damping are also taken about the state that a motion ends in, with when = "end".',
+        yield left_out.caution(
+            f"{which} of an equilibrium, and left out of this motion. {left_out.fix}",
             doubt=False,
         )

@@ -8,13 +8,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import Caution, check
+from toolkit.responses.balance.power import Power
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.responses.over_time.over_time import OverTime
 from toolkit.system.solution import Solution
 
 NOISY = 0.03
 """Noise of a joint's force, a part of its largest one, above which forces are not to be trusted."""
 SMALL = 1e-3
 """Part of the largest force in the scene that a joint's largest force counts as, at least."""
+AROUND = 6
+"""Number of states on both sides of the one that is asked for in which a force may alternate."""
 IN_A_ROW = 4
 """Number of states in a row that have to alternate: a load that jumps does it twice."""
 
@@ -98,10 +104,16 @@ def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     return np.maximum(least, -largest).clip(min=0) / 2
 
 
+@check("noisy-forces")
 def noisy_forces(
     options: RunOptions, noise: Mapping[str, Any], asked: Sequence[str] | None = None, quiet: Sequence[str] = ()
 ) -> Iterator[Caution]:
-    """A caution about joint forces that alternate; the noise as `force_noise` gives it.
+    """Forces of joints jump from step to step.
+
+    Limit: 3 % of the joint's largest force.
+    Fix: a smaller `solver.step` or `solver.rho_inf`, or `solver.formulation = "ggl"`.
+
+    A caution about joint forces that alternate; the noise as `force_noise` gives it.
 
     A doubt, unless nothing that was asked for is one of them: `asked` names the responses that are, and `quiet` those that are
     such forces too, but at another time, or means. Without `asked` all states are asked for.
@@ -117,10 +129,51 @@ def noisy_forces(
         if quiet
         else "; no response that was asked for is one of them"
     )
-    yield Caution(
-        "noisy-forces",
+    yield noisy_forces.caution(
         f"joint forces jump from step to step{whose}: {noise['where']} by {noise['size']:.1%} of that joint's largest force at t = "
-        f"{noise['time']:g} (limit {NOISY:.0%}). Try a smaller solver.step, a smaller solver.rho_inf (now {options.rho_inf:g}), or "
+        f"{noise['time']:g} (limit {NOISY:.0%}). Fix: a smaller solver.step, a smaller solver.rho_inf (now {options.rho_inf:g}), or "
         'solver.formulation = "ggl".',
         doubt=asked is None or bool(asked),
     )
+
+
+def force_cautions(solution: Solution, noise: Mapping[str, Any], sizes: Mapping[str, float]) -> Iterator[Caution]:
+    """Cautions about noisy joint forces: a doubt where a response is such a force at its time, otherwise a remark.
+
+    The noise is that of `force_noise`, sizes are the largest that responses are.
+    """
+    scene = solution.system.scene
+    if not noise or noise["size"] <= NOISY:
+        return
+    joints = noise_of_joints(solution)
+    noisy = [name for name, each in scene.responses.items() if _noise_in(each, joints, solution, sizes.get(name, 0.0)) > NOISY]
+    quiet = [name for name, each in scene.responses.items() if name not in noisy and _largest_noise(each, joints) > NOISY]
+    yield from noisy_forces(solution.options or scene.solver, noise, noisy, quiet)
+
+
+def _largest_noise(response: Any, joints: Mapping[str, JointNoise]) -> float:
+    """Noise at any time in the joint's force that a response is made of, as a part of the joint's largest force."""
+    looked = response.source if isinstance(response, OverTime) else response
+    joint = looked.joint if isinstance(looked, JointForce | Power) else None
+    return 0.0 if joint is None else float(joints[joint].noise.max())
+
+
+def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution, size: float) -> float:
+    """Noise in a response that is a joint's force or a driver's power, relative to the largest.
+
+    It is that at the response's time, or of an extreme over time at any. Means do not feel what alternates. It is a part of the
+    joint's largest force, or of the largest that the response itself is, whichever is less.
+    """
+    extreme = isinstance(response, TimeMax | TimeMin | TimeKS)
+    looked = response.source if extreme else response
+    joint = looked.joint if isinstance(looked, JointForce | Power) else None
+    if joint is None:
+        return 0.0
+    last, step = len(solution.times) - 1, 0 if extreme else looked.step(solution)
+    found = float(joints[joint].noise.max()) if extreme else noise_at(joints[joint], step)
+    if found <= NOISY:
+        return found
+    states = np.arange(last + 1) if extreme else np.arange(max(step - AROUND, 0), min(step + AROUND, last) + 1)
+    look = looked.instants(solution)
+    values = np.array([float(np.real(look(int(n)).value)) for n in states])
+    return min(found, noise_of_values(values, solution.times[states], size))

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.foundation.spread import spread
-from toolkit.foundation.verdict import Caution
-from toolkit.joints.both.cam import OnCam
+from toolkit.foundation.verdict import STATES, Caution, check
+from toolkit.joints.cam import OnCam
 from toolkit.joints.kernels.profile import SEAM
 from toolkit.joints.profile import CLOSE, TURN
 from toolkit.joints.rows import Form
@@ -21,8 +21,12 @@ LOOKED_AT = 500
 """Number of instants that are examined."""
 
 
+@check("cam-opened", STATES)
 def opened_profiles(solution: Solution) -> Iterator[Caution]:
-    """Doubts about variables that move the end of a cam's curve away from its beginning, where the cam has passed both.
+    """A variable of the design moves the end of a cam's closed curve away from its beginning, and the cam has passed both.
+
+    Limit: any.
+    Fix: one variable for the numbers of both ends.
 
     The follower would jump there, and its derivative by that variable misses it.
     """
@@ -31,10 +35,9 @@ def opened_profiles(solution: Solution) -> Iterator[Caution]:
     for name in cams:
         opening = [each.name for each in system.design if _opens(system.scene, name, list(each.paths), list(each.factors))]
         if opening and _passes(solution, name):
-            yield Caution(
-                "cam-opened",
+            yield opened_profiles.caution(
                 f"{', '.join(opening)} would open the curve of joints.{name}, whose end is its beginning after a turn, and the cam has "
-                "passed it: the follower would jump there, which no derivative knows. Let one variable drive the numbers of both ends.",
+                f"passed it. The follower would jump there, which no derivative knows. {opened_profiles.fix}",
             )
 
 

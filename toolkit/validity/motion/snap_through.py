@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -12,7 +12,7 @@ from toolkit.equations.equations import Terms
 from toolkit.foundation.compiled.calls import call
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.kernel import kernel
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.linear.linear_solver import TRUSTED_REFINEMENT
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
@@ -90,9 +90,9 @@ JUMPS, BETWEEN = 10, (0.25, 0.5, 0.75)
 CLOSE = 0.1
 """Part of a step to which the loss of stability is found."""
 SLOW = 0.05
-"""Part of the scene's size (or rad) by which the first velocities would move anything in the whole run, below which it begins at rest."""
+"""Part of the model size (or rad) by which the first velocities would move anything in the whole run, below which it begins at rest."""
 NEAR = 0.1
-"""Part of the scene's size (or rad) by which the first equilibrium is away, below which the run begins near it."""
+"""Part of the model size (or rad) by which the first equilibrium is away, below which the run begins near it."""
 NONE = 1e-12
 """Part of the largest stiffness below which another is none: a free mechanism."""
 TOGETHER = 120_000
@@ -144,8 +144,12 @@ class StatesAtRest(NamedTuple):
         return are_positive(self.system, static if self.added is None else static.added(*self.added))
 
 
-def snap_through(solution: Solution) -> Caution | None:
-    """The remark that a motion snaps through; None if it passes no unstable state, or does not begin near a stable equilibrium.
+@check("snaps", (MOTION,))
+def snap_through(solution: Solution) -> Iterator[Caution]:
+    """The motion passes states in which it could not rest: what follows depends on inertia, damping and steps.
+
+    Limit: a negative stiffness.
+    Fix: compare with half the step.
 
     At some fifty states of the motion, as different from each other as can be, and between those furthest apart of neighbouring ones, the
     static stiffness against all motions that the joints allow is examined, under the loads of their time, the joint forces that
@@ -153,12 +157,11 @@ def snap_through(solution: Solution) -> Caution | None:
     """
     system = solution.system
     if not (system.compiled and solution.steps and free_count(system) and _begins_at_rest(solution)):
-        return None
+        return
     places = _places(solution)
     first = _first_unstable(solution, places)
-    return (
-        None if first is None else _caution(solution, *_first_loss(solution, places[first - 1] if first else 0.0, places[first]))
-    )
+    if first is not None:
+        yield _caution(solution, *_first_loss(solution, places[first - 1] if first else 0.0, places[first]))
 
 
 def _first_unstable(solution: Solution, places: list[float]) -> int | None:
@@ -281,10 +284,9 @@ def _first_loss(solution: Solution, low: float, high: float) -> tuple[float, flo
 
 def _caution(solution: Solution, low: float, high: float) -> Caution:
     coordinate = solution.system.most_moved(softest_motion(solution.system, _one_at_rest(solution, low).matrix(0))[1])
-    return Caution(
-        "snaps",
-        f"the motion snaps through: from t = {_state(solution, high)[0]:.4g} on it passes states in which it could not rest, because the "
-        f"stiffness against a motion of {coordinate} is negative there. What comes after depends on inertia and damping, and on steps that "
-        "resolve the jump: compare with a run of half the step. Equilibria beyond it are those of ffrf statics --past-limit.",
+    return snap_through.caution(
+        f"the motion snaps through: from t = {_state(solution, high)[0]:.4g} on the stiffness against a motion of {coordinate} is "
+        "negative, and the scene could not rest. What follows depends on inertia, damping and steps. Fix: compare with half the step. "
+        "ffrf statics --past-limit finds equilibria beyond it.",
         doubt=False,
     )

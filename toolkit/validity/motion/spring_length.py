@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.foundation.spread import spread
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.loads.controllers import DistanceControlled
 from toolkit.loads.springs import PointSpring
 from toolkit.system.marker_states import poses_at
@@ -17,13 +17,17 @@ LOOKED_AT = 500
 """Number of instants that are compared with the next; between two that point against each other every step is."""
 
 
+@check("spring-through-zero", (MOTION,))
 def springs_through_zero(solution: Solution) -> Iterator[Caution]:
-    """Doubts about springs with a relaxed length, and controllers of a distance, whose ends change sides within one step.
+    """A spring passes length zero, where its force jumps to the other side.
+
+    Limit: any.
+    Fix: one end aside, a relaxed length of zero, or a force without a jump.
 
     Its force jumps by 2 k l_0 there. Values follow the jump to first order in the step; derivatives hold it at its time, and miss how the
     design moves it.
     """
-    scene, last = solution.system.placed, len(solution.times) - 1
+    scene, last = solution.system.scene, len(solution.times) - 1
     springs = {
         name: load
         for name, load in scene.loads.items()
@@ -37,11 +41,10 @@ def springs_through_zero(solution: Solution) -> Iterator[Caution]:
         closer = (np.arange(some[at], some[at + 1] + 1) for at in turns)
         found = next((int(every[at[0]]) for every in closer if len(at := _turns(solution, [spring], every)[0])), None)
         if found is not None:
-            yield Caution(
-                "spring-through-zero",
-                f"loads.{name} passes length zero at t = {solution.times[found]:.6g}: its force, which points along it, jumps to the other "
-                "side there. Values follow that to first order in the step, derivatives miss how the design moves the jump. Hold one end "
-                "aside of the way of the other, take a relaxed length of zero, or a force of your own without a jump.",
+            yield springs_through_zero.caution(
+                f"loads.{name} passes length zero at t = {solution.times[found]:.6g}. Its force, which points along it, jumps to the other "
+                "side there. Values follow the jump to first order in the step; derivatives miss how the design moves it. "
+                f"{springs_through_zero.fix}",
             )
 
 

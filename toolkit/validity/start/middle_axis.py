@@ -14,8 +14,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.bodies.body import QUATERNION
-from toolkit.bodies.spatial.rigid import SpatialRigidBody
-from toolkit.foundation.verdict import Caution
+from toolkit.bodies.rigid import SpatialRigidBody
+from toolkit.foundation.verdict import Caution, check
 from toolkit.kinematics.spatial import angular_velocity
 from toolkit.system.solution import Solution
 
@@ -27,25 +27,29 @@ STILL = 0.1
 """Part of the spin across the axis up to which the growth is that of a small one."""
 
 
+@check("middle-axis", each_design=True)
 def middle_spins(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every body that no joint holds and that begins to spin about its middle axis."""
-    scene = solution.system.placed
+    """A free rigid body spins about the axis of its middle moment of inertia, and what turns it over is as small as round-off.
+
+    Limit: growth by 100, and less than 1e-6 of the spin across the axis at the start.
+    Fix: a disturbance that is meant in the body's `angular_velocity`, such as a thousandth of it.
+    """
+    scene = solution.system.scene
     held = {body for joint in scene.joints.values() for body, _ in joint.grips}
     for name, body in scene.bodies.items():
         if isinstance(body, SpatialRigidBody) and name not in held and body.turns == QUATERNION:
             aside, growth = _growth(solution, name, body)
             if aside < MEANT and growth > np.log(GROWTH):
-                yield Caution(
-                    "middle-axis",
-                    f"{name} spins about the axis of its middle moment of inertia, where a disturbance grows {np.exp(growth):.2g} times in "
-                    f"this motion, and {aside:.1g} of the spin lies across this axis at the start: whether and when it turns over is "
-                    "decided by round-off. Write the disturbance that is meant into the body's angular_velocity, a thousandth of it say.",
+                yield middle_spins.caution(
+                    f"{name} spins about the axis of its middle moment of inertia. A disturbance grows {np.exp(growth):.2g} times in this "
+                    f"motion, and {aside:.1g} of the spin lies across this axis at the start. Round-off decides whether and when it turns "
+                    f"over. {middle_spins.fix}",
                 )
 
 
 def _growth(solution: Solution, name: str, body: SpatialRigidBody) -> tuple[float, float]:
     """Part of the spin that lies across the middle axis at the start, and the exponent by which it grows while it is small."""
-    moments, axes = np.linalg.eigh(np.real(body.mass_properties(solution.system.placed)[2]))
+    moments, axes = np.linalg.eigh(np.real(body.mass_properties(solution.system.scene)[2]))
     first, middle, last = moments.sum() - moments[::-1]
     where = solution.coordinates(name)
     turned = slice(where.start + body.moves, where.start + body.moves + QUATERNION)

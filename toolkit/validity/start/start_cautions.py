@@ -10,7 +10,7 @@ from toolkit.bodies.body import QUATERNION
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.kinematics.spatial import angular_velocity
 from toolkit.scene.scene import Scene
 from toolkit.solvers.closing.openings import told
@@ -33,9 +33,10 @@ def _written_shapes(scene: Scene) -> dict[str, ModelBody]:
     return {name: body for name, body in scene.bodies.items() if isinstance(body, ModelBody) and body.deflected["deflection"]}
 
 
+@check("assembled")
 def bent_otherwise(solution: Solution) -> Iterator[Caution]:
     """Remarks on written deflections that closing the joints has changed."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     for name, body in _written_shapes(scene).items():
         q_f = np.real(solution.q[0, elastic_coordinates(solution, name)])
         for point, written in body.deflected["deflection"].items():
@@ -43,19 +44,22 @@ def bent_otherwise(solution: Solution) -> Iterator[Caution]:
             if np.abs(found - np.real(written)).max() > MOVED * scene.size:
                 length = unit(scene.units, "length")
                 used, wish = (", ".join(f"{x:.6g}" for x in np.real(each)) for each in (found, written))
-                yield Caution(
-                    "assembled",
-                    f"solver.assemble bent {name!r} before the start, so that the joints close: its deflection at point {point!r} is "
+                yield bent_otherwise.caution(
+                    f"solver.assemble bent {name!r} before the start to close the joints: its deflection at point {point!r} is "
                     f"[{used}] {length} instead of the written [{wish}] {length}.",
                     doubt=False,
                 )
 
 
+@check("deflection-without-effect")
 def shapes_without_effect(solution: Solution) -> Iterator[Caution]:
-    """A remark that a state of rest has no use for a deflection at the start."""
-    for name in [*_written_shapes(solution.system.placed)][:1]:
-        yield Caution(
-            "deflection-without-effect",
+    """A deflection at the start is written of a scene that starts from an equilibrium, which finds its own shape.
+
+    Limit: any.
+    Fix: leave it out, or start from the written positions.
+    """
+    for name in [*_written_shapes(solution.system.scene)][:1]:
+        yield shapes_without_effect.caution(
             f"the deflection of {name!r} at the start has no effect: an equilibrium, and a run that starts from one, finds its own shape.",
             doubt=False,
         )
@@ -67,35 +71,36 @@ MOST_NAMED = 3
 """Largest number of bodies that one caution names, those that moved furthest."""
 
 
+@check("assembled", STATES)
 def cautions_of_start(solution: Solution) -> Iterator[Caution]:
     """Cautions about the start of a run over time; of an equilibrium, about closed joints and that it is one at rest."""
     options = solution.options or solution.system.scene.solver
     if len(solution.whole_run) < 2:
-        yield from _closed_by_statics(solution, options)
+        yield from closed_by_statics(solution, options)
         if not solution.spins:
-            yield from _at_rest(solution)
+            yield from spinning_at_rest(solution)
         yield from shapes_without_effect(solution)
         return
     if solution.own_start:
-        yield from _moved_start(solution, solution.start_moved)
+        yield from moved_start(solution, solution.start_moved)
         return
     if options.start_file is not None:
-        yield from _kept_start(solution)
+        yield from kept_start(solution)
         return
     if options.quasi_static or options.start == "equilibrium":
         yield from shapes_without_effect(solution)
     elif options.start == "given":
-        yield from _assembled(solution)
+        yield from moved_by_assembly(solution)
         yield from bent_otherwise(solution)
     if options.quasi_static:
-        yield from _without_velocities(solution)
+        yield from velocities_without_effect(solution)
     else:
-        yield from _deforming(solution)
+        yield from deforming_starts(solution)
 
 
 def moved_bodies(solution: Solution) -> dict[str, tuple[float, float]]:
     """Difference of a run's start from the written positions: body -> (distance of its origin, angle in rad)."""
-    given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.placed
+    given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.scene
     return {name: _move(body, given[at], found[at]) for name, body in scene.bodies.items() for at in [solution.coordinates(name)]}
 
 
@@ -109,48 +114,65 @@ def _move(body, given: np.ndarray, found: np.ndarray) -> tuple[float, float]:
     return float(np.linalg.norm(shift)), float(angle)
 
 
-def _kept_start(solution: Solution) -> Iterator[Caution]:
-    system, end = solution.system, kept_state(solution.system.placed)
+@check("start-of-other-numbers")
+def kept_start(solution: Solution) -> Iterator[Caution]:
+    """The start is the end of a run with other numbers, and nothing has carried its state over.
+
+    Limit: any.
+    Fix: run the first one with these numbers.
+    """
+    system, end = solution.system, kept_state(solution.system.scene)
     if end is None:
         return
-    yield from _moved_start(solution, moved_by(system, end.q, solution.q[0]))
+    yield from moved_start(solution, moved_by(system, end.q, solution.q[0]))
     changed = other_numbers(system.scene, end)
     if changed:
         others = f", and {len(changed) - MOST_NAMED} more" if len(changed) > MOST_NAMED else ""
-        yield Caution(
-            "start-of-other-numbers",
-            f"the start is where {end.path.name!r} has ended, a run with other numbers: {'; '.join(changed[:MOST_NAMED])}{others}. "
-            "Nothing has carried its state over to these.",
+        yield kept_start.caution(
+            f"the start is the end of {end.path.name!r}, a run with other numbers: {'; '.join(changed[:MOST_NAMED])}{others}. "
+            f"Nothing has carried its state over to these. {kept_start.fix}",
             doubt=False,
         )
 
 
-def _moved_start(solution: Solution, moved: float) -> Iterator[Caution]:
+@check("start-moved")
+def moved_start(solution: Solution, moved: float) -> Iterator[Caution]:
+    """The start that was given is off the joints and was moved.
+
+    Limit: `solver.drift_tolerance`.
+    Fix: nothing, or smaller drift in the run before.
+    """
     allowed = (solution.options or solution.system.scene.solver).drift_tolerance
     if moved > allowed:
-        yield Caution(
-            "start-moved",
-            f"the start that was given is off the joints at t = 0 and was moved by {moved:.1e} of the scene's size (or "
-            f"rad), more than solver.drift_tolerance ({allowed:.1e}): this run does not go on exactly where the other one ended.",
+        yield moved_start.caution(
+            f"the given start is off the joints at t = 0. It was moved by {moved:.1e} of the model size (or rad), more than "
+            f"solver.drift_tolerance ({allowed:.1e}), so this run does not go on exactly where the other one ended.",
             doubt=False,
         )
 
 
-def _assembled(solution: Solution) -> Iterator[Caution]:
-    size, label = solution.system.placed.size, unit(solution.system.scene.units, "length")
+@check("assembled")
+def moved_by_assembly(solution: Solution) -> Iterator[Caution]:
+    """Joints did not close in the written positions or deflections, and closing them moved bodies.
+
+    Limit: 1e-9 of the model size (or rad); in statics its own tolerance of positions.
+    Fix: nothing, or write the positions that are told.
+    """
+    size, label = solution.system.scene.size, unit(solution.system.scene.units, "length")
     moves = {name: move for name, move in moved_bodies(solution).items() if max(move[0] / size, move[1]) > MOVED}
     if moves:
         furthest = sorted(moves, key=lambda name: -max(moves[name][0] / size, moves[name][1]))[:MOST_NAMED]
         told = "; ".join(f"{name!r} by {moves[name][0]:.3g} {label} and {moves[name][1]:.3g} rad" for name in furthest)
         others = f"; and {len(moves) - len(furthest)} more" if len(moves) > len(furthest) else ""
-        yield Caution(
-            "assembled",
-            f"solver.assemble moved bodies before the start, so that the joints close: {told}{others}. The run is that of the moved scene.",
+        yield moved_by_assembly.caution(
+            f"solver.assemble moved bodies before the start to close the joints: {told}{others}. The run is that of the moved scene.",
             doubt=False,
         )
 
 
-def _closed_by_statics(solution: Solution, options: RunOptions) -> Iterator[Caution]:
+@check("assembled")
+def closed_by_statics(solution: Solution, options: RunOptions) -> Iterator[Caution]:
+    """Joints that statics closed."""
     system = solution.system
     q = system.undeformed()[0]
     zero = np.zeros_like(q)
@@ -158,48 +180,61 @@ def _closed_by_statics(solution: Solution, options: RunOptions) -> Iterator[Caut
     sizes = np.abs(gaps) * system.weights[system.n_q :]
     if sizes.max(initial=0) > POSITION_TOLERANCE:
         row = int(np.argmax(sizes))
-        yield Caution(
-            "assembled",
+        yield closed_by_statics.caution(
             f"statics closed joints that are open in the written positions: {system.numbering.names[system.n_q + row]} by "
-            f"{told(system, system.n_q + row, gaps[row]).lstrip('-')}, {sizes[row]:.1e} of the scene's size (or rad).",
+            f"{told(system, system.n_q + row, gaps[row]).lstrip('-')}, {sizes[row]:.1e} of the model size (or rad).",
             doubt=False,
         )
 
 
-def _at_rest(solution: Solution) -> Iterator[Caution]:
+@check("at-rest")
+def spinning_at_rest(solution: Solution) -> Iterator[Caution]:
+    """An equilibrium at rest of a scene that spins: centrifugal forces are not in it.
+
+    Limit: any spin by a driver or a velocity.
+    Fix: `solver.equilibrium = "spinning"` where a driver spins the scene as a whole, or a motion.
+    """
     found = fastest_spin(solution)
     if found is not None:
         body, spin, when = found
-        yield Caution(
-            "at-rest",
+        yield spinning_at_rest.caution(
             f"this equilibrium is one at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}. Centrifugal forces are not in "
-            'it; solver.equilibrium = "spinning" finds the steady state of a scene that a driver spins as a whole, otherwise simulate it.',
+            f"it. {spinning_at_rest.fix}",
             doubt=False,
         )
 
 
-def _without_velocities(solution: Solution) -> Iterator[Caution]:
-    bodies = solution.system.placed.bodies.items()
-    scene = solution.system.placed
+@check("velocity-without-inertia")
+def velocities_without_effect(solution: Solution) -> Iterator[Caution]:
+    """A velocity at the start has no effect, because `solver.quasi_static` leaves out inertia.
+
+    Limit: any.
+    Fix: leave it out, or leave out `solver.quasi_static`.
+    """
+    bodies = solution.system.scene.bodies.items()
+    scene = solution.system.scene
     written = [name for name, body in bodies if body.written_velocities() or writes_shape(body)]
     moving = [name for name in written if np.any(scene.bodies[name].initial_state(scene)[1])]
     if moving:
-        yield Caution(
-            "velocity-without-inertia",
+        yield velocities_without_effect.caution(
             f"the velocity of {moving[0]!r} at the start has no effect: solver.quasi_static leaves out inertia.",
             doubt=False,
         )
 
 
-def _deforming(solution: Solution) -> Iterator[Caution]:
+@check("starts-deforming")
+def deforming_starts(solution: Solution) -> Iterator[Caution]:
+    """Joints and written velocities leave no motion in which a body keeps its shape: it begins to vibrate.
+
+    Limit: 1e-3 of the fastest velocity of the start.
+    Fix: velocities that fit, or drivers that begin smoothly.
+    """
     label = unit(solution.system.scene.units, "length")
     fastest = float((solution.system.weights[: solution.system.n_q] * np.abs(np.real(solution.v[0]))).max(initial=0))
     for each in start_state(solution):
-        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.placed.size:
-            yield Caution(
-                "starts-deforming",
-                f"{each.body!r} starts with a velocity of deformation of {each.deforming:.3g} {label}/s, because the joints and the "
-                "written velocities leave no motion in which it keeps its shape: it begins to vibrate. Write velocities that fit, or let "
-                "drivers begin smoothly.",
+        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.scene.size:
+            yield deforming_starts.caution(
+                f"{each.body!r} starts deforming with {each.deforming:.3g} {label}/s: the joints and the written velocities leave no "
+                f"motion in which it keeps its shape. It begins to vibrate. {deforming_starts.fix}",
                 doubt=False,
             )

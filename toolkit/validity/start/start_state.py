@@ -56,7 +56,7 @@ def writes_start(solution: Solution) -> bool:
 
 def start_state(solution: Solution) -> list[BodyStart]:
     """The start of every body of a run over time; empty for an equilibrium and a run without inertia, which have no velocities."""
-    scene, options = solution.system.placed, solution.options or solution.system.scene.solver
+    scene, options = solution.system.scene, solution.options or solution.system.scene.solver
     if len(solution.whole_run) < 2 or options.quasi_static:
         return []
     return [_of(solution, name) for name in scene.bodies]
@@ -85,7 +85,7 @@ def _of(solution: Solution, name: str) -> BodyStart:
 
 def _deforming(solution: Solution, name: str, state: np.ndarray) -> float | None:
     """RMS displacement or velocity of a body's points by the largest of its elastic coordinates."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     body = scene.bodies[name]
     elastic = state[body.frame_size :]
     lengths = np.real(body.coordinate_lengths(scene))[body.frame_size :]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.creeping_friction import told_frictions
@@ -49,21 +49,25 @@ def _padded(solution: Solution) -> np.ndarray:
     return np.append(np.real(solution.q[0]), np.zeros(solution.system.n - solution.system.n_q))
 
 
+@check("halved-steps", (MOTION,))
 def halved_steps(solution: Solution) -> Iterator[Caution]:
-    """A remark on steps that were halved, because Newton's method did not converge in whole ones."""
+    """Steps in which Newton did not converge, or that threw the joints open, were taken in halves; gradients are those of these steps.
+
+    Limit: any.
+    Fix: a smaller `solver.step`; `solver.start = "equilibrium"` or a load curve where loads set in at t = 0; a wider friction.
+    """
     if not solution.halved:
         return
     options = solution.options or solution.system.scene.solver
     lengths, count = np.diff(solution.whole_run), len(solution.halved)
     when = ", ".join(f"{time:.4g}" for time in solution.halved[:MOST_NAMED])
     more = f" and {count - MOST_NAMED} more" if count > MOST_NAMED else ""
-    why = told_loads(solution.system.placed, options) if solution.halved[0] == 0 and not solution.own_start else ""
+    why = told_loads(solution.system.scene, options) if solution.halved[0] == 0 and not solution.own_start else ""
     why = told_frictions(solution.system, _padded(solution), float(lengths.max())) or why
-    yield Caution(
-        "halved-steps",
+    yield halved_steps.caution(
         f"{count} {'step was' if count == 1 else 'steps were'} halved, because Newton did not converge in a whole one: at "
         f"t = {when}{more}. "
         f"{solution.steps} steps were taken, from {lengths.min():.2g} to {lengths.max():.2g}; gradients are those of these steps. "
-        f"{why or 'A smaller solver.step spares the search.'}",
+        f"{why or 'Fix: a smaller solver.step.'}",
         doubt=False,
     )

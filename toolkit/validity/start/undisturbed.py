@@ -104,7 +104,7 @@ def largest_growth(solution: Solution) -> Course | None:
 
 def _turned(solution: Solution, end: int) -> float:
     """Largest angle by which a body turns from one looked-at state to the next."""
-    bodies, first = solution.system.placed.bodies, solution.system.numbering.first
+    bodies, first = solution.system.scene.bodies, solution.system.numbering.first
     states = np.real(solution.q[spread(end, MOST_STATES)])
     angles = [0.0]
     for name, body in bodies.items():

@@ -9,8 +9,8 @@ import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.planar.flexible import Flexible
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part
 from toolkit.reduced_model.cut.planar_part import planar_part

@@ -10,8 +10,8 @@ import numpy as np
 from toolkit.bodies.body import QUATERNION, Placed
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part
 from toolkit.reduced_model.cut.spatial_part import SpatialPart, pressed, spatial_part

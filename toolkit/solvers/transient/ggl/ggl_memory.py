@@ -13,7 +13,7 @@ import numpy as np
 
 from toolkit.equations.equations import Plan, Terms, allocate_terms
 from toolkit.foundation.compiled.calls import in_memory
-from toolkit.foundation.vectors.rows import filled_up
+from toolkit.foundation.compiled.rows import filled_up
 from toolkit.linear.linear_solver import LinearSolver, linear_solver
 from toolkit.linear.sparse_analysis import analyse
 from toolkit.solvers.transient.ggl.ggl_pattern import GglPattern, ggl_pattern

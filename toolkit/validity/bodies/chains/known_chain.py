@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.bodies.cut.framed_part import FramedPart, whole_design
 from toolkit.reduced_model.cut.part import Part
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.chord_rows import chord_rows
@@ -20,12 +20,12 @@ SECTIONS = ("sections", "section_derivatives", "section_affine")
 """Parts of a reduced model that tell what its beams are made of, at every design."""
 
 
-def has_chain(scene: Scene, body: str) -> bool:
+def has_chain(scene: ResolvedScene, body: str) -> bool:
     """Whether the reduced model of a flexible body holds the finite elements behind it."""
     return chain(scene, body) is not None
 
 
-def chain(scene: Scene, body: str) -> Chain | None:
+def chain(scene: ResolvedScene, body: str) -> Chain | None:
     """The finite elements behind a flexible body at the scene's parameter values; None if its reduced model does not hold them.
 
     Those of solids do not, nor those of reduced beams in space.
@@ -33,7 +33,7 @@ def chain(scene: Scene, body: str) -> Chain | None:
     return _FINDERS[scene.dimension](scene, body)
 
 
-def _in_plane(scene: Scene, body: str) -> Chain | None:
+def _in_plane(scene: ResolvedScene, body: str) -> Chain | None:
     written = flexible_body(scene, body)
     if isinstance(written, FramedPart):
         return _of_part(scene, written)
@@ -44,7 +44,7 @@ def _in_plane(scene: Scene, body: str) -> Chain | None:
     return found
 
 
-def _in_space(scene: Scene, body: str) -> Chain | None:
+def _in_space(scene: ResolvedScene, body: str) -> Chain | None:
     written = flexible_body(scene, body)
     if isinstance(written, FramedPart):
         return _of_part(scene, written)
@@ -60,7 +60,7 @@ def _in_space(scene: Scene, body: str) -> Chain | None:
     return found
 
 
-def _of_part(scene: Scene, written: FramedPart) -> Chain | None:
+def _of_part(scene: ResolvedScene, written: FramedPart) -> Chain | None:
     """Elements of a part of a cut body, numbered from its first node."""
     design, part = whole_design(scene, written.whole), written.part(scene)
     key = (Chain, *written.own)
@@ -70,14 +70,14 @@ def _of_part(scene: Scene, written: FramedPart) -> Chain | None:
     return found
 
 
-def _spatial_part(scene: Scene, written: FramedPart, part: Part) -> Chain:
+def _spatial_part(scene: ResolvedScene, written: FramedPart, part: Part) -> Chain:
     stiffness = np.real(whole_design(scene, written.whole).value("elements.stiffness"))
     nodes = np.real(part.nodes)
     rows, own = rows_of_part(nodes), stiffness[part.first : part.last]
     return SpatialChain(np.real(part.recovery[:, 1:]), rows, nodes, _one_by_one(part), own)
 
 
-def _planar_part(scene: Scene, written: FramedPart, part: Part) -> Chain | None:
+def _planar_part(scene: ResolvedScene, written: FramedPart, part: Part) -> Chain | None:
     made_of = flexible_body(scene, written.whole).design_point(scene, *SECTIONS).sections()
     if made_of is None:
         return None
@@ -92,6 +92,6 @@ def _one_by_one(part: Part) -> np.ndarray:
     return np.column_stack([first, first + 1])
 
 
-_CHAINS: Mapping[int, Callable[[Scene, FramedPart, Part], Chain | None]] = {2: _planar_part, 3: _spatial_part}
-_FINDERS: Mapping[int, Callable[[Scene, str], Chain | None]] = {2: _in_plane, 3: _in_space}
+_CHAINS: Mapping[int, Callable[[ResolvedScene, FramedPart, Part], Chain | None]] = {2: _planar_part, 3: _spatial_part}
+_FINDERS: Mapping[int, Callable[[ResolvedScene, str], Chain | None]] = {2: _in_plane, 3: _in_space}
 """By the dimension of space."""

@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
 from toolkit.system.marker_states import marker_states
 from toolkit.system.solution import Solution
@@ -35,7 +35,7 @@ AXES = {
 rolling discs and position drivers, and in space of prismatic and cylindrical joints, points on planes and position drivers. They are a
 joint's first."""
 NOTHING = 1e-9
-"""Part of the scene's size by which a block that stands at the joint's point may be off it."""
+"""Part of the model size by which a block that stands at the joint's point may be off it."""
 BESIDE = 0.01
 """Of the body's length: a line that is further from the undeformed body than this is a rail beside it, and no line on it."""
 
@@ -163,7 +163,7 @@ def _own(solution: Solution, line: Line, q: np.ndarray) -> np.ndarray:
     return q[solution.coordinates(line.body)]
 
 
-def _place(scene: Scene, line: Line, own: np.ndarray, place: np.ndarray, shape: np.ndarray) -> np.ndarray:
+def _place(scene: ResolvedScene, line: Line, own: np.ndarray, place: np.ndarray, shape: np.ndarray) -> np.ndarray:
     """Where a point of the body is, (d,), by the body's coordinates, real or complex."""
     body: Any = scene.body(line.body)
     origin = own[: body.moves] if body.moves else np.array(body.position)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.spread import spread
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.instant import Instant
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.responses.response import Response
@@ -21,7 +21,7 @@ from toolkit.responses.stress.stress import StressResponse
 from toolkit.responses.vibrations.least_frequency import LeastFrequency
 from toolkit.responses.vibrations.pencil import Pencil, pencil_of, real_pencil
 from toolkit.responses.vibrations.roots import free_pencil
-from toolkit.responses.vibrations.vibration import OfVibration
+from toolkit.responses.vibrations.vibration import Frequency, OfVibration
 from toolkit.solvers.roots import undamped_rates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.led_points import Beside, Line, beside, lines
@@ -35,22 +35,34 @@ Known = dict[int, Beside | None]
 """Instant -> the deformed body beside a line's block."""
 
 
-def lines_on_bodies(solution: Solution, vibrations: Mapping[str, int], values: bool = True) -> Iterator[Caution]:
-    """A doubt for every line whose deformed body would change an answer by more than a part of it.
+def asked_vibrations(solution: Solution) -> dict[str, int]:
+    """Responses that ask for a vibration -> its number from the slowest on."""
+    found = {name: each for name, each in solution.system.scene.responses.items() if isinstance(each, Frequency | LeastFrequency)}
+    return {name: getattr(each, "number", 1) for name, each in found.items() if not (solution.steps and each.needs_rest)}
+
+
+@check("line-on-flexible-body", STATES)
+def lines_on_bodies(solution: Solution, vibrations: Mapping[str, int] | None = None, values: bool = True) -> Iterator[Caution]:
+    """A joint leads its point along the straight tangent of a flexible body, or in a plane there, and loads the body where the joint is;
+    along the deformed body a response or a frequency would be another number, which is told.
+
+    Limit: 5 % of the response, in a motion of its largest value.
+    Fix: the joint's point where its partner stands, or a stiff body of its own as the rail.
 
     Parameters
     ----------
     vibrations
-        Those about the last state that are asked for, by what they are called, and their numbers from the slowest on.
+        Those about the last state, by what they are called, and their numbers from the slowest on; by default those of responses.
     values
         Whether the other responses are looked at, too.
     """
+    vibrations = asked_vibrations(solution) if vibrations is None else vibrations
     for line in lines(solution):
         known: Known = {}
         told = _worst(_changes(solution, line, known)) if values else ""
         told = told or _worst(_of_vibrations(solution, line, vibrations, known))
         if told:
-            yield Caution("line-on-flexible-body", _words(line, known, told))
+            yield lines_on_bodies.caution(_words(line, known, told))
 
 
 def _worst(changes: Iterator[tuple[str, float, float, float]]) -> str:
@@ -68,9 +80,9 @@ def _words(line: Line, known: Known, told: str) -> str:
     where = f", where the body itself is {far.gap:.2g} beside it," if far.gap > 1e-9 * far.travel else ""
     return (
         f"joints.{line.name} leads its point along the tangent of {line.body} at the joint's point, {far.travel:.3g} away from there"
-        f"{where} and loads the body at the joint's point alone: along the deformed body {told}. "
-        "Its derivatives are off as much. Fix: put the joint's point where on the body its partner stands, or make the rail a body that is "
-        "stiff; no joint follows a body that bends."
+        f"{where} and loads the body at the joint's point alone. Along the deformed body {told}. "
+        "Its derivatives are off as much. Fix: put the joint's point where on the body its partner stands, or make the rail a stiff body; "
+        "no joint follows a body that bends."
     )
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.description.frame_number import choices_in
@@ -19,9 +19,10 @@ CERTAIN = 2
 """Estimated errors are off by up to this factor: beyond so many times the wanted one it is missed for certain."""
 
 
+@check("outgrown-frames", STATES)
 def outgrown_choices(solution: Solution) -> Iterator[Caution]:
     """Bodies whose number of frames was chosen by an error that this solution exceeds."""
-    choices = choices_in(solution.system.placed)
+    choices = choices_in(solution.system.scene)
     for body, metered in geometric_errors(solution).items() if choices else ():
         if metered is None or body not in choices or choices[body][1].kept_run:
             continue
@@ -29,10 +30,9 @@ def outgrown_choices(solution: Solution) -> Iterator[Caution]:
         error = metered.relative * (min(choice.error / choice.metered, 1.0) if choice.metered > 0 else 1.0)
         if error > choice.wanted:
             needed = int(np.ceil(number * np.sqrt(error / choice.wanted)))
-            yield Caution(
-                "outgrown-frames",
-                f"the number of frames of {body} was chosen at the numbers of the scene as it is written, and at these it leaves about "
-                f"{error:.1%} of the largest displacement, where a geometric error of {choice.wanted:.3g} is wanted. Write these numbers "
-                f"into the scene, so that the number is chosen for them, or frames = {needed}.",
+            yield outgrown_choices.caution(
+                f"the number of frames of {body} was chosen at the numbers of the scene as it is written. At these it leaves about "
+                f"{error:.1%} of the largest displacement, where a geometric error of {choice.wanted:.3g} is wanted. Fix: write these "
+                f"numbers into the scene, so that the number is chosen for them, or frames = {needed}.",
                 doubt=error > CERTAIN * choice.wanted,
             )

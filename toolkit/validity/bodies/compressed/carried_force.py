@@ -73,13 +73,13 @@ def lines_between(solution: Solution, body: str, still: np.ndarray | None) -> It
 
     A line ends at no point between those that no shape moves: that point is held from two sides, as one between two clamped ends.
     """
-    design = design_point(solution.system.placed, body, "interfaces")
+    design = design_point(solution.system.scene, body, "interfaces")
     if (chord := chord_of(design.model.reference_condition)) is not None and {*chord} <= {*(design.model.interfaces or {})}:
         one, other = (np.real(design.interface(name).here[0]) for name in chord)
         yield chord.second, one[:, 0], other - one
     elif still is not None:
         middle = still.mean(axis=0)
-        for name in used_interfaces(solution.system.placed, body):
+        for name in used_interfaces(solution.system.scene, body):
             motion = np.real(design.interface(name).here[0])
             motion = np.column_stack([motion[:, 0] - middle, motion[:, 1:]])
             if np.any(motion[:, 1:]) and _is_ahead(motion[:, 0], still - middle):
@@ -101,7 +101,7 @@ class _Line(NamedTuple):
 
 def _lines(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[tuple[str, _Line]]:
     """Interface points of a body and the lines that end there."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     chord = chord_of(design_point(scene, body, "interfaces").model.reference_condition)
     for name, _, motion in lines_between(solution, body, still):
         if chord is not None:
@@ -114,7 +114,7 @@ def _lines(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[
 def _carried(solution: Solution, body: str, instants: np.ndarray, name: str, line: _Line) -> Carried:
     length = np.linalg.norm(line.motion[:, 0])
     along = line.motion[:, 0] / length
-    stiffness = np.real(design_point(solution.system.placed, body).value("stiffness"))
+    stiffness = np.real(design_point(solution.system.scene, body).value("stiffness"))
     row = along @ line.motion[:, 1:]
     compliance, largest = row @ static_deflection(stiffness, row), np.linalg.eigvalsh(line.across)[-1]
     if compliance > SEEN * largest * length:
@@ -122,6 +122,6 @@ def _carried(solution: Solution, body: str, instants: np.ndarray, name: str, lin
     else:
         force = forces_at_points(solution, body, instants).get(name, np.zeros((len(instants), len(along)))) @ along
     load = -line.factor * largest * force
-    if flexible_body(solution.system.placed, body).stiffening(solution.system.placed) is not None:
+    if flexible_body(solution.system.scene, body).stiffening(solution.system.scene) is not None:
         load = np.maximum(load, 0.0)  # its spin pulls at it, and that is in the equations
     return Carried(load, along, line.across / largest)

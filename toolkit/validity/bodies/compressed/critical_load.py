@@ -21,7 +21,7 @@ from toolkit.validity.bodies.compressed.missed_deflections import missed, misses
 from toolkit.validity.bodies.deformation import flexible_bodies
 
 ROUND_OFF = 1e-6
-"""Part of the largest of q, in units of the scene's size, below which the deflection K^-1 G q is that of round-off: forces along a hinged
+"""Part of the largest of q, in units of the model size, below which the deflection K^-1 G q is that of round-off: forces along a hinged
 bar bend it by 4e-11 of what they shorten it with 20 elements, by 7e-8 with 300. What is there still is as small, and ten times that
 at 0.9 of the critical load."""
 
@@ -70,7 +70,7 @@ def compression(solution: Solution, of_interest: float = 0.0) -> Compression | N
 
     So it is, too, where less than a part of interest is known to be missing in all states: to know that takes less time.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     known = {body: found for body in flexible_bodies(scene) if (found := stiffening(scene, body))}
     softest = _softest(solution, known)
     if of_interest and all(misses_less(solution, known, n, of_interest) for n in softest):

@@ -25,7 +25,7 @@ def forces_at_points(solution: Solution, body: str, instants: np.ndarray) -> dic
 
 def wrenches_at_points(solution: Solution, body: str, instants: np.ndarray) -> dict[str, np.ndarray]:
     """Interface point -> force and moment about it on the body at some instants, in the axes of its reduced model; (n_t, 3 or 6)."""
-    scene, where = solution.system.placed, solution.coordinates(body)
+    scene, where = solution.system.scene, solution.coordinates(body)
     written: Any = flexible_body(scene, body)
     axes = written.poses(np.real(solution.q[instants][:, where]))[1]
     found: dict[str, np.ndarray] = {}

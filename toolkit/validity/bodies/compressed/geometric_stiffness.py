@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, scaled_by
 from toolkit.system.flexible_bodies import design_point
@@ -106,7 +106,7 @@ class Stiffening:
         return self._scale[:, None] * self.stiffness * self._scale
 
 
-def stiffening(scene: Scene, body: str) -> Stiffening | None:
+def stiffening(scene: ResolvedScene, body: str) -> Stiffening | None:
     """The geometric stiffness of a flexible body; None if its reduced model does not hold its finite elements."""
     behind, design = chain(scene, body), design_point(scene, body)
     if behind is not None and Stiffening not in design.kept:

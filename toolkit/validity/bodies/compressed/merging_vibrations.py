@@ -21,16 +21,15 @@ import numpy as np
 import scipy
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.vibrations.flutter import REMEDY, UNSTABLE, fastest_growth, growth_of, may_grow
-from toolkit.responses.vibrations.least_frequency import LeastFrequency
 from toolkit.responses.vibrations.pencil import Pencil, pencil_of, real_pencil
 from toolkit.responses.vibrations.roots import free_pencil
-from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.solvers.free_motions import is_symmetric_everywhere
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.chains.lines_on_bodies import asked_vibrations
 from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening, stiffening
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import LIMIT, flexible_bodies
@@ -61,14 +60,13 @@ class Merging(NamedTuple):
     body: str
 
 
-def asked_vibrations(solution: Solution) -> dict[str, int]:
-    """Responses that ask for a vibration -> its number from the slowest on."""
-    found = {name: each for name, each in solution.system.scene.responses.items() if isinstance(each, Frequency | LeastFrequency)}
-    return {name: getattr(each, "number", 1) for name, each in found.items() if not (solution.steps and each.needs_rest)}
-
-
+@check("merging-vibrations", STATES, each_design=True)
 def merging_vibrations(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
-    """Doubts about an equilibrium under forces that follow bodies, and about its vibrations.
+    """The geometric stiffness inside of frames, which the equations lack, changes frequencies, their derivatives or their growth under
+    forces that follow bodies.
+
+    Limit: 5 %.
+    Fix: more frames, or more elements to cut into frames.
 
     Parameters
     ----------
@@ -80,7 +78,7 @@ def merging_vibrations(solution: Solution, lateral: bool = False) -> Iterator[Ca
         return
     told, grows = fastest_growth(solution), growth_of(solution, found.pencil)
     if told and grows and told.doubtful and abs(told.s.real / grows.s.real - 1) > LIMIT:
-        yield Caution("merging-vibrations", _faster(found, grows.s) + _remedy(solution, found))
+        yield merging_vibrations.caution(_faster(found, grows.s) + _remedy(solution, found))
     elif grows and grows.doubtful and not (told and told.doubtful):
         lacking = f" These equations, which lack the geometric stiffness inside of the frames of {found.body}, do not show it."
         yield Caution(UNSTABLE, f"{grows.told('equilibrium')}{REMEDY}{lacking} {_remedy(solution, found)}")
@@ -89,6 +87,7 @@ def merging_vibrations(solution: Solution, lateral: bool = False) -> Iterator[Ca
     yield from merging_of(solution, asked_vibrations(solution), of_loads)
 
 
+@check("merging-vibrations")
 def merging_of(solution: Solution, asked: Mapping[str, int], of_loads: bool | None = None) -> Iterator[Caution]:
     """Doubts about vibrations of an equilibrium under forces that follow bodies.
 
@@ -115,8 +114,7 @@ def merging_of(solution: Solution, asked: Mapping[str, int], of_loads: bool | No
     wrong += [f"derivatives of {name} are {_size(part)}" for name, part in of_slope.items() if abs(part - 1) > LIMIT]
     wrong += [f"{name} has merged with another one" for name in merged]
     if wrong:
-        yield Caution(
-            "merging-vibrations",
+        yield merging_of.caution(
             f"the geometric stiffness inside of the frames of {found.body}, which these equations lack, is felt by vibrations under forces "
             f"that follow bodies, most where two of them are about to merge (flutter): {', '.join(wrong)}. {_remedy(solution, found)}",
         )
@@ -130,7 +128,7 @@ def _faster(found: Merging, s: complex) -> str:
 
 
 def _remedy(solution: Solution, found: Merging) -> str:
-    return f"Fix: {divided(solution.system.placed, found.body, ENOUGH)}."
+    return f"Fix: {divided(solution.system.scene, found.body, ENOUGH)}."
 
 
 def _size(part: float) -> str:
@@ -149,9 +147,7 @@ def _times(found: Merging, k: int, of_loads: bool) -> float:
 def _found(solution: Solution) -> Merging | None:
     """Vibrations with and without the missing geometric stiffness; None where the stiffness is symmetric or complete."""
     if Merging not in solution.known:
-        known = {
-            body: law for body in flexible_bodies(solution.system.placed) if (law := stiffening(solution.system.placed, body))
-        }
+        known = {body: law for body in flexible_bodies(solution.system.scene) if (law := stiffening(solution.system.scene, body))}
         solution.known[Merging] = _compared(solution, known) if known else None
     found: Merging | None = solution.known[Merging]
     return found

@@ -20,7 +20,7 @@ import scipy
 
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.near_ties import first_largest
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of, real_pencil
 from toolkit.responses.vibrations.roots import free_pencil
 from toolkit.solvers.free_motions import is_symmetric
@@ -59,7 +59,7 @@ class Vibration(NamedTuple):
     known: np.ndarray  # k_1
     lacking: np.ndarray  # k_2
     course: tuple[np.ndarray, np.ndarray, np.ndarray]  # y, y', y'' as they were found
-    size: float  # the largest entry of phi, in parts of the scene's size or rad
+    size: float  # the largest entry of phi, in parts of the model size or rad
 
 
 class Resonance(NamedTuple):
@@ -68,12 +68,17 @@ class Resonance(NamedTuple):
     body: str
     frequency: float
     growth: float  # of any disturbance
-    found: float  # the largest vibration in parts of the scene's size or rad, by the equations
+    found: float  # the largest vibration in parts of the model size or rad, by the equations
     true: float
 
 
+@check("parametric-resonance", STATES, each_design=True)
 def parametric_resonance(solution: Solution) -> Iterator[Caution]:
-    """Doubts about a motion in which alternating forces along a body make a vibration grow that the motion does not show."""
+    """Forces along a body alternate so that vibrations across it grow, and the motion does not show it.
+
+    Limit: growth to twice, and by 5 % of the vibration; growth by 100 where hardly anything sets it off.
+    Fix: more frames, and a small force across the body at the start.
+    """
     found = resonance(solution)
     if found is None:
         return
@@ -84,16 +89,14 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
     shown = found.found > STRAIGHT and found.true > LIMIT * _moved(solution)
     if shown and found.true > (1 + LIMIT) * found.found:
         times = found.true / found.found
-        yield Caution(
-            "parametric-resonance",
-            f"{what}. These equations, which lack the geometric stiffness inside of frames, do not show it; with it this vibration is up "
-            f"to {times:.3g} times as large. Fix: {divided(solution.system.placed, found.body, 4.0)}.",
+        yield parametric_resonance.caution(
+            f"{what}. These equations, which lack the geometric stiffness inside of frames, do not show it. With it this vibration is up "
+            f"to {times:.3g} times as large. Fix: {divided(solution.system.scene, found.body, 4.0)}.",
         )
     elif not shown and found.growth > SETS_OFF:
-        yield Caution(
-            "parametric-resonance",
-            f"{what}, and hardly anything sets it off here, because all is straight. What is real is not: disturb it, with a small force "
-            "across it at the start, to see how large it becomes.",
+        yield parametric_resonance.caution(
+            f"{what}, and hardly anything sets it off here, because all is straight. What is real is not. Fix: disturb it, with a small "
+            "force across it at the start, to see how large it becomes.",
         )
 
 
@@ -101,7 +104,7 @@ def resonance(solution: Solution) -> Resonance | None:
     """Vibration that grows most by alternating forces; None where none alternates, or nothing grows."""
     if not solution.steps or len(solution.times) < ALTERNATES or _moved(solution) > STILL:
         return None
-    scene = solution.system.placed
+    scene = solution.system.scene
     known = {body: law for body in flexible_bodies(scene) if (law := stiffening(scene, body))}
     alternating = [body for body, law in known.items() if _alternates(solution, body, law)]
     if not alternating:
@@ -117,7 +120,7 @@ def _alternates(solution: Solution, body: str, law: Stiffening) -> bool:
     For a part, the whole that it was cut from counts, by the square of the number of parts.
     """
     part = np.real(solution.q[:, elastic_coordinates(solution, body)]) @ (law.compliances @ law.forces)
-    scene = solution.system.placed
+    scene = solution.system.scene
     whole = getattr(scene.body(body), "whole", None)
     count = sum(getattr(scene.body(each), "whole", "") == whole for each in scene.pieces()) if whole else 1
     half = count**2 * np.ptp(part) / 2

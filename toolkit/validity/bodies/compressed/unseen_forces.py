@@ -52,7 +52,7 @@ def unseen_forces(
     by_mass
         From numbers of instants (n_t,) to axial forces (n_t, n_e) by weight and inertia that it does not show.
     """
-    law = stiffening(solution.system.placed, body)
+    law = stiffening(solution.system.scene, body)
     if law is not None:
         states = [(n, as_dense(law.of_axial(axial))) for n, axial in _states(solution, body, law, missing, by_mass)]
         yield from doubts_of_unseen(solution, body, states, partial(_distances, law))
@@ -135,7 +135,7 @@ def _told(solution: Solution, body: str, found: Unseen) -> str:
     return (
         f"forces {how} {body}{when} with {np.abs(found.load):.2g} times the critical load, which its basis does not show: "
         f"{what}. Linear FFRF has no geometric stiffness of a body in its frame. Fix: "
-        f"{divided(solution.system.placed, body, 1.0)}."
+        f"{divided(solution.system.scene, body, 1.0)}."
     )
 
 

@@ -13,8 +13,8 @@ from functools import partial
 
 import numpy as np
 
-from toolkit.foundation.verdict import Caution
-from toolkit.scene.scene import Scene
+from toolkit.foundation.verdict import STATES, Caution, check
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import design_point, flexible_body, used_interfaces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.chain import Chain
@@ -28,16 +28,17 @@ SEEN = 0.2
 """Part of the axial forces that a basis may miss without a word."""
 
 
+@check("tension", STATES)
 def unseen_tension(solution: Solution) -> Iterator[Caution]:
     """Flexible bodies whose points forces pull at that their bases do not see, or whose weight and inertia do."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     for body in flexible_bodies(scene):
         behind = chain(scene, body)
         if behind is not None and not behind.is_full:
             yield from unseen_forces(solution, body, _missing(scene, body, behind), partial(_by_mass, solution, body, behind))
 
 
-def _pulls(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
+def _pulls(scene: ResolvedScene, body: str, behind: Chain) -> dict[str, np.ndarray]:
     """Unit loads (d, n) on the nodes in all directions at interface points that the scene uses.
 
     The frame is no such point: forces at it do not stretch the body.
@@ -53,7 +54,7 @@ def _pulls(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
 def _by_mass(solution: Solution, body: str, behind: Chain, instants: np.ndarray) -> np.ndarray:
     """Axial forces (n_t, n_e) by weight and by the inertia of the frame's motion that the basis does not show; zero where a spin's
     stiffening is in the equations already."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     alike, by_place, _ = pull_of_frame(solution, body, instants)
     pulls = alike[:, None] + np.einsum("tij,nj->tni", by_place, behind.nodes)
     if not np.any(pulls) or flexible_body(scene, body).stiffening(scene) is not None:
@@ -64,7 +65,7 @@ def _by_mass(solution: Solution, body: str, behind: Chain, instants: np.ndarray)
     return true - shown
 
 
-def _nodal_masses(scene: Scene, body: str, behind: Chain) -> np.ndarray:
+def _nodal_masses(scene: ResolvedScene, body: str, behind: Chain) -> np.ndarray:
     """Mass of the body by its nodes, (n_nodes,): of each element as its stiffness along it says, as of one material."""
     ends = behind.forms.dofs[:, [0, -1]] // behind.per_node
     lengths = np.linalg.norm(behind.nodes[ends[:, 1]] - behind.nodes[ends[:, 0]], axis=1)
@@ -84,7 +85,7 @@ def _on(behind: Chain, loaded: Iterable[int]) -> np.ndarray:
     return loads.reshape(d, -1)
 
 
-def _missing(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
+def _missing(scene: ResolvedScene, body: str, behind: Chain) -> dict[str, np.ndarray]:
     """Where forces pull -> axial forces (d, n_e) under unit forces that the basis does not show, if they are more than `SEEN`."""
     found = {}
     for name, loads in _pulls(scene, body, behind).items():
@@ -94,7 +95,7 @@ def _missing(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
     return found
 
 
-def axial_forces(scene: Scene, body: str, behind: Chain, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def axial_forces(scene: ResolvedScene, body: str, behind: Chain, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Axial forces of the elements (n_t, n_e) under loads (n_t, n) on the nodes, and what the basis shows of them."""
     stiffness = np.real(design_point(scene, body).value("stiffness"))
     elastic = static_deflection(stiffness, behind.shapes.T @ loads.T).T

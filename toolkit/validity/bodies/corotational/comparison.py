@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import StressPoints
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import chain
@@ -59,7 +59,7 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
     InputError
         The reduced model does not hold its finite elements; or the corotational body has no equilibrium under the forces.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     behind = chain(scene, body)
     places = design_point(scene, body, "stress").model.stress
     if not isinstance(behind, PlanarChain) or places is None:
@@ -108,13 +108,13 @@ def flexible_of(solution: Solution) -> list[str]:
     InputError
         There is none.
     """
-    found = flexible_bodies(solution.system.placed)
+    found = flexible_bodies(solution.system.scene)
     if not found:
         raise InputError("no body of the scene is flexible, so that none deforms. Give a scene with a flexible body.")
     return found
 
 
-def _without_beams(scene: Scene, body: str) -> str:
+def _without_beams(scene: ResolvedScene, body: str) -> str:
     """Why there is nothing to compare a body with."""
     if not scene.space.turning_elements or scene.model(flexible_body(scene, body).model, "outline").outline is not None:
         return (
@@ -127,7 +127,7 @@ def _without_beams(scene: Scene, body: str) -> str:
     )
 
 
-def _in_pieces(scene: Scene) -> str:
+def _in_pieces(scene: ResolvedScene) -> str:
     """How a solid becomes several bodies without being several ones."""
     return (
         ", or with itself cut into pieces ([pieces] in its file) and `frames` in the scene"

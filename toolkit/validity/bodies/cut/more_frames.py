@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.scene.cut_scene import cuttable, fewest_cut, most_frames
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene, cuttable, fewest_cut, most_frames
 from toolkit.system.flexible_bodies import elements_of
 
 
-def divided(scene: Scene, body: str, excess: float) -> str:
+def divided(scene: ResolvedScene, body: str, excess: float) -> str:
     """What divides a body whose error is so many times what it may be: frames in a number where its model allows them.
 
     The error falls with the square of the number.

@@ -19,7 +19,7 @@ STRAIGHT = 1e-9
 
 def node_places(solution: Solution, body: str, instants: slice | np.ndarray = ALL) -> np.ndarray:
     """Places of the nodes in the order of the reduced model at some instants of a run, (n_t, n_nodes, d)."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     written, still = scene.bodies[body], undeformed_places(scene, body)
     if not isinstance(written, CutBody):
         return _carried(solution, body, instants, still, _shapes(scene, body))
@@ -43,8 +43,8 @@ def largest_displacement(solution: Solution, body: str) -> float:
 
 def displacements(solution: Solution, body: str, instants: slice | np.ndarray = ALL) -> np.ndarray:
     """The same of every node at some instants of a run, (n_t, n_nodes)."""
-    written: Any = solution.system.placed.bodies[body]
-    places, still = node_places(solution, body, instants), undeformed_places(solution.system.placed, body)
+    written: Any = solution.system.scene.bodies[body]
+    places, still = node_places(solution, body, instants), undeformed_places(solution.system.scene, body)
     if written.frame == "grounded":
         return _distances(places - np.array(written.position) - still @ written.placement.T)
     return _distances(_brought(np.broadcast_to(still, places.shape), places) - places)
@@ -79,7 +79,7 @@ def _brought(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 def _carried(solution: Solution, body: str, instants: slice | np.ndarray, still: np.ndarray, shapes: np.ndarray) -> np.ndarray:
     """Nodes (n_nodes, d) of a body, or part of one, that has one frame, where `shapes` q_f and its frame bring them."""
-    written: Any = solution.system.placed.body(body)
+    written: Any = solution.system.scene.body(body)
     q = np.real(solution.q[instants][:, solution.coordinates(body)])
     moved = (q[:, written.frame_size :] @ shapes.T).reshape(len(q), len(still), -1)[:, :, : still.shape[1]]
     origins, axes = written.poses(q)

@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.reduced_model.parts.sections import BeamSections
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import SECTIONS, chain
@@ -30,45 +30,47 @@ ROUND_OFF = 1e-9
 """Part of von Mises' stress below which the stress along fibres is round-off."""
 
 
+@check("fibre-stress", STATES)
 def fibres_alone(solution: Solution) -> Iterator[Caution]:
-    """Doubts about bodies of beams in space whose stress is asked for and lacks a part that counts."""
-    scene = solution.system.placed
+    """The stress of a beam in space is that along its fibres: the shear of its twist is not in it, nor bending between two fibres.
+
+    Limit: 5 % of von Mises' stress.
+    Fix: fibres in the frame file, or a body of solid elements.
+    """
+    scene = solution.system.scene
     for body in whole_bodies(scene):
         if body in bodies_of_stress(scene) and not is_in_pieces(scene, body) and is_of_fibres(scene, body):
             yield from _lacking(solution, body)
 
 
-def is_of_fibres(scene: Scene, body: str) -> bool:
+def is_of_fibres(scene: ResolvedScene, body: str) -> bool:
     """Whether the stress of a body is that of beams in space: one component at every point, where solids have six."""
     _, *components, _ = flexible_body(scene, body).design_point(scene).model.invariants.stress_operator.shape
     return components == [1]
 
 
 def _lacking(solution: Solution, body: str) -> Iterator[Caution]:
-    scene = solution.system.placed
+    scene = solution.system.scene
     parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
     found = [_stresses(solution, body, name) for name in parts]
     known = [each for each in found if each is not None]
     if any(np.isinf(each).any() for each in known):
-        yield Caution(
-            "fibre-stress",
+        yield fibres_alone.caution(
             f"the stress of {body} is that along the middle of its sections, which bending does not reach: some of them name no other "
-            "fibres. Write where they are: fibres = [[y_2, y_3], ...] in their tables of the frame file.",
+            "fibres. Fix: write where they are, fibres = [[y_2, y_3], ...], in their tables of the frame file.",
         )
         return
     told, whole = (max((each[k] for each in known), default=0.0) for k in range(2))
     part = 1 - told / whole if whole else 0.0
     if part > LIMIT:
         label, told = unit(scene.units, "stress"), told if told > ROUND_OFF * whole else 0.0
-        yield Caution(
-            "fibre-stress",
+        yield fibres_alone.caution(
             f"the stress of {body} is that along its fibres, {told:.4g} {label} at most. With the shear of its twist, and with what bends "
-            f"it between the fibres, von Mises' is {whole:.4g} {label}: the fibres lack {part:.0%} of that. Keep that much below what its "
-            "material bears, or make a body of solid elements of it.",
+            f"it between the fibres, von Mises' is {whole:.4g} {label}: the fibres lack {part:.0%} of that. Fix: keep that much below "
+            "what its material bears, or make a body of solid elements of it.",
         )
     elif len(known) < len(found):
-        yield Caution(
-            "fibre-stress",
+        yield fibres_alone.caution(
             f"the stress of {body} is that along its fibres: the shear of its twist is not in it, and not known of its basis or sections.",
             doubt=False,
         )
@@ -79,7 +81,7 @@ def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] |
 
     None where elements or sections are not known, infinite where a section has no fibre but its middle.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     behind = chain(scene, name)
     if behind is None:
         return None
@@ -115,7 +117,7 @@ class Fibres(NamedTuple):
     made_of: BeamSections  # of all elements of the part
 
 
-def _fibres(scene: Scene, body: str, name: str, count: int) -> Fibres | None:
+def _fibres(scene: ResolvedScene, body: str, name: str, count: int) -> Fibres | None:
     """Fibres of a part with so many elements; None where its sections are not known."""
     design = flexible_body(scene, body).design_point(
         scene, "stress", "elements", "element_derivatives", "element_affine", *SECTIONS

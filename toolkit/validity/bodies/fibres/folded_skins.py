@@ -10,21 +10,26 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.itself import Itself
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.reduced_model.model import Mesh
-from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import is_in_pieces
+from toolkit.system.solution import Solution
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
 
 FINER = 2
 """How many times as many points as nodes the outline of a skin has at least, whose curvature it shows; that of a frame has its nodes."""
 
 
-def folded_skins(scene: Scene) -> Iterator[Caution]:
-    """Skins thicker than twice their smallest radius: a doubt if their stress is asked for, otherwise a remark.
+@check("folded-skin", STATES)
+def folded_skins(solution: Solution) -> Iterator[Caution]:
+    """Half the thickness of a skin exceeds the smallest radius of its contour: its inner side folds, and its stress means nothing there.
+
+    Limit: half the thickness above the radius; a doubt where its stress is asked for.
+    Fix: a thinner skin, or solid elements.
 
     There the inner fibre has no length, so that the curved beam that a straight element stands for does not exist; mass is counted twice.
     """
+    scene = solution.system.scene
     for name, body in scene.bodies.items():
         if not isinstance(body, ModelBody) or is_in_pieces(scene, name):
             continue
@@ -33,10 +38,9 @@ def folded_skins(scene: Scene) -> Iterator[Caution]:
         thickness = min((float(np.real(t)) for key, t in values.items() if key.startswith("thickness")), default=0.0)
         radius = smallest_radius(Itself(model.mesh)) if thickness > 0 and model.mesh is not None else np.inf
         if thickness > 2 * radius:
-            yield Caution(
-                "folded-skin",
+            yield folded_skins.caution(
                 f"half the thickness of {name} ({thickness / 2:.3g} {unit(scene.units, 'length')}) exceeds the smallest radius of the line "
-                f"that it follows ({radius:.3g}): inner fibres fold there, and stresses mean nothing. Make it thinner than "
+                f"that it follows ({radius:.3g}). Inner fibres fold there, and stresses mean nothing. Fix: make it thinner than "
                 f"{2 * radius:.3g}, or of solid elements.",
                 doubt=name in bodies_of_stress(scene),
             )

@@ -23,7 +23,7 @@ from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.loads.load import Load
 from toolkit.reduced_model.model import MEAN_AXES
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.deformation import whole_bodies
@@ -114,7 +114,7 @@ def raised_at_most(frequency: float, slowest: float) -> float:
     return float(np.sqrt(1 + (frequency / slowest) ** 2) - 1)
 
 
-def left_out(scene: Scene) -> Iterator[FewShapes]:
+def left_out(scene: ResolvedScene) -> Iterator[FewShapes]:
     """Slowest left-out frequency of all bodies whose model does not keep all coordinates, cut or not.
 
     Bodies of frozen shapes away from their design are not among them: what these leave out are no shapes of their design, so that
@@ -142,7 +142,7 @@ def left_out(scene: Scene) -> Iterator[FewShapes]:
             yield FewShapes(name, min(model.left_out.values()) * _speeded(scene, name))
 
 
-def _coupled(scene: Scene, body: str) -> bool:
+def _coupled(scene: ResolvedScene, body: str) -> bool:
     """Whether inertia couples shapes that are left out with the frame's motion or kept shapes.
 
     It does not where the frame stands still, nor of free modes about mean axes, which float by themselves, at the numbers that
@@ -155,7 +155,7 @@ def _coupled(scene: Scene, body: str) -> bool:
     return bool(written.frame_size) and not (design.model.reference_condition == MEAN_AXES and same)
 
 
-def _pulled(scene: Scene, body: str, held: bool) -> list[str]:
+def _pulled(scene: ResolvedScene, body: str, held: bool) -> list[str]:
     """Points at which joints or springs hold a body, and which left-out shapes may move."""
     springs = [load for load in scene.loads.values() if isinstance(load, Load) and not load.proportional]
     grips = {grip for each in (*scene.joints.values(), *springs) for grip in each.grips}
@@ -167,7 +167,7 @@ def _pulled(scene: Scene, body: str, held: bool) -> list[str]:
     return sorted(point for point, (place, turn) in moves.items() if np.any(place[..., 1:]) or np.any(turn[..., 1:]))
 
 
-def _speeded(scene: Scene, body: str) -> float:
+def _speeded(scene: ResolvedScene, body: str) -> float:
     """Slowest vibration of the kept shapes at the scene's numbers, relative to that at the nominal design.
 
     The vibrations of the shapes left out are taken to change alike.

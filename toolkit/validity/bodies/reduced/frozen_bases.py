@@ -12,6 +12,7 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, RicherModel, is_frozen, richer_model, turns
 from toolkit.responses.stress.stress import model_parameter
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 
 PARTS = ("affine", "derivatives", *RICHER_PARTS)
@@ -83,7 +84,7 @@ def _moved(scene: Scene, body: ModelBody) -> Iterator[tuple[str, tuple[float, fl
     """Parameters and positions whose values differ from those of the model."""
     model = scene.model(body.model)
     nominal = {place_parameter(name): float(each.arc_length) for name, each in (model.interfaces or {}).items()} | model.nominal
-    given = {**body.model_values(), **{place_parameter(name): s for name, s in scene.arc_lengths(body).items()}}
+    given = {**body.model_values(), **{place_parameter(name): s for name, s in loaded(scene).arc_lengths(body).items()}}
     for parameter, value in given.items():
         if parameter in nominal and np.real(value) != nominal[parameter]:
             yield parameter, (float(np.real(value)), nominal[parameter])

@@ -20,8 +20,7 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart, whole_design
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part
-from toolkit.scene.cut_scene import written
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
 
@@ -115,24 +114,24 @@ def full_scene_of(solution: Solution) -> FullScene | None:
     return found
 
 
-def reduced_bodies(scene: Scene) -> dict[str, CutBody]:
+def reduced_bodies(scene: ResolvedScene) -> dict[str, CutBody]:
     """Cut bodies whose parts do not keep all coordinates."""
     cut = {name: body for name, body in scene.bodies.items() if isinstance(body, CutBody)}
     return {name: body for name, body in cut.items() if body.modes_per_frame is not None}  # type: ignore[attr-defined]
 
 
-def full_scene(scene: Scene) -> FullScene | None:
+def full_scene(scene: ResolvedScene) -> FullScene | None:
     """The scene with all coordinates of its reduced bodies; None if nothing is reduced."""
     bodies = reduced_bodies(scene)
     if not bodies:
         return None
-    plain = written(scene)
+    plain = scene.written
     changed = {name: plain.bodies[name].model_copy(update={"modes_per_frame": None}) for name in bodies}
     system = compile_scene(plain.model_copy(update={"bodies": {**plain.bodies, **changed}}))
     return FullScene(system, {name: _parts(scene, system, name, body) for name, body in bodies.items()})
 
 
-def _parts(scene: Scene, full: System, name: str, body: CutBody) -> dict[str, ReducedPart]:
+def _parts(scene: ResolvedScene, full: System, name: str, body: CutBody) -> dict[str, ReducedPart]:
     """Reduced parts of one body by name."""
     found, every = {}, full.scene.all_bodies()
     for part_name, reduced in body.parts(name).items():

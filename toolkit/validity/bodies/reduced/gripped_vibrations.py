@@ -27,7 +27,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.reduced.missed_statics import amplitudes_of_loads, softer_and_stressed
 
 SMALL = 1e-6
-"""Size of a vibration, in parts of the scene's size or rad, over which forces are linear in it to as much."""
+"""Size of a vibration, in parts of the model size or rad, over which forces are linear in it to as much."""
 NEAREST = 0.9
 """Part of the slowest frequency that is left out up to which its own inertia is counted."""
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.equations.equations import Inputs
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.reduced_model.cut.part import Part
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
@@ -44,13 +44,13 @@ def left_out_shapes(solution: Solution) -> dict[str, LeftOut]:
     return found
 
 
+@check("left-out-shapes", STATES)
 def shapes_missed(solution: Solution) -> Iterator[Caution]:
     """Doubts about bodies whose parts keep too few shapes."""
     for name, found in left_out_shapes(solution).items():
         if not max(found.displacement, found.stress) <= LIMIT:
             modes = solution.system.scene.bodies[name].modes_per_frame  # type: ignore[attr-defined]
-            yield Caution(
-                "left-out-shapes",
+            yield shapes_missed.caution(
                 f"the parts of {name} keep {modes} {'mode' if modes == 1 else 'modes'} each: those that were left out would move it by "
                 f"{found.displacement:.1%} of its largest displacement and change its stress by {found.stress:.1%} of the largest (limit "
                 f"{LIMIT:.0%}). Write a larger bodies.{name}.modes_per_frame, or leave it out to keep all coordinates.",

@@ -18,7 +18,7 @@ import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.point import BodyPoint
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.kinematics.spatial import axes_along
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
@@ -101,6 +101,7 @@ STILL = 1e-12
 """Rotation, and displacement relative to the model size, up to which it is round-off."""
 
 
+@check("left-out-shapes", STATES)
 def missed_statics(solution: Solution) -> Iterator[Caution]:
     """Doubts about stress, strain energy and displacements that responses ask for and left-out shapes would change."""
     asked = _asked(solution)
@@ -113,7 +114,7 @@ def missed_statics(solution: Solution) -> Iterator[Caution]:
     high = {name: part for name, part in sorted(parts.items(), key=lambda each: -each[1]) if part > LIMIT}
     if high:
         about = {body: each for name in high for body, each in _concerned(asked[name], bodies).items()}
-        yield Caution("left-out-shapes", _told(solution, high, [*about]))
+        yield missed_statics.caution(_told(solution, high, [*about]))
 
 
 def _told(solution: Solution, parts: dict[str, float], about: list[str]) -> str:

@@ -13,11 +13,11 @@ import numpy as np
 import scipy
 
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import Caution, check
 from toolkit.responses.vibrations.pencil import real_pencil
 from toolkit.responses.vibrations.roots import free_pencil
 from toolkit.responses.vibrations.vibration import any_pencil_of
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.beam_assumptions import beams_of
@@ -44,6 +44,7 @@ class Raised(NamedTuple):
         return self.value > LIMIT or (differentiated and self.derivative > LIMIT)
 
 
+@check("shear")
 def sheared_vibrations(solution: Solution, asked: Mapping[str, float], differentiated: bool) -> Iterator[Caution]:
     """Doubts about frequencies, by name, in cycles per time, that shear makes lower.
 
@@ -62,10 +63,9 @@ def sheared_vibrations(solution: Solution, asked: Mapping[str, float], different
     label = unit(solution.system.scene.units, "rate")
     told = [f"{name} of {asked[name]:.5g} {label} by some {_words(each, differentiated)}" for name, each in first]
     more = f" and {len(high) - len(first)} more" if len(high) > len(first) else ""
-    yield Caution(
-        "shear",
+    yield sheared_vibrations.caution(
         f"Euler-Bernoulli beams leave shear out, so that frequencies of short waves are too high: {', '.join(told)}{more}. "
-        "Build its frame with shear = true, or make a body of solid elements of it.",
+        "Fix: a frame with shear = true, or a body of solid elements.",
     )
 
 
@@ -75,13 +75,13 @@ def _words(found: Raised, differentiated: bool) -> str:
 
 def raised_by_stiff_shear(solution: Solution, asked: Mapping[str, float], differentiated: bool) -> dict[str, Raised]:
     """Errors of those frequencies in which shear might count, by name."""
-    scene, times = solution.system.placed, 1 + differentiated
+    scene, times = solution.system.scene, 1 + differentiated
     part = times * WAVES * max((_slowness(scene, name) for name in whole_bodies(scene) if asked), default=0.0)
     short = {name: value for name, value in asked.items() if part * value > LIMIT}
     return _raised(solution, short) if short else {}
 
 
-def _slowness(scene: Scene, name: str) -> float:
+def _slowness(scene: ResolvedScene, name: str) -> float:
     """Relative error of a free bending wave per cycle per time; zero where there are no beams."""
     behind = None if is_in_pieces(scene, name) else chain(scene, name)
     if behind is None:
@@ -128,8 +128,8 @@ def _of(values: list[np.ndarray], k: int) -> Raised:
 def _soft_bodies(solution: Solution, motions: np.ndarray) -> list[SoftElements]:
     """Shear of the elements of all beams, on the motions that joints allow."""
     found = []
-    for name in deforming(solution.system.placed):
-        behind = None if is_in_pieces(solution.system.placed, name) else chain(solution.system.placed, name)
+    for name in deforming(solution.system.scene):
+        behind = None if is_in_pieces(solution.system.scene, name) else chain(solution.system.scene, name)
         if behind is not None:
             found.append(soft_elements(behind, motions[elastic_coordinates(solution, name)]))
     return found

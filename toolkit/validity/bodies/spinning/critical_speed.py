@@ -18,7 +18,7 @@ import scipy
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.parts.spin import stiffness_of_spin
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, flexible_body, spins_of
 from toolkit.system.solution import Solution
 
@@ -26,12 +26,12 @@ FAST = 0.5
 """Part of its critical speed from which on a spin may be why a run failed."""
 
 
-def spinning_bodies(scene: Scene) -> list[str]:
+def spinning_bodies(scene: ResolvedScene) -> list[str]:
     """Names of the flexible bodies whose frame can turn."""
     return [name for name, body in deforming(scene).items() if body.turns]
 
 
-def critical_speed(scene: Scene, body: str, axis: np.ndarray | None = None, stiffened: bool = True) -> float:
+def critical_speed(scene: ResolvedScene, body: str, axis: np.ndarray | None = None, stiffened: bool = True) -> float:
     """The speed of the body's frame, in rad/time, beyond which the linear body is unstable.
 
     Parameters
@@ -44,14 +44,14 @@ def critical_speed(scene: Scene, body: str, axis: np.ndarray | None = None, stif
     return min(_critical(scene, body, each, stiffened) for each in given)
 
 
-def _critical(scene: Scene, body: str, axis: np.ndarray, stiffened: bool) -> float:
+def _critical(scene: ResolvedScene, body: str, axis: np.ndarray, stiffened: bool) -> float:
     stiffness, mass = _scaled(scene, body, axis, stiffened)
     last = len(mass) - 1  # the largest eigenvalue of K^-1 C is exact, where the smallest of C^-1 K would drown in round-off
     largest = float(scipy.linalg.eigh(mass, stiffness, eigvals_only=True, subset_by_index=[last, last])[0])
     return float(1 / np.sqrt(largest)) if largest > 0 else np.inf
 
 
-def _likely_axes(scene: Scene, body: str) -> list[np.ndarray]:
+def _likely_axes(scene: ResolvedScene, body: str) -> list[np.ndarray]:
     found = flexible_body(scene, body)
     if found.only_axis is not None:
         return [found.only_axis]
@@ -59,7 +59,7 @@ def _likely_axes(scene: Scene, body: str) -> list[np.ndarray]:
     return [spin] if np.any(spin) else list(np.eye(3))
 
 
-def too_fast_at_start(scene: Scene) -> Iterator[tuple[str, float, float]]:
+def too_fast_at_start(scene: ResolvedScene) -> Iterator[tuple[str, float, float]]:
     """Bodies that the scene starts beyond their critical speed, how fast, and the critical speed about that axis."""
     for body in spinning_bodies(scene):
         spin = np.real(flexible_body(scene, body).start_spin)
@@ -69,7 +69,7 @@ def too_fast_at_start(scene: Scene) -> Iterator[tuple[str, float, float]]:
 
 def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]:
     """Bodies that exceed their critical speed where they spin fastest, with that speed and the critical one about the axis then."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     for body in spinning_bodies(scene):
         spins = spins_of(solution, body)
         spin = spins[first_largest(np.linalg.norm(spins, axis=1))]
@@ -79,13 +79,13 @@ def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]
 
 def fast_bodies(solution: Solution) -> list[str]:
     """Flexible bodies whose frame spins with `FAST` of its critical speed or more at any time."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     spins = {body: spins_of(solution, body) for body in spinning_bodies(scene)}
     fastest = {body: each[first_largest(np.linalg.norm(each, axis=1))] for body, each in spins.items()}
     return [body for body, spin in fastest.items() if not _stable(scene, body, spin / FAST)]
 
 
-def _stable(scene: Scene, body: str, spin: np.ndarray) -> bool:
+def _stable(scene: ResolvedScene, body: str, spin: np.ndarray) -> bool:
     """Whether K - omega^2 C is positive definite; far cheaper than the critical speed itself."""
     speed = float(np.linalg.norm(spin))
     if speed == 0:
@@ -98,7 +98,7 @@ def _stable(scene: Scene, body: str, spin: np.ndarray) -> bool:
     return True
 
 
-def _scaled(scene: Scene, body: str, axis: np.ndarray, stiffened: bool = True) -> tuple[np.ndarray, np.ndarray]:
+def _scaled(scene: ResolvedScene, body: str, axis: np.ndarray, stiffened: bool = True) -> tuple[np.ndarray, np.ndarray]:
     """K, scaled to a unit diagonal, and C for an axis of any length in the same scale, (n_f, n_f)."""
     found, unit = flexible_body(scene, body), axis / np.linalg.norm(axis)
     inv, stiffening = found.invariants(scene), found.stiffening(scene)

@@ -29,12 +29,12 @@ import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import SPIN, Caution, check
 from toolkit.joints.joint import Joint
 from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.cut.part_model import FIRST, LAST
 from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
-from toolkit.scene.scene import Scene
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.solvers.spin.generator import angular_velocity
 from toolkit.system.flexible_bodies import deforming, design_point, flexible_body, spins_of
 from toolkit.system.solution import Solution
@@ -46,8 +46,13 @@ OF_SPEED, OF_TENSION = 0.58, 0.21
 OF_CHORDS, ACROSS, WITHIN = 1 / 8, 0.57, 0.083
 
 
+@check("missing-stiffening", (SPIN,))
 def missing_stiffening(solution: Solution) -> Iterator[Caution]:
-    """A caution of the body whose frequencies lack most, of a steady spin."""
+    """Centrifugal stiffening inside of a body, or of its parts, is not in these numbers.
+
+    Limit: 0.5 to 1 % of the lowest frequency; a doubt from 2.5 to 5 % on.
+    Fix: `spin_stiffening = true`, or the number of `frames` that is told.
+    """
     omega = np.real(angular_velocity(solution.system, solution.q[-1], solution.v[-1]))
     speed = float(np.sqrt(omega @ omega))
     parts = {name: _part(solution, name, speed) for name in _flexible(solution)}
@@ -59,17 +64,16 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
     text = (
         f"centrifugal stiffening inside of {worst!r} is not in these numbers, which lowers the lowest frequency across the plane of the "
-        f"spin {lowers}, and those in this plane by more. Write spin_stiffening = true in its table, with a reduced model that was built "
-        "for it. Or make more bodies in a row of it, which stiffen at the joints between them; with twice as many a quarter of this is "
-        "left."
+        f"spin {lowers}, and those in this plane by more. Fix: spin_stiffening = true in its table, with a reduced model that was built "
+        "for it; or more bodies in a row, which stiffen at the joints between them: with twice as many a quarter of this is left."
     )
-    if flexible_body(solution.system.placed, worst).spin_stiffening:
+    if flexible_body(solution.system.scene, worst).spin_stiffening:
         text = told(worst, part)
-    yield Caution("missing-stiffening", text, doubt=part > DOUBTFUL)
+    yield missing_stiffening.caution(text, doubt=part > DOUBTFUL)
 
 
 def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
-    scene = solution.system.placed
+    scene = solution.system.scene
     for name, body in ((name, body) for name, body in scene.bodies.items() if isinstance(body, CutBody)):
         across, within = lacking(solution, name, body)
         spatial, frames = len(scene.space.axes) > 2, len(body.cuts) - 1  # in the plane nothing vibrates across it
@@ -77,11 +81,10 @@ def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
         if worst > TOLD:
             lowest = f"the lowest frequency across the plane of the spin by about {across:.1%}, and that in this plane"
             enough = int(np.ceil(frames * np.sqrt(worst / TOLD)))
-            yield Caution(
-                "missing-stiffening",
+            yield missing_stiffening.caution(
                 f"centrifugal stiffening inside of the parts of {name!r} is not in these numbers, which lowers "
                 f"{lowest if spatial else 'the lowest frequency'} by about {within:.1%}. Linear FFRF stiffens a body at the cuts "
-                f"between its parts: frames = {enough} leaves about {2 * TOLD:.0%}, and cuts that are closer where it bends most "
+                f"between its parts. Fix: frames = {enough} leaves about {2 * TOLD:.0%}, and cuts that are closer where it bends most "
                 "leave less.",
                 doubt=worst > DOUBTFUL,
             )
@@ -89,7 +92,7 @@ def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
 
 def lacking(solution: Solution, name: str, body: CutBody) -> tuple[float, float]:
     """Parts by which the lowest frequencies of a cut body across the plane of the spin and in this plane are too low."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     forces: dict[str, dict[str, float]] = {part: {} for part in body.parts(name)}
     of_joints = wrenches_of_joints(solution).at(0)[:, 0, : scene.dimension]
     for force, joint in zip(of_joints, scene.joints.values(), strict=True):
@@ -113,18 +116,18 @@ def _bent(lengths: np.ndarray, free_at_first: bool, free_at_last: bool) -> np.nd
     return np.diff(ends) if free_at_first or not free_at_last else -np.diff((1 - ends) ** 5)
 
 
-def _length(scene: Scene, part: str) -> float:
+def _length(scene: ResolvedScene, part: str) -> float:
     one, other = (np.real(design_point(scene, part).interface(name).here[0][:, 0]) for name in (FIRST, LAST))
     return float(np.linalg.norm(other - one))
 
 
 def _flexible(solution: Solution) -> list[str]:
-    bodies = deforming(solution.system.placed)
+    bodies = deforming(solution.system.scene)
     return [name for name, body in bodies.items() if body.turns and not isinstance(body, FramedPart)]
 
 
 def _part(solution: Solution, body: str, speed: float) -> float:
-    scene = solution.system.placed
+    scene = solution.system.scene
     gripped: dict[str, float] = {}
     of_joints = wrenches_of_joints(solution).at(0)[:, 0, : scene.dimension]
     for force, joint in zip(of_joints, scene.joints.values(), strict=True):

@@ -18,7 +18,7 @@ import numpy as np
 
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.near_ties import first_largest
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.reduced_model.model import MEAN_AXES
 from toolkit.system.flexible_bodies import deforming, flexible_body, spins_of
 from toolkit.system.solution import Solution
@@ -34,10 +34,11 @@ CARRIED = 0.01
 
 def stiffened(solution: Solution) -> list[str]:
     """Names of the bodies that ask for stiffening by their spin."""
-    bodies = deforming(solution.system.placed).items()
+    bodies = deforming(solution.system.scene).items()
     return [name for name, body in bodies if body.spin_stiffening and not isinstance(body, FramedPart)]
 
 
+@check("missing-stiffening", (MOTION,))
 def partly_stiffened(solution: Solution) -> Iterator[Caution]:
     """Cautions about bodies that lack a part of their stiffening at the instant of their fastest spin."""
     for body in stiffened(solution):
@@ -45,7 +46,7 @@ def partly_stiffened(solution: Solution) -> Iterator[Caution]:
         instant = first_largest(np.linalg.norm(spins, axis=1))
         part = off_the_axis(solution, body, spins[instant], instant)
         if part > TOLD:
-            yield Caution("missing-stiffening", told(body, part), doubt=part > DOUBTFUL)
+            yield partly_stiffened.caution(told(body, part), doubt=part > DOUBTFUL)
 
 
 def told(body: str, part: float) -> str:
@@ -53,8 +54,8 @@ def told(body: str, part: float) -> str:
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
     return (
         f"the spin stiffens {body!r} by its own centrifugal forces about the origin of its frame, but not by the forces with which joints "
-        f"carry it round, or that they carry on through it: that lowers the lowest frequency across the plane of the spin {lowers}. Clamp "
-        "its frame on the axis, or make more bodies in a row of it."
+        f"carry it round, or that they carry on through it. That lowers the lowest frequency across the plane of the spin {lowers}. Fix: "
+        "clamp its frame on the axis, or make more bodies in a row of it."
     )
 
 
@@ -63,7 +64,7 @@ def off_the_axis(solution: Solution, body: str, spin: np.ndarray, instant: int) 
     speed = float(np.linalg.norm(spin))
     if speed == 0:
         return 0.0
-    scene = solution.system.placed
+    scene = solution.system.scene
     found: Any = flexible_body(scene, body)
     inv, where = found.invariants(scene), solution.coordinates(body)
     centre = np.zeros(3)

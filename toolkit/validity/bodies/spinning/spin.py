@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import Caution, check
 from toolkit.solvers.start.start_velocities import carried_along, project_velocities
 from toolkit.solvers.start.written_velocities import written_velocities
 from toolkit.system.solution import Solution
@@ -19,8 +19,13 @@ NONE = 1e-9
 """Spin, as a part of the lowest circular frequency, below which it is round-off."""
 
 
+@check("spins")
 def cautions_of_spin(solution: Solution, frequencies: np.ndarray) -> Iterator[Caution]:
-    """Cautions about modes with these frequencies, in cycles per time, around a state at rest of a scene that spins."""
+    """Frequencies are those about the equilibrium at rest, but the scene spins.
+
+    Limit: any spin; a doubt from 1 % of the lowest circular frequency on.
+    Fix: `ffrf modes --spinning`, if a driver spins the scene as a whole; otherwise read the frequencies off a motion.
+    """
     found = fastest_spin(solution)
     if found is None:
         return
@@ -30,11 +35,9 @@ def cautions_of_spin(solution: Solution, frequencies: np.ndarray) -> Iterator[Ca
     if spin <= NONE * lowest < np.inf:
         return
     beside = f", {spin / lowest:.2g} of the lowest circular frequency" if np.isfinite(lowest) else ""
-    yield Caution(
-        "spins",
+    yield cautions_of_spin.caution(
         f"these frequencies are those about the equilibrium at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}{beside}. "
-        "Gyroscopic and centrifugal forces are not in them. ffrf modes --spinning has them, if a driver spins the scene as a whole; "
-        "otherwise simulate it, and read the frequencies off its motion.",
+        f"Gyroscopic and centrifugal forces are not in them. {cautions_of_spin.fix}",
         doubt=not spin <= SLOW * lowest,
     )
 

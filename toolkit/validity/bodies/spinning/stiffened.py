@@ -15,7 +15,7 @@ def kept_back(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray
 
     Forces on the body are (K + S) q. Elements that turn find the part S q by themselves.
     """
-    scene = solution.system.placed
+    scene = solution.system.scene
     found = flexible_body(scene, body)
     stiffening = found.stiffening(scene)
     if stiffening is None:

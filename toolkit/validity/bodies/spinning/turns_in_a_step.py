@@ -9,8 +9,8 @@ import numpy as np
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import InSpace
-from toolkit.foundation.verdict import Caution
-from toolkit.loads.planar.bushing import Bushing
+from toolkit.foundation.verdict import MOTION, Caution, check
+from toolkit.loads.bushing import Bushing
 from toolkit.scene.scene import Scene
 from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution
@@ -21,16 +21,20 @@ MOST = 0.35 * TURN
 WANTED = 20
 """Steps in a turn that are proposed."""
 CENTRED = 1e-9
-"""Way of a point as the body turns by 1 rad, in parts of the scene's size, that is none."""
+"""Way of a point as the body turns by 1 rad, in parts of the model size, that is none."""
 
 
+@check("turns-in-a-step", (MOTION,))
 def turns_in_a_step(solution: Solution) -> Iterator[Caution]:
-    """A doubt for the body that turns furthest in a step, of those whose angle matters.
+    """A body turns so far in a step that points and forces on it are seen at a few of its angles.
+
+    Limit: 0.35 turns.
+    Fix: the `solver.step` that is told: 20 steps in a turn.
 
     Steps of other lengths may all see it at the same angles: with a turn in each of them a point on a wheel rests, and a force that
     turns with it is constant. The frames of bodies that move freely in space are not looked at: Newton's iteration fails before.
     """
-    numbering, scene = solution.system.numbering, solution.system.placed
+    numbering, scene = solution.system.numbering, solution.system.scene
     turned = {
         name: _furthest(solution, numbering.first[name] + body.moves)
         for name, body in scene.bodies.items()
@@ -40,10 +44,9 @@ def turns_in_a_step(solution: Solution) -> Iterator[Caution]:
     if far:
         name = max(far, key=lambda each: far[each])
         steps = np.diff(solution.whole_run).max() * TURN / (WANTED * far[name])
-        yield Caution(
-            "turns-in-a-step",
-            f"{name!r} turns by up to {far[name] / TURN:.2g} turns in a step (limit {MOST / TURN:g}): points and forces on it are seen "
-            f"at a few of its angles, and other steps may see the same ones. Try solver.step = {steps:.1g}, {WANTED} steps in a turn.",
+        yield turns_in_a_step.caution(
+            f"{name!r} turns by up to {far[name] / TURN:.2g} turns in a step (limit {MOST / TURN:g}). Points and forces on it are seen "
+            f"at a few of its angles, and other steps may see the same ones. Fix: solver.step = {steps:.1g}, {WANTED} steps in a turn.",
         )
 
 
@@ -57,7 +60,7 @@ def _furthest(solution: Solution, coordinate: int) -> float:
 def _matters(solution: Solution, name: str) -> bool:
     """Whether anything depends on how the body stands: it deforms, or something grips it or looks at it beside its centre, or along its
     own axes."""
-    system, scene = solution.system, solution.system.placed
+    system, scene = solution.system, solution.system.scene
     body, first = scene.bodies[name], system.numbering.first[name]
     if isinstance(body, ModelBody) or any(_directed(each, name) for each in _components(scene)):
         return True

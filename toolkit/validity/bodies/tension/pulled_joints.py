@@ -14,7 +14,7 @@ import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import Caution, check
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.scene.scene import Scene
@@ -50,19 +50,19 @@ class Lacking(NamedTuple):
     counts: float  # the same, but at least a part of the largest force in any joint
 
 
+@check("tension")
 def pulled_joints(solution: Solution) -> Iterator[Caution]:
     """Doubts about responses that are joint forces, at the end or over time, and lack the pull of a deflection."""
     low = {name: each for name, each in lacking_joints(solution).items() if abs(each.missing) > LIMIT * each.counts > 0}
     if low:
-        body, scene = most_pulled(solution), solution.system.placed
+        body, scene = most_pulled(solution), solution.system.scene
         asked = joint_forces(scene)
         told = [
             f"{name} by {abs(each.missing):.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {each.size:.3g} at the most"
             for name, each in list(low.items())[:NAMED]
         ]
         much = max(abs(each.missing) / each.size if each.size > 0 else MANY for each in low.values())
-        yield Caution(
-            "tension",
+        yield pulled_joints.caution(
             f"the deflection of {body} pulls at what holds its ends, which these equations do not know: forces of joints are off, "
             f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. Fix: "
             f"{divided(scene, body, min(much, MANY) / LIMIT)}.",

@@ -108,8 +108,8 @@ class Edges(NamedTuple):
 
 def pulled_lines(solution: Solution, body: str) -> PulledLines | None:
     """Lines of a body; None where its model holds no edges, or no line in it has a length."""
-    design = design_point(solution.system.placed, body, "surface", "outline", "interfaces")
-    key = (PulledLines, tuple(used_interfaces(solution.system.placed, body)))
+    design = design_point(solution.system.scene, body, "surface", "outline", "interfaces")
+    key = (PulledLines, tuple(used_interfaces(solution.system.scene, body)))
     if key not in design.kept:
         shown = shown_of(design)
         lines = () if shown is None else tuple(_lines(solution, body, design, shown))
@@ -149,7 +149,7 @@ def _lines(solution: Solution, body: str, design: DesignPoint, shown: Shown) -> 
 def _held_around(solution: Solution, body: str, design: DesignPoint, shown: Shown, still: np.ndarray) -> Iterator[Line]:
     """Lines from end to end of the points that hold the body, through the used point nearest to their middle."""
     middle, stiffness = still.mean(axis=0), np.real(design.value("stiffness"))
-    motions = [np.real(design.interface(name).here[0]) for name in used_interfaces(solution.system.placed, body)]
+    motions = [np.real(design.interface(name).here[0]) for name in used_interfaces(solution.system.scene, body)]
     motions = [each for each in motions if np.any(each[:, 1:])]
     if not motions:
         return

@@ -15,7 +15,7 @@ import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import Caution, check
 from toolkit.responses.magnitude import largest_in
 from toolkit.responses.response import Response
 from toolkit.scene.changed_numbers import with_numbers
@@ -33,6 +33,7 @@ UNIMPORTANT = 0.02
 """A derivative that changes the force by less than this part, where its variable changes by all of itself, is compared with that."""
 
 
+@check("tension")
 def steep_joints(solution: Solution) -> Iterator[Caution]:
     """Derivatives of forces of joints that lack more of themselves than `OFF`, where the solution holds derivatives."""
     low = {name: each for name, each in lacking_joints(solution).items() if abs(each.missing) > STEEP * each.counts > 0}
@@ -52,8 +53,7 @@ def steep_joints(solution: Solution) -> Iterator[Caution]:
     if off:
         worst = sorted(off, key=lambda pair: -off[pair][1])[:NAMED]
         told = ", ".join(f"{f} by {x} by {off[f, x][0]:.3g}{_part(off[f, x][1])}" for f, x in worst)
-        yield Caution(
-            "tension",
+        yield steep_joints.caution(
             f"the deflection of {most_pulled(solution)} pulls at what holds its ends, which these equations do not know: derivatives of "
             f"the forces there lack what that adds, {told}. Linear FFRF knows this between frames, and not inside of one. Fix: a "
             "model with all nodal coordinates (without [basis]), and frames = 2 or more.",

@@ -54,14 +54,14 @@ def stiffened_states(solution: Solution) -> list[StiffenedState]:
 
 def pulled_bodies(solution: Solution) -> dict[str, PulledBody]:
     """Bodies whose tension is known, without those that ask for the stiffening of their spin, which would count twice."""
-    scene = solution.system.placed
+    scene = solution.system.scene
     asked = [body for body in flexible_bodies(scene) if flexible_body(scene, body).stiffening(scene) is None]
     found = {body: _pulled(solution, body) for body in asked}
     return {body: each for body, each in found.items() if each is not None}
 
 
 def _pulled(solution: Solution, body: str) -> PulledBody | None:
-    law = stiffening(solution.system.placed, body)
+    law = stiffening(solution.system.scene, body)
     return pulled_lines(solution, body) if law is None else PulledChain(law)
 
 
@@ -80,7 +80,7 @@ def _where_it_counts(solution: Solution, known: Mapping[str, PulledBody]) -> lis
 
 
 def _of_bodies(solution: Solution, state: StiffenedState) -> list[TooLarge]:
-    scene, pulled = solution.system.placed, state.pulls(state.there)
+    scene, pulled = solution.system.scene, state.pulls(state.there)
     found: dict[str, TooLarge] = {}
     for body, law in pulled_bodies(solution).items():
         where, whole = elastic_coordinates(solution, body), getattr(scene.body(body), "whole", body)
@@ -97,7 +97,7 @@ def _moved(solution: Solution, law: PulledBody, body: str, state: StiffenedState
     """The largest distance by which a node is elsewhere; of a part of a cut body with that of its frame."""
     change = state.change
     found = float(law.distances(change[elastic_coordinates(solution, body)][None])[0])
-    written: Any = solution.system.placed.body(body)
+    written: Any = solution.system.scene.body(body)
     if getattr(written, "whole", None) and written.frame_size:
         first = solution.coordinates(body).start
         found = max(found, float(np.linalg.norm(change[first : first + solution.system.scene.dimension])))
@@ -121,5 +121,5 @@ def most_pulled(solution: Solution) -> str:
         elastic = np.real(solution.q[-1:, elastic_coordinates(solution, body)])
         parts.append(max(float(each[0]) for each in law.measures(elastic)))
     name = list(known)[first_largest(np.array(parts))]
-    whole: str = getattr(solution.system.placed.body(name), "whole", name)
+    whole: str = getattr(solution.system.scene.body(name), "whole", name)
     return whole

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.vibrations.pencil import real_pencil
 from toolkit.responses.vibrations.roots import free_pencil
 from toolkit.responses.vibrations.vibration import any_pencil_of
 from toolkit.solvers.roots import undamped_rates
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.compressed.merging_vibrations import asked_vibrations
+from toolkit.validity.bodies.chains.lines_on_bodies import asked_vibrations
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.tension.pulled_joints import pulled_joints
@@ -59,8 +59,13 @@ GROWS = 3.0
 """Ratio of the error of a deflection's derivative by the load to its own: w (1 + c w^2) = f gives c w^2 and 3 c w^2."""
 
 
+@check("tension", STATES)
 def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
-    """Doubts about flexible bodies that their tension stiffens.
+    """Tension stiffens a body across itself, which linear deformations in its own frame do not know.
+
+    Limit: 5 % of a deflection, of a derivative in statics, or of a frequency; a remark where a run with more frames, made for
+    gradients, changes no answer by half of that.
+    Fix: more floating frames (`frames`).
 
     Parameters
     ----------
@@ -70,11 +75,11 @@ def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
     found = too_large(solution)
     if found is not None and found.part > LIMIT:
         part = found.part / (1 - found.part) if found.part < 1 else np.inf
-        yield Caution("tension", _too_large(solution, found), body=found.body, part=part)
+        yield tension.caution(_too_large(solution, found), body=found.body, part=part)
     elif not solution.steps:
         yield from _of_derivatives(solution, lateral)
     elif found is not None and solution.dq.shape[2] and GROWS * found.part > OF_GRADIENTS:
-        yield Caution("tension", _steeper(solution, found), body=found.body, part=GROWS * found.part)
+        yield tension.caution(_steeper(solution, found), body=found.body, part=GROWS * found.part)
     if found is None or found.part <= LIMIT:
         yield from pulled_joints(solution)
     yield from tension_of_vibrations(solution, asked_vibrations(solution))
@@ -97,8 +102,7 @@ def tension_of_vibrations(solution: Solution, asked: Mapping[str, int]) -> Itera
     body, highest = most_pulled(solution), max(high.values())
     told = [f"{name} by {1 - 1 / factor:.1%}" for name, factor in list(high.items())[:NAMED]]
     more = f" and {len(high) - NAMED} more" if len(high) > NAMED else ""
-    yield Caution(
-        "tension",
+    yield tension.caution(
         f"tension stiffens {body} across itself, which makes vibrations faster than these equations say: {', '.join(told)}{more} too slow. "
         f"Their derivatives by what pulls at it are missing, too. {_remedy(solution, body, highest**2 - 1)}",
     )
@@ -110,8 +114,7 @@ def _of_derivatives(solution: Solution, lateral: bool) -> Iterator[Caution]:
         times = _times_of_derivatives(solution, state) if solution.dq.shape[2] else 1 + state.largest() if lateral else 1.0
         if times > 1 + LIMIT:
             body = most_pulled(solution)
-            yield Caution(
-                "tension",
+            yield tension.caution(
                 f"tension stiffens {body} across itself, and these equations do not know it: derivatives by what bends it are up to "
                 f"{_times(times)} as large as they should be. {_remedy(solution, body, times - 1)}",
             )
@@ -149,5 +152,5 @@ def _times(factor: float) -> str:
 
 
 def _remedy(solution: Solution, body: str, part: float) -> str:
-    helps = divided(solution.system.placed, body, part / LIMIT)
+    helps = divided(solution.system.scene, body, part / LIMIT)
     return f"Linear FFRF knows this between frames, and not inside of one. Fix: {helps}."

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.foundation.verdict import Caution
+from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.system.flexible_bodies import design_point, flexible_body, used_interfaces
 from toolkit.system.solution import Solution
@@ -46,9 +46,10 @@ class UnseenLine(NamedTuple):
     shown: Shown
 
 
+@check("tension", STATES)
 def unseen_lines(solution: Solution) -> Iterator[Caution]:
     """Doubts about bodies that their weight or inertia pulls at, or compresses, unseen."""
-    scene: Any = solution.system.placed
+    scene: Any = solution.system.scene
     for body in () if solution.spins else flexible_bodies(scene):
         known = has_chain(scene, body) or flexible_body(scene, body).stiffening(scene) is not None
         line = None if known else _line(solution, body)
@@ -58,7 +59,7 @@ def unseen_lines(solution: Solution) -> Iterator[Caution]:
 
 def _line(solution: Solution, body: str) -> UnseenLine | None:
     """The longest; None where the basis shows a force along any."""
-    scene: Any = solution.system.placed
+    scene: Any = solution.system.scene
     design = design_point(scene, body, "surface", "outline", "interfaces")
     key = (UnseenLine, *used_interfaces(scene, body))
     if key not in design.kept:
@@ -82,7 +83,7 @@ def _states(solution: Solution, body: str, line: UnseenLine) -> Iterator[tuple[i
     """Numbers of the states of most compression and of most tension, and G there."""
     instants = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
     by_mass, at_point = _forces(solution, body, line, instants)
-    stiffness = np.real(design_point(solution.system.placed, body).value("stiffness"))
+    stiffness = np.real(design_point(solution.system.scene, body).value("stiffness"))
     for sign, forces in ((1.0, by_mass), (-1.0, by_mass + at_point[:, None])):
         every = [_geometric(line, each) for each in forces]
         softer = np.array([-sign * np.trace(static_deflection(stiffness, each)) for each in every])
@@ -93,7 +94,7 @@ def _states(solution: Solution, body: str, line: UnseenLine) -> Iterator[tuple[i
 
 def _forces(solution: Solution, body: str, line: UnseenLine, instants: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """N at the middles of the edges by the mass (n_t, n_e), and by what is at the point (n_t,)."""
-    design = design_point(solution.system.placed, body)
+    design = design_point(solution.system.scene, body)
     alike, by_place, _ = pull_of_frame(solution, body, instants)
     along = line.side / np.linalg.norm(line.side)
     at_start = (alike + np.einsum("tij,j->ti", by_place, line.start)) @ along

@@ -1,1 +1,0 @@
-"""Planar bodies whose frame moves, in the compiled loop."""

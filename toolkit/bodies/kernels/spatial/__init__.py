@@ -1,1 +1,0 @@
-"""Spatial bodies whose frame turns, in the compiled loop."""

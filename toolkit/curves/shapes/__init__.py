@@ -1,1 +1,0 @@
-"""Formulas that several kinds of curves share, or that are long."""

@@ -1,0 +1,149 @@
+# Written by schemas/write_schemas.py.
+# ruff: noqa
+# fmt: off
+
+from toolkit.responses.kinematics.point_motion import Acceleration as Acceleration
+from toolkit.loads.controllers import AngleController as AngleController
+from toolkit.joints.driver import AngleDriver as AngleDriver
+from toolkit.responses.kinematics.point_motion import AngularVelocity as AngularVelocity
+from toolkit.description.point import BodyPoint as BodyPoint
+from toolkit.loads.bushing import Bushing as Bushing
+from toolkit.joints.cam import Cam as Cam
+from toolkit.responses.balance.mass import CentreOfMass as CentreOfMass
+from toolkit.curves.polynomial import Constant as Constant
+from toolkit.curves.rise import Cycloid as Cycloid
+from toolkit.responses.vibrations.vibration import DampingRatio as DampingRatio
+from toolkit.responses.kinematics.deflection import Deflection as Deflection
+from toolkit.responses.motion import Displacement as Displacement
+from toolkit.joints.distance import Distance as Distance
+from toolkit.loads.controllers import DistanceController as DistanceController
+from toolkit.bodies.flexible import Flexible as Flexible
+from toolkit.responses.vibrations.vibration import Frequency as Frequency
+from toolkit.joints.gear import Gear as Gear
+from toolkit.loads.gravity import Gravity as Gravity
+from toolkit.curves.oscillation import Harmonic as Harmonic
+from toolkit.responses.forces.joint_force import JointForce as JointForce
+from toolkit.responses.stress.stress import KSStress as KSStress
+from toolkit.responses.energy import KineticEnergy as KineticEnergy
+from toolkit.responses.vibrations.least_frequency import LeastFrequency as LeastFrequency
+from toolkit.responses.load_margin import LoadMargin as LoadMargin
+from toolkit.responses.balance.mass import Mass as Mass
+from toolkit.responses.stress.stress import MaxStress as MaxStress
+from toolkit.description.point import Point as Point
+from toolkit.responses.kinematics.point_distance import PointDistance as PointDistance
+from toolkit.loads.point_force import PointForce as PointForce
+from toolkit.curves.polynomial import Polynomial as Polynomial
+from toolkit.loads.controllers import PositionController as PositionController
+from toolkit.joints.driver import PositionDriver as PositionDriver
+from toolkit.responses.balance.power import Power as Power
+from toolkit.curves.combined import Product as Product
+from toolkit.joints.rack import Rack as Rack
+from toolkit.curves.rise import Ramp as Ramp
+from toolkit.responses.kinematics.relative_angle import RelativeAngle as RelativeAngle
+from toolkit.joints.revolute import Revolute as Revolute
+from toolkit.bodies.rigid import Rigid as Rigid
+from toolkit.joints.rigid_joint import RigidJoint as RigidJoint
+from toolkit.bodies.rigid import Rod as Rod
+from toolkit.joints.rack import RollingDisc as RollingDisc
+from toolkit.responses.motion import Rotation as Rotation
+from toolkit.loads.springs import RotationalSpringDamper as RotationalSpringDamper
+from toolkit.curves.combined import Sequence as Sequence
+from toolkit.responses.shape_error import ShapeMSE as ShapeMSE
+from toolkit.responses.shape_error import ShapeMax as ShapeMax
+from toolkit.responses.shape_error import ShapeRMS as ShapeRMS
+from toolkit.curves.oscillation import Sine as Sine
+from toolkit.joints.slider import Slider as Slider
+from toolkit.loads.friction import PlanarSlidingFriction as SlidingFriction
+from toolkit.curves.rise import SmoothStep as SmoothStep
+from toolkit.loads.springs import SpringDamper as SpringDamper
+from toolkit.responses.energy import StrainEnergy as StrainEnergy
+from toolkit.responses.stress.local_stress import StressAlongLine as StressAlongLine
+from toolkit.responses.stress.local_stress import StressAtPoint as StressAtPoint
+from toolkit.curves.combined import Sum as Sum
+from toolkit.joints.cam import SwingCam as SwingCam
+from toolkit.curves.table import Table as Table
+from toolkit.responses.over_time.means import TimeIntegral as TimeIntegral
+from toolkit.responses.over_time.extremes import TimeKS as TimeKS
+from toolkit.responses.over_time.extremes import TimeMax as TimeMax
+from toolkit.responses.over_time.means import TimeMean as TimeMean
+from toolkit.responses.over_time.means import TimeMeanSquare as TimeMeanSquare
+from toolkit.responses.over_time.extremes import TimeMin as TimeMin
+from toolkit.loads.torque import Torque as Torque
+from toolkit.loads.friction import PlanarTurningFriction as TurningFriction
+from toolkit.responses.kinematics.point_motion import Velocity as Velocity
+from toolkit.responses.balance.work import Work as Work
+
+__all__ = [
+    "Acceleration",
+    "AngleController",
+    "AngleDriver",
+    "AngularVelocity",
+    "BodyPoint",
+    "Bushing",
+    "Cam",
+    "CentreOfMass",
+    "Constant",
+    "Cycloid",
+    "DampingRatio",
+    "Deflection",
+    "Displacement",
+    "Distance",
+    "DistanceController",
+    "Flexible",
+    "Frequency",
+    "Gear",
+    "Gravity",
+    "Harmonic",
+    "JointForce",
+    "KSStress",
+    "KineticEnergy",
+    "LeastFrequency",
+    "LoadMargin",
+    "Mass",
+    "MaxStress",
+    "Point",
+    "PointDistance",
+    "PointForce",
+    "Polynomial",
+    "PositionController",
+    "PositionDriver",
+    "Power",
+    "Product",
+    "Rack",
+    "Ramp",
+    "RelativeAngle",
+    "Revolute",
+    "Rigid",
+    "RigidJoint",
+    "Rod",
+    "RollingDisc",
+    "Rotation",
+    "RotationalSpringDamper",
+    "Sequence",
+    "ShapeMSE",
+    "ShapeMax",
+    "ShapeRMS",
+    "Sine",
+    "Slider",
+    "SlidingFriction",
+    "SmoothStep",
+    "SpringDamper",
+    "StrainEnergy",
+    "StressAlongLine",
+    "StressAtPoint",
+    "Sum",
+    "SwingCam",
+    "Table",
+    "TimeIntegral",
+    "TimeKS",
+    "TimeMax",
+    "TimeMean",
+    "TimeMeanSquare",
+    "TimeMin",
+    "Torque",
+    "TurningFriction",
+    "Velocity",
+    "Work",
+]
+
+def parts_of_scenes(dimension: int) -> dict[str, type]: ...

@@ -1,0 +1,159 @@
+# Written by schemas/write_schemas.py.
+# ruff: noqa
+# fmt: off
+
+from toolkit.responses.kinematics.point_motion import Acceleration as Acceleration
+from toolkit.loads.controllers import SpatialAngleController as AngleController
+from toolkit.joints.driver import SpatialAngleDriver as AngleDriver
+from toolkit.responses.kinematics.point_motion import AngularVelocity as AngularVelocity
+from toolkit.description.point import BodyPoint as BodyPoint
+from toolkit.loads.bushing import SpatialBushing as Bushing
+from toolkit.joints.cam import SpatialCam as Cam
+from toolkit.responses.balance.mass import CentreOfMass as CentreOfMass
+from toolkit.curves.polynomial import Constant as Constant
+from toolkit.curves.rise import Cycloid as Cycloid
+from toolkit.joints.cylindrical import Cylindrical as Cylindrical
+from toolkit.responses.vibrations.vibration import DampingRatio as DampingRatio
+from toolkit.responses.kinematics.deflection import Deflection as Deflection
+from toolkit.responses.motion import Displacement as Displacement
+from toolkit.joints.distance import SpatialDistance as Distance
+from toolkit.loads.controllers import SpatialDistanceController as DistanceController
+from toolkit.bodies.flexible import SpatialFlexible as Flexible
+from toolkit.responses.vibrations.vibration import Frequency as Frequency
+from toolkit.joints.gear import SpatialGear as Gear
+from toolkit.loads.gravity import SpatialGravity as Gravity
+from toolkit.curves.oscillation import Harmonic as Harmonic
+from toolkit.responses.forces.joint_force import JointForce as JointForce
+from toolkit.responses.stress.stress import KSStress as KSStress
+from toolkit.responses.energy import KineticEnergy as KineticEnergy
+from toolkit.responses.vibrations.least_frequency import LeastFrequency as LeastFrequency
+from toolkit.responses.load_margin import LoadMargin as LoadMargin
+from toolkit.responses.balance.mass import Mass as Mass
+from toolkit.responses.stress.stress import MaxStress as MaxStress
+from toolkit.description.point import Point as Point
+from toolkit.responses.kinematics.point_distance import PointDistance as PointDistance
+from toolkit.loads.point_force import SpatialPointForce as PointForce
+from toolkit.joints.point_on_plane import PointOnPlane as PointOnPlane
+from toolkit.curves.polynomial import Polynomial as Polynomial
+from toolkit.loads.controllers import SpatialPositionController as PositionController
+from toolkit.joints.driver import SpatialPositionDriver as PositionDriver
+from toolkit.responses.balance.power import Power as Power
+from toolkit.loads.pressure import Pressure as Pressure
+from toolkit.joints.prismatic import Prismatic as Prismatic
+from toolkit.curves.combined import Product as Product
+from toolkit.joints.rack import SpatialRack as Rack
+from toolkit.curves.rise import Ramp as Ramp
+from toolkit.responses.kinematics.relative_angle import RelativeAngle as RelativeAngle
+from toolkit.joints.revolute import SpatialRevolute as Revolute
+from toolkit.bodies.rigid import SpatialRigid as Rigid
+from toolkit.joints.rigid_joint import SpatialRigidJoint as RigidJoint
+from toolkit.bodies.rigid import SpatialRod as Rod
+from toolkit.responses.motion import Rotation as Rotation
+from toolkit.loads.springs import SpatialRotationalSpringDamper as RotationalSpringDamper
+from toolkit.joints.screw import Screw as Screw
+from toolkit.curves.combined import Sequence as Sequence
+from toolkit.responses.shape_error import ShapeMSE as ShapeMSE
+from toolkit.responses.shape_error import ShapeMax as ShapeMax
+from toolkit.responses.shape_error import ShapeRMS as ShapeRMS
+from toolkit.curves.oscillation import Sine as Sine
+from toolkit.loads.friction import SpatialSlidingFriction as SlidingFriction
+from toolkit.curves.rise import SmoothStep as SmoothStep
+from toolkit.joints.spherical import Spherical as Spherical
+from toolkit.loads.springs import SpatialSpringDamper as SpringDamper
+from toolkit.responses.energy import StrainEnergy as StrainEnergy
+from toolkit.responses.stress.local_stress import StressAlongLine as StressAlongLine
+from toolkit.responses.stress.local_stress import StressAtPoint as StressAtPoint
+from toolkit.curves.combined import Sum as Sum
+from toolkit.joints.cam import SpatialSwingCam as SwingCam
+from toolkit.curves.table import Table as Table
+from toolkit.responses.over_time.means import TimeIntegral as TimeIntegral
+from toolkit.responses.over_time.extremes import TimeKS as TimeKS
+from toolkit.responses.over_time.extremes import TimeMax as TimeMax
+from toolkit.responses.over_time.means import TimeMean as TimeMean
+from toolkit.responses.over_time.means import TimeMeanSquare as TimeMeanSquare
+from toolkit.responses.over_time.extremes import TimeMin as TimeMin
+from toolkit.loads.torque import SpatialTorque as Torque
+from toolkit.loads.friction import SpatialTurningFriction as TurningFriction
+from toolkit.joints.universal import Universal as Universal
+from toolkit.responses.kinematics.point_motion import Velocity as Velocity
+from toolkit.responses.balance.work import Work as Work
+
+__all__ = [
+    "Acceleration",
+    "AngleController",
+    "AngleDriver",
+    "AngularVelocity",
+    "BodyPoint",
+    "Bushing",
+    "Cam",
+    "CentreOfMass",
+    "Constant",
+    "Cycloid",
+    "Cylindrical",
+    "DampingRatio",
+    "Deflection",
+    "Displacement",
+    "Distance",
+    "DistanceController",
+    "Flexible",
+    "Frequency",
+    "Gear",
+    "Gravity",
+    "Harmonic",
+    "JointForce",
+    "KSStress",
+    "KineticEnergy",
+    "LeastFrequency",
+    "LoadMargin",
+    "Mass",
+    "MaxStress",
+    "Point",
+    "PointDistance",
+    "PointForce",
+    "PointOnPlane",
+    "Polynomial",
+    "PositionController",
+    "PositionDriver",
+    "Power",
+    "Pressure",
+    "Prismatic",
+    "Product",
+    "Rack",
+    "Ramp",
+    "RelativeAngle",
+    "Revolute",
+    "Rigid",
+    "RigidJoint",
+    "Rod",
+    "Rotation",
+    "RotationalSpringDamper",
+    "Screw",
+    "Sequence",
+    "ShapeMSE",
+    "ShapeMax",
+    "ShapeRMS",
+    "Sine",
+    "SlidingFriction",
+    "SmoothStep",
+    "Spherical",
+    "SpringDamper",
+    "StrainEnergy",
+    "StressAlongLine",
+    "StressAtPoint",
+    "Sum",
+    "SwingCam",
+    "Table",
+    "TimeIntegral",
+    "TimeKS",
+    "TimeMax",
+    "TimeMean",
+    "TimeMeanSquare",
+    "TimeMin",
+    "Torque",
+    "TurningFriction",
+    "Universal",
+    "Velocity",
+    "Work",
+]
+
+def parts_of_scenes(dimension: int) -> dict[str, type]: ...

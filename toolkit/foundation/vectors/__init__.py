@@ -1,1 +1,0 @@
-"""Sums of multiples of rows, several numbers at a time, with their code for the compiler."""

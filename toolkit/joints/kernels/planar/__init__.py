@@ -1,1 +1,0 @@
-"""Planar joints in the compiled loop."""

@@ -1,1 +1,0 @@
-"""Spatial joints in the compiled loop, and the quadratic forms that they consist of."""

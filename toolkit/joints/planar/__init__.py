@@ -1,1 +1,0 @@
-"""Joints in the plane, one kind per file."""

@@ -1,0 +1,28 @@
+"""Revolute joint, a hinge: in the plane two points coincide, in space two axes too."""
+
+from __future__ import annotations
+
+from toolkit.joints.joint import AxisJoint, PointJoint
+from toolkit.joints.rows import Row
+from toolkit.markers.component import Skeleton
+
+
+class Revolute(PointJoint):
+    """r_a = r_b: the point of both bodies stays common, rotation is free."""
+
+    kind = "revolute"
+
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
+        """Rows of two directions, in which the points coincide."""
+        return self.poses.together
+
+
+class SpatialRevolute(AxisJoint):
+    """r_a = r_b and e_3a || e_3b: the bodies turn against each other about the axis alone."""
+
+    kind = "revolute"
+    symbol = "hinge"
+
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
+        """Rows of three directions and two rotations."""
+        return (*self.poses.together, *self.poses.aligned)

@@ -1,1 +1,0 @@
-"""Joints in space: quadratic forms of the poses of two markers."""

@@ -1,1 +1,0 @@
-"""Loads in the plane, one kind per file."""

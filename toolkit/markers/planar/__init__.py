@@ -1,1 +1,0 @@
-"""Markers of planar bodies in the compiled loop."""

@@ -1,1 +1,0 @@
-"""Markers of spatial bodies in the compiled loop."""
