@@ -29,7 +29,7 @@ from preprocessing.builders.body_file import BodyFile
 from preprocessing.builders.recipe import Recipe, Remark, Seal
 from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.reduction.reduced import element_parts, mesh_composition
+from preprocessing.reduction.reduced import ELEMENT_PARTS, mesh_composition
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.description.told_body import told_left_out
 
@@ -60,7 +60,7 @@ class BodyRecipe(Recipe[BodyFile]):
 
     @property
     def parts(self) -> tuple[str, ...]:
-        cut = () if self.file.pieces is None else (*element_parts("full"), "pieces")
+        cut = () if self.file.pieces is None else (*ELEMENT_PARTS, "pieces")
         return ("invariants", "derivatives", "affine", "interfaces", "stress", *cut, *self.file.basis.parts)
 
     @classmethod

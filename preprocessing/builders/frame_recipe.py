@@ -18,7 +18,7 @@ from preprocessing.elements.section import Section, distribute
 from preprocessing.reduction.basis import BasisChoice
 from preprocessing.reduction.discretisation import DesignSpace, Discretisation
 from preprocessing.reduction.pictured_parts import beam_surface
-from preprocessing.reduction.reduced import SECTIONS, ReducedParts, element_parts, reduce
+from preprocessing.reduction.reduced import ELEMENT_PARTS, SECTIONS, ReducedParts, reduce
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import Mesh, ReducedModel
 
@@ -38,7 +38,7 @@ class FrameRecipe(Recipe[FrameFile]):
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
         basis = self.file.basis
-        own = element_parts(basis.kind) + SECTIONS + basis.parts + basis.richer_parts
+        own = ELEMENT_PARTS + SECTIONS + basis.parts + basis.richer_parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", picture, *own)
 
     @property

@@ -20,7 +20,7 @@ from preprocessing.elements.section import QUANTITIES, Patch, distribute, rectan
 from preprocessing.mesh.input_files import at_key
 from preprocessing.reduction.discretisation import DesignSpace, Discretisation
 from preprocessing.reduction.pictured_parts import beam_surface
-from preprocessing.reduction.reduced import SECTIONS, ReducedParts, element_parts, reduce
+from preprocessing.reduction.reduced import ELEMENT_PARTS, SECTIONS, ReducedParts, reduce
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.meant_path import meant_path
 from toolkit.foundation.files.regular_file import read_start
@@ -244,7 +244,7 @@ class SkinRecipe(Recipe[SkinFile]):
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
         basis = self.file.basis
-        own = element_parts(basis.kind) + SECTIONS + basis.parts + basis.richer_parts
+        own = ELEMENT_PARTS + SECTIONS + basis.parts + basis.richer_parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", picture, *own)
 
     def _named(self) -> list[Path]:

@@ -339,8 +339,8 @@ def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequen
     by_monomials = spin.by_monomials(exact) if spin else {}
     found = found._replace(derivatives=with_more(found.derivatives, by_monomials))
     elements: tuple[Any, Any, Any] = (None, None, None)
-    if element_parts(choice.kind) and not choice.beside_frozen:
-        sums = element_sums(space, nominal, held)
+    if not choice.beside_frozen:
+        sums = element_sums(space, nominal, still)
         elements = (sums.elements, sums.derivatives, sums.affine)
     sections = KeptSections() if choice.beside_frozen else beam_sections(space, nominal, changes)
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
@@ -349,13 +349,10 @@ def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequen
     return ReducedParts(space, basis, *found, interfaces, nominal.stress_points, *elements, sections, stored, rest, composition)
 
 
+ELEMENT_PARTS = ("elements", "element_derivatives", "element_affine")
+"""Parts of a reduced model that hold its elements one by one, which several frames are made of, whatever shapes one frame keeps."""
 SECTIONS = ("sections", "section_derivatives", "section_affine")
 """Parts of a reduced model of beams that hold their sections."""
-
-
-def element_parts(basis: str) -> tuple[str, ...]:
-    """Parts of a reduced model that hold its elements one by one: those with all nodal coordinates have them."""
-    return ("elements", "element_derivatives", "element_affine") if basis == "full" else ()
 
 
 def _held(choice: BasisChoice, clamped_node: int | Sequence[int], n_nodes: int) -> list[int]:

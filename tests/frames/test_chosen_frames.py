@@ -10,7 +10,7 @@ import pytest
 
 import ffrf
 from preprocessing.reduction.basis import BasisChoice
-from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space
+from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space, without_elements
 from tests.frames.test_cut_wing import WING, wing
 from tests.models.beam_models import save_beam
 from toolkit.command_line.commands.inspection import describe_scene
@@ -146,11 +146,10 @@ def test_an_error_that_no_number_reaches_is_refused_with_the_mesh_that_would(tmp
 
 
 def test_a_body_that_cannot_be_cut_has_no_number_to_choose(tmp_path):
-    shapes = cantilever(tmp_path, STRAIGHT, 1, (0.0, EI), basis=BasisChoice("eigenmodes", count=4))
-    with pytest.raises(
-        InputError, match=r'frames = auto.*keeps shapes and not all nodal coordinates: build it with kind = "full"'
-    ):
-        ffrf.compile(automatic(shapes, "beam")).statics()
+    cantilever(tmp_path, STRAIGHT, 1, (0.0, EI), basis=BasisChoice("eigenmodes", count=4))
+    without_elements(tmp_path / "beam.h5")
+    with pytest.raises(InputError, match=r"frames = auto.*does not keep its elements one by one"):
+        ffrf.compile(automatic(ffrf.read_scene(tmp_path / "scene.toml"), "beam")).statics()
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.description.run_options import RunOptions
 from toolkit.door.model import Model
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.file import load
+from toolkit.reduced_model.file import load, save
 from toolkit.responses.cut_shape import cut_positions
 from toolkit.responses.stress.stress import stress_field
 from toolkit.scene.resolution import resolve
@@ -65,6 +66,12 @@ def cantilever(
         text = text.replace(name, repr(float(value)))
     (folder / "scene.toml").write_text(text)
     return ffrf.read_scene(folder / "scene.toml")
+
+
+def without_elements(file: Path) -> None:
+    """What files of models of shapes were before they kept their elements."""
+    kept = load(file)
+    save(replace(kept, elements=None, element_derivatives=None, element_affine=None), file)
 
 
 def in_space(local: tuple[float, float]) -> tuple[float, float]:
@@ -281,10 +288,41 @@ def test_cuts_that_cannot_be_are_refused(tmp_path, frames, words):
         compile_scene(scene)
 
 
-def test_a_model_of_shapes_is_refused(tmp_path):
-    scene = cantilever(tmp_path, STRAIGHT, 4, (0.0, EI), basis=BasisChoice("eigenmodes", count=4))
-    with pytest.raises(InputError, match='keeps shapes and not all nodal coordinates: build it with kind = "full"'):
-        compile_scene(scene)
+def test_parts_of_a_model_of_shapes_have_all_coordinates(tmp_path):
+    """Whatever shapes its one frame keeps, so that they bend as those of a model of all coordinates."""
+    found = []
+    for basis in ("full", "eigenmodes"):
+        scene = cantilever(
+            tmp_path, STRAIGHT, 4, in_space((0.0, EI)), basis=BasisChoice(basis, count=1 if basis != "full" else None)
+        )
+        found.append(ffrf.compile(scene, variables=["t", "F"]).statics(gradients=True))
+    full, reduced = found
+    assert reduced.values == pytest.approx(full.values, rel=1e-9)
+    for f, slopes in full.gradients.items():
+        assert reduced.gradients[f] == pytest.approx(slopes, rel=1e-8)
+
+
+def test_a_model_without_elements_is_refused(tmp_path):
+    cantilever(tmp_path, STRAIGHT, 4, (0.0, EI), basis=BasisChoice("eigenmodes", count=4))
+    without_elements(tmp_path / "beam.h5")
+    with pytest.raises(InputError, match=r"does not keep its elements one by one.* Build it again with ffrf-preprocess"):
+        compile_scene(ffrf.read_scene(tmp_path / "scene.toml"))
+
+
+@pytest.mark.parametrize(("load", "told"), [(0.5, True), (0.02, False)])
+def test_gradients_of_a_reduced_beam_are_judged_by_the_elastica(tmp_path, load, told):
+    """Its modes bend in one frame, and what its elements would do when they turn is told of every gradient to a factor of 1.5."""
+    scene = cantilever(tmp_path, STRAIGHT, 1, in_space((0.0, load * EI)), basis=BasisChoice("craig-bampton", count=2))
+    run = ffrf.compile(scene, variables=["t"]).statics(gradients=True)
+    step = 1e-3  # of the load, which the bending stiffness divides: it grows with the cube of the thickness
+    down, short = -3 * np.subtract(elastica(load * (1 + step)), elastica(load * (1 - step))) / (2 * step) / SECTION.thickness
+    assert ("geometric-gradients" in {each.code for each in run.verdict.warnings if each.doubt}) == told
+    for f, true in zip("xy", in_space((-short, down)), strict=True):
+        off = true - run.gradients[f]["t"]
+        if told:
+            assert 1 / 1.5 < run.frame_errors.gradients[f]["t"] / off < 1.5
+        else:
+            assert abs(off) < 0.05 * abs(true)
 
 
 def test_what_asks_for_the_one_frame_is_refused(tmp_path):

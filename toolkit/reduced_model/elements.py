@@ -11,14 +11,16 @@ LOCAL = 6
 """Coordinates of an element: displacements x, y and the rotation of its first node, then of its second, in the axes of the model."""
 SPATIAL_LOCAL = 12
 """The same in space: displacements along and rotations about x, y and z of its first node, then of its second."""
+STILL = 1e-9
+"""Part of the largest movement of a node below which it is round-off: clamped nodes of computed shapes move by some."""
 
 
 @dataclass(frozen=True)
 class Elements:
     """Invariants of every element on its own coordinates; those of a set of elements are their sums.
 
-    With Z_e = [xi_e, 1] of an element, xi_e the undeformed places of its nodes, and otherwise as the invariants of the whole body. A model
-    has them that keeps all nodal coordinates.
+    With Z_e = [xi_e, 1] of an element, xi_e the undeformed places of its nodes, and otherwise as the invariants of the whole body. Models
+    of beams have them whatever shapes their basis keeps.
     """
 
     nodes: np.ndarray  # (n_nodes, 2), undeformed
@@ -32,11 +34,11 @@ class Elements:
     stress_operator: np.ndarray  # (n_stress, 6), on the coordinates of the element that the stress point is in
 
     def held_nodes(self, mesh: Any) -> np.ndarray:
-        """Numbers of the nodes that the frame of the whole body is tied to: those that no column of the mesh moves."""
+        """Numbers of the nodes that the frame of the whole body is tied to: those that no column of the mesh moves but by round-off."""
         if mesh is None:
             return np.zeros(0, int)
         moved: np.ndarray = mesh.recovery[:, 1:].reshape(len(mesh.nodes), -1)
-        return np.flatnonzero(np.all(moved == 0, axis=1))
+        return np.flatnonzero(np.abs(moved).max(axis=1, initial=0.0) <= STILL * np.abs(moved).max(initial=0.0))
 
     def shapes(self, mesh: Any) -> np.ndarray | None:
         """Nodal coordinates per elastic coordinate of the whole body, (3 n_nodes, n_f); None if they were not stored."""

@@ -262,6 +262,13 @@ class ReducedModel:
         return any(words in self.basis for words in ("identity on", "all coordinates"))
 
     @property
+    def nodal_shapes(self) -> np.ndarray | None:
+        """Nodal coordinates of the elements, once these are loaded, per elastic coordinate (n, n_f); None if nobody stored them."""
+        if self.elements is None or (self.dimension == 3 and not self.keeps_all):
+            return None
+        return self.elements.shapes(self.mesh)
+
+    @property
     def in_pieces(self) -> bool:
         """Whether the body is a solid in pieces, which are its elements; the errors of their faces are then known."""
         return bool(self.face_errors)

@@ -336,7 +336,7 @@ def cuttable(scene: Scene) -> list[str]:
 
 
 def can_be_cut(model: ReducedModel) -> bool:
-    """Whether a reduced model, loaded with its elements, is made of beams with all nodal coordinates."""
+    """Whether a reduced model, loaded with its elements, is made of beams or pieces."""
     return model.elements is not None
 
 
@@ -374,9 +374,7 @@ def _kept_by(model: ReducedModel) -> str:
             f"A solid in space is cut into groups of elements: name groups of its mesh in [pieces] of {toml} and build it again, or leave "
             "`frames` out, as solids in the plane must."
         )
-    if model.keeps_all:
-        return "Build it again with ffrf-preprocess."
-    return 'It keeps shapes and not all nodal coordinates: build it with kind = "full" in its [basis], or leave `frames` out.'
+    return "Build it again with ffrf-preprocess, or leave `frames` out."
 
 
 def clamped_nodes(model: ReducedModel) -> list[int]:

@@ -159,7 +159,7 @@ class Run:
         """Estimated errors by the number of floating frames, by a run with more of them when first asked for."""
         if self.reframed is None or not self.gradients:
             return None
-        return frame_errors(self.solution, self.values, self.gradients, self.reframed)
+        return frame_errors(self.solution, self.values, self.gradients, self.scales, self.reframed)
 
     @cached_property
     def basis_errors(self) -> BasisErrors | None:
@@ -224,7 +224,7 @@ class Run:
         bodies = framed_doubts(self._verdict.warnings)
         if self.reframed is None or not self.gradients or bodies <= set(bodies_with_more(self.solution)):
             return self.frame_errors
-        return frame_errors(self.solution, self.values, self.gradients, self.reframed, bodies)
+        return frame_errors(self.solution, self.values, self.gradients, self.scales, self.reframed, bodies)
 
     @cached_property
     def _verdict(self) -> Verdict:

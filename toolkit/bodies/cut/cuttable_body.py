@@ -34,8 +34,8 @@ class CuttableBody(ModelBody):
     frames
         Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
         it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
-        names of interface points of the reduced model. It needs a model of beams with all nodal coordinates (`kind = "full"`); where these
-        branch, they are always cut.
+        names of interface points of the reduced model. It needs a model of beams, whose parts then have all nodal coordinates whatever
+        its basis; where beams branch, they are always cut.
         "auto" takes the number that runs of the scene with fewer and more frames find to be enough for `geometric_error`, and where
         gradients are wanted, for these too.
     modes_per_frame

@@ -15,11 +15,10 @@ from itertools import pairwise
 import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.magnitude import Largest, magnitude_that_counts
-from toolkit.scene.resolution import branches, can_be_cut, fewest_cut
+from toolkit.scene.resolution import branches, cuttable, fewest_cut, most_frames
 from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
@@ -28,9 +27,9 @@ from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
 from toolkit.validity.bodies.tension.pulled_joints import STEEP, lacking_joints
 from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
 
-SMALL, SMALL_OF_PARTS = 2e-3, 5e-4
-"""Geometric error by the meter up to which gradients are not examined, of a body with one frame and with several: where the parts
-of a wing leave 6e-4, a gradient is off by 6 %."""
+SMALL = 5e-4
+"""Geometric error by the meter up to which gradients are not examined: where the parts of a wing leave 6e-4, a gradient is off by 6 %, and
+so it is of a pendulum whose bending leaves 1.7e-3 in one frame, as vibrations count what changes their frequency period by period."""
 UNIMPORTANT = 0.02
 """Effect of a gradient on its response, relative to that of the most important gradient, below which it is left out."""
 NAMED = 6
@@ -42,6 +41,9 @@ BENT = 1e-3
 NONE = Largest(0.0, np.zeros(0))
 MANY = 10.0
 """Part from which on an error is called many times the gradient: that is about zero then, and the ratio says nothing."""
+BEYOND_FRAMES = 0.5
+"""Part of its scale by which no frames change a value of a body that keeps few shapes, as the meter knows how far it bends: those that it
+leaves out vibrate then, in steps that are too long for them."""
 UNCERTAIN = 2.0
 """Factor by which the estimate of an error may be too small."""
 
@@ -52,7 +54,10 @@ Reframed = Callable[[Mapping[str, Frames]], tuple[Mapping[str, float], Slopes]]
 
 @dataclass(frozen=True)
 class FrameErrors:
-    """Estimated errors of a run by the number of its frames; `failure` says why there are none."""
+    """Estimated errors of a run by the number of its frames; `failure` says why there are none.
+
+    Parts with frames of their own have all shapes of their elements, so that of a reduced body these are errors by its basis too.
+    """
 
     frames: Mapping[str, tuple[int, int]]  # body -> those of the run, and those that it is compared with
     values: Mapping[str, float]
@@ -60,6 +65,7 @@ class FrameErrors:
     failure: str = ""
     most: Mapping[str, int] = field(default_factory=dict)  # body -> elements, of which each can have a frame
     undecided: Mapping[str, float] = field(default_factory=dict)  # response -> what Newton leaves open of it, which is no change
+    unknown: Collection[str] = ()  # responses that the other run does not know, which have no errors
 
     def largest(self, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes | None = None) -> float:
         """Largest error of the gradients that count, relative to the gradient or to the largest in a motion."""
@@ -87,11 +93,20 @@ UNFELT = 1e-3
 
 
 def frame_errors(
-    solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed, doubted: Collection[str] = ()
+    solution: Solution,
+    values: Mapping[str, float],
+    gradients: Slopes,
+    scales: Mapping[str, float],
+    reframed: Reframed,
+    doubted: Collection[str] = (),
 ) -> FrameErrors | None:
     """Errors of values and gradients by the number of frames; None where no body needs more frames, or can have them.
 
     A body that is deformed far, or that is doubted, needs more.
+
+    Parameters
+    ----------
+    scales : response -> what an error of its value is compared with
     """
     bodies = [body for body in whole_bodies(solution.system.scene) if body in {*bodies_with_more(solution), *doubted}]
     more = {body: _more(solution, body) for body in bodies if _can_have_more(solution, body)}
@@ -105,17 +120,27 @@ def frame_errors(
         return FrameErrors(counts, {}, {}, str(error), most)
     square = min(now / before for before, now in counts.values()) ** 2
     factor = square / (square - 1)
+    unknown = _unknown(solution, more, scales, {f: other_values[f] - value for f, value in values.items()})
+    slopes = {f: row for f, row in gradients.items() if f not in unknown}
     return FrameErrors(
         counts,
-        {f: float(factor * (other_values[f] - value)) for f, value in values.items()},
-        {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in gradients.items()},
+        {f: float(factor * (other_values[f] - value)) for f, value in values.items() if f not in unknown},
+        {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in slopes.items()},
         most=most,
         undecided={
             f: max(magnitude_that_counts(each, solution, NONE), UNFELT * abs(values[f]))
             for f, each in responses_of(solution.system.scene, moving(solution)).items()
             if f in values
         },
+        unknown=unknown,
     )
+
+
+def _unknown(solution: Solution, bodies: Collection[str], scales: Mapping[str, float], changes: Mapping[str, float]) -> list[str]:
+    """Responses that shapes which a reduced body leaves out change by their vibrations, and not by frames."""
+    scene = solution.system.scene
+    reduced = any(not scene.model(scene.bodies[body].model).keeps_all for body in bodies)  # type: ignore[attr-defined]
+    return [f for f, change in changes.items() if reduced and abs(change) > BEYOND_FRAMES * scales[f]]
 
 
 def bodies_with_more(solution: Solution) -> list[str]:
@@ -125,7 +150,7 @@ def bodies_with_more(solution: Solution) -> list[str]:
     return [
         body
         for body, each in geometric_errors(solution).items()
-        if body in pulling or (each is not None and each.relative > _small(solution, body))
+        if body in pulling or (each is not None and each.relative > SMALL)
     ]
 
 
@@ -146,7 +171,7 @@ def unless_frames_deny(
     """The cautions, with those about what more frames know as remarks where no answer feels them."""
     values = [abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]]
     felt = max([*values, *_parts(found, gradients, sizes, slope_scales).values()], default=0.0)
-    unfelt = not found.failure and felt * UNCERTAIN <= LIMIT
+    unfelt = not found.failure and not found.unknown and felt * UNCERTAIN <= LIMIT
     for each in cautions:
         if unfelt and each.doubt and each.code in WEIGHED and each.body in found.frames and _moves(solution, each):
             said = (
@@ -186,6 +211,13 @@ def doubtful_gradients(
             doubt=False,
         )
         return
+    if found.unknown:
+        yield Caution(
+            "geometric-gradients",
+            f"what the floating frames do to {', '.join(found.unknown)} is not known: with {_others(found.frames)} shapes that its basis "
+            "leaves out vibrate, in steps that are too long for them.",
+            doubt=False,
+        )
     parts = _parts(found, gradients, sizes, scales)
     signs = _signs(found, gradients, sizes, scales)
     off = {pair: part for pair, part in parts.items() if part > LIMIT and pair not in signs}
@@ -273,22 +305,12 @@ def _listed(pairs: list[tuple[str, str]]) -> str:
 
 
 def _can_have_more(solution: Solution, body: str) -> bool:
-    written = solution.system.scene.bodies[body]
-    if not isinstance(written, CuttableBody) or any(written.deflected.values()):
-        return False
-    return _count(solution, body) < _elements(solution, body)
-
-
-def _small(solution: Solution, body: str) -> float:
-    return SMALL_OF_PARTS if isinstance(solution.system.scene.bodies[body], CutBody) else SMALL
+    return body in cuttable(solution.system.scene) and _count(solution, body) < _elements(solution, body)
 
 
 def _elements(solution: Solution, body: str) -> int:
-    """Number of elements of a body that can have frames of their own; zero if they cannot."""
-    written = solution.system.scene.bodies[body]
-    assert isinstance(written, CuttableBody)
-    model = solution.system.scene.model(written.model, "elements")
-    return len(model.elements.connectivity) if model.elements is not None and can_be_cut(model) else 0
+    """Number of elements, each of which can have a frame of its own, of a body that can be cut."""
+    return most_frames(solution.system.scene, body)
 
 
 def _count(solution: Solution, body: str) -> int:

@@ -13,10 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.sensitivity.errors.step_cautions import GRADIENTS, VALUES
-from toolkit.sensitivity.frames.gradient_errors import SMALL, SMALL_OF_PARTS, UNCERTAIN, FrameErrors, Slopes, doubtful_gradients
+from toolkit.sensitivity.frames.gradient_errors import SMALL, UNCERTAIN, FrameErrors, Slopes, doubtful_gradients
 from toolkit.sensitivity.run import Run
 from toolkit.studies.designs.indicators import Indicators, distances, indicators, joined, sizes_of_variables
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
@@ -103,7 +102,7 @@ def measured(result: Run, alone: bool = False) -> Measured:
 
 def _shares(result: Run) -> np.ndarray:
     """Measures relative to their limits, both of comparisons with other runs and of what decides whether these are made."""
-    found, scene = result.measures, result.solution.system.scene
+    found = result.measures
     shares = [each / ENERGY for each in found.get("energy_balance", {}).values()]
     if noise := found.get("force_noise"):
         shares.append(noise["size"] / NOISY)
@@ -111,11 +110,9 @@ def _shares(result: Run) -> np.ndarray:
         shares.append(_largest(steps.values.values()) / VALUES)
         shares.append(_largest(error for each in steps.gradients.values() for error in each.values()) / GRADIENTS)
     shares.append(_of_values(result) / LIMIT)
-    for body, each in geometric_errors(result.solution).items():
+    for each in geometric_errors(result.solution).values():
         if each is not None:
-            shares += [
-                each.relative / limit for limit in (LIMIT, SMALL_OF_PARTS if isinstance(scene.bodies[body], CutBody) else SMALL)
-            ]
+            shares += [each.relative / limit for limit in (LIMIT, SMALL)]
     pressed = result.solution.known.get(Compression) or compression(result.solution, of_interest=LIMIT / 2)
     shares += [] if pressed is None else [pressed.missed / LIMIT, pressed.feigned / LIMIT, pressed.load]
     return np.array(shares, dtype=float)

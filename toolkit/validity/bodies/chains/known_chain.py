@@ -49,8 +49,7 @@ def _in_space(scene: ResolvedScene, body: str) -> Chain | None:
     if isinstance(written, FramedPart):
         return _of_part(scene, written)
     design = written.design_point(scene, "elements", "element_derivatives", "element_affine")
-    elements = design.model.elements
-    shapes = None if elements is None else elements.shapes(design.model.mesh)
+    elements, shapes = design.model.elements, design.model.nodal_shapes
     if elements is None or shapes is None:
         return None
     if Chain not in design.kept:

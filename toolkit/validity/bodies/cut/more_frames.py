@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.cut.cuttable_body import CuttableBody
-from toolkit.scene.resolution import ResolvedScene, can_be_cut, fewest_cut, most_frames
+from toolkit.scene.resolution import ResolvedScene, cuttable, fewest_cut, most_frames
 from toolkit.system.flexible_bodies import elements_of
 
 
@@ -16,7 +15,7 @@ def divided(scene: ResolvedScene, body: str, excess: float) -> str:
     The error falls with the square of the number.
     """
     written = scene.bodies[body]
-    if not isinstance(written, CuttableBody) or not can_be_cut(scene.model(written.model, "elements")):
+    if body not in cuttable(scene):
         return "model the body as several bodies in a row"
     now = len(written.cuts) - 1 if isinstance(written, CutBody) else 1
     most = most_frames(scene, body)

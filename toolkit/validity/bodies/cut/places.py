@@ -103,8 +103,7 @@ def _shapes(scene: Scene, body: str) -> np.ndarray:
 
 def _shapes_kept(scene: Scene, body: str) -> np.ndarray | None:
     written: Any = scene.bodies[body]
-    model = scene.model(written.model, "elements", "mesh")
-    return None if model.elements is None else model.elements.shapes(model.mesh)
+    return scene.model(written.model, "elements", "mesh").nodal_shapes
 
 
 def _distances(away: np.ndarray) -> np.ndarray:
