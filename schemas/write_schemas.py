@@ -13,9 +13,9 @@ from preprocessing.builders.body_file import BodyFile
 from preprocessing.builders.frame_file import FrameFile
 from preprocessing.builders.skin_file import SkinFile
 from toolkit.door.plane import parts_of_scenes
-from toolkit.foundation.files.replaced_file import replaced
+from toolkit.foundation.files.safe_files import replaced
 from toolkit.scene_file.schema import DRAFT, scene_schema, tidy
-from toolkit.studies.study.study_file import Study
+from toolkit.studies.study_file import Study
 
 WIDTH = 120
 """Characters of a line of a schema."""

@@ -22,7 +22,7 @@ from preprocessing.foreign_files.apart import ReaderEnded
 from preprocessing.foreign_files.child import reading
 from preprocessing.foreign_files.wire import send
 from toolkit.command_line.rehearsal import rehearse
-from toolkit.foundation.processes import preprocessing_process
+from toolkit.foundation import processes
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 
@@ -111,8 +111,8 @@ def all_read_here() -> Iterator[None]:
 @pytest.fixture
 def programs_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Programs of the preprocessing run here, which saves their imports, where nothing of their process is tested."""
-    monkeypatch.setattr(preprocessing_process, "program", lambda *words: list(words))
-    monkeypatch.setattr(preprocessing_process, "subprocess", SimpleNamespace(run=_run))
+    monkeypatch.setattr(processes, "program", lambda *words: list(words))
+    monkeypatch.setattr(processes, "subprocess", SimpleNamespace(run=_run))
 
 
 def _run(command: list[str], *, input: str | None, **_options: object) -> subprocess.CompletedProcess[str]:

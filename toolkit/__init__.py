@@ -24,10 +24,9 @@ if TYPE_CHECKING:
     from toolkit.sensitivity.certificate.certificate import certify
     from toolkit.sensitivity.run import Run, load
     from toolkit.studies.optimization.optimum import Optimum
-    from toolkit.studies.study.study_file import Study
-    from toolkit.studies.study.study_reader import read_study
-    from toolkit.studies.sweep.swept import Swept
-    from toolkit.studies.uncertainty.uncertain_result import UncertainResult
+    from toolkit.studies.study_file import Study, read_study
+    from toolkit.studies.sweep import Swept
+    from toolkit.studies.uncertain_result import UncertainResult
 
 _PLACES = {
     "Caution": "toolkit.foundation.verdict:Caution",
@@ -37,10 +36,10 @@ _PLACES = {
     "Run": "toolkit.sensitivity.run:Run",
     "RunOptions": "toolkit.description.run_options:RunOptions",
     "Scene": "toolkit.scene.scene:Scene",
-    "Study": "toolkit.studies.study.study_file:Study",
-    "Swept": "toolkit.studies.sweep.swept:Swept",
+    "Study": "toolkit.studies.study_file:Study",
+    "Swept": "toolkit.studies.sweep:Swept",
     "ToolkitError": "toolkit.foundation.errors:ToolkitError",
-    "UncertainResult": "toolkit.studies.uncertainty.uncertain_result:UncertainResult",
+    "UncertainResult": "toolkit.studies.uncertain_result:UncertainResult",
     "Verdict": "toolkit.foundation.verdict:Verdict",
     "bridges": "toolkit.bridges:",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
@@ -51,7 +50,7 @@ _PLACES = {
     "optimize": "toolkit.door.many_designs:optimize",
     "plane": "toolkit.door.plane:",
     "read_scene": "toolkit.scene_file.reader:read_scene",
-    "read_study": "toolkit.studies.study.study_reader:read_study",
+    "read_study": "toolkit.studies.study_file:read_study",
     "space": "toolkit.door.space:",
     "sweep": "toolkit.door.many_designs:sweep",
     "uncertainty": "toolkit.door.many_designs:uncertainty",

@@ -16,8 +16,7 @@ from pathlib import Path
 
 import ffrf
 from toolkit.report.work_precision import work_precision
-from toolkit.studies.tradeoff.recommendation import skin_fragments, solver_fragment
-from toolkit.studies.tradeoff.tradeoff import plan, tradeoff
+from toolkit.studies.tradeoff.tradeoff import plan, skin_fragments, solver_fragment, tradeoff
 
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))
 text = (folder / "scene.toml").read_text().partition("[solver]")[0].replace("duration = 1.0", "duration = 0.02")

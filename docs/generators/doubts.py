@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 
 from docs.generators.house import HALVES, files, tree
-from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.files.safe_files import write_whole
 from toolkit.foundation.verdict import checks, codes
 
 PAGE = Path(__file__).parents[1] / "doubts.md"

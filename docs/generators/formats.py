@@ -40,17 +40,14 @@ from preprocessing.builders.skin_file import (
 )
 from preprocessing.builders.tables import BasisTable, Damping
 from toolkit.curves.catalogue import Curve
-from toolkit.description.design import CommonVariable
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint, CommonVariable
 from toolkit.description.run_options import Baumgarte, RunOptions
-from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.files.safe_files import write_whole
 from toolkit.responses.catalogue import Response
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
-from toolkit.studies.distributions.uncertain_numbers import Correlation, Uncertain, Uncertainty
-from toolkit.studies.study.search_options import Search
-from toolkit.studies.study.study_file import Limit, Objective, Study, StudyVariable
-from toolkit.studies.study.sweep_options import Sweep
+from toolkit.studies.distributions import Correlation, Uncertain, Uncertainty
+from toolkit.studies.study_file import Limit, Objective, Search, Study, StudyVariable, Sweep
 
 PAGE = Path(__file__).parents[1] / "formats.md"
 PLACE = re.compile(r"^<!-- table: ([\w-]+) -->\n(?:.*?^<!-- end of table -->\n)?", re.MULTILINE | re.DOTALL)

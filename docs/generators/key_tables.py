@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from docs.generators.comments import meanings
 from toolkit.curves.curve import PLACEHOLDER
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Quantity
 
 BOUNDS = {"exclusiveMinimum": "&gt;", "minimum": "&ge;", "exclusiveMaximum": "&lt;", "maximum": "&le;"}
 SIMPLE = {"number": "number", "integer": "whole number", "string": "text", "boolean": "`true` or `false`"}

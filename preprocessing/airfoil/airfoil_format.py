@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.meant_path import meant_path
-from toolkit.foundation.files.regular_file import read_start
+from toolkit.foundation.files.safe_files import meant_path, read_start
 from toolkit.foundation.units import LARGEST
 
 LARGEST_FILE = 1_000_000

@@ -31,7 +31,7 @@ from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.reduction.reduced import ELEMENT_PARTS, mesh_composition
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.description.told_body import told_left_out
+from toolkit.reduced_model.told_body import told_left_out
 
 if TYPE_CHECKING:
     from preprocessing.builders.discrete_body import DiscreteBody

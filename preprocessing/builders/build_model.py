@@ -11,8 +11,7 @@ from preprocessing.builders.frame_recipe import FrameRecipe
 from preprocessing.builders.recipe import Recipe, Remark
 from preprocessing.builders.skin_recipe import SkinRecipe
 from preprocessing.mesh.input_files import refuse_foreign
-from toolkit.foundation.files.toml_file import read_toml
-from toolkit.foundation.files.toml_kinds import refuse_other
+from toolkit.foundation.files.toml_file import read_toml, refuse_other
 from toolkit.reduced_model.file import save as write
 from toolkit.reduced_model.model import ReducedModel
 

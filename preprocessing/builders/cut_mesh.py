@@ -16,8 +16,7 @@ from preprocessing.foreign_files.contents import PointMass
 from preprocessing.mesh.faces import BoundaryFaces, faces_of
 from preprocessing.mesh.input_files import at_key
 from preprocessing.mesh.solid_mesh import SolidMesh, lumps
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import meant
+from toolkit.foundation.errors import InputError, meant
 
 
 def groups_of_elements(mesh: SolidMesh, groups: list[str]) -> dict[str, Mapping[str, np.ndarray]]:

@@ -17,7 +17,7 @@ from preprocessing.builders.tables import Table
 from preprocessing.elements.solid_elements import CUBE, CUBE_MIDDLES
 from preprocessing.mesh.input_files import at_key
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.replaced_file import replaced, write_whole
+from toolkit.foundation.files.safe_files import replaced, write_whole
 from toolkit.foundation.files.toml_file import read_toml
 
 ON_NODE = 1e-9

@@ -18,14 +18,21 @@ from preprocessing.reduction.basis import BasisChoice
 from preprocessing.reduction.chosen_basis import clamped_in_tangent_frame
 from preprocessing.reduction.solid_basis import solid_shapes
 from preprocessing.reduction.ties import freedom
-from toolkit.reduced_model.checks.shapes import SHAPES, letters_of
 from toolkit.reduced_model.cut.part import symmetric
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.elements import SPATIAL_LOCAL, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, StressPoints
-from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
-from toolkit.reduced_model.questions.face_questions import EXTREMES
-from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface, SurfaceLoad
+from toolkit.reduced_model.parts import (
+    PAIRS,
+    SPATIAL_LOCAL,
+    PieceLoads,
+    Pieces,
+    SpatialElements,
+    SpatialInvariants,
+    Surface,
+    SurfaceLoad,
+)
+from toolkit.reduced_model.questions import EXTREMES
+from toolkit.reduced_model.shapes import SHAPES, letters_of
 
 LEFT_OUT = -1
 """Number along an axis that stands for what is not kept."""
@@ -90,7 +97,7 @@ def placed(pieces: Sequence[Mapping[str, Any]], places: Sequence[Mapping[str, Pi
 
 
 def letters_of_items(invariants: Any) -> dict[str, str]:
-    """Letters of the axes of all invariants, see `toolkit.reduced_model.checks.shapes`."""
+    """Letters of the axes of all invariants, see `toolkit.reduced_model.shapes`."""
     letters = letters_of(invariants)
     return {f.name: letters[f.name] for f in fields(invariants)}
 

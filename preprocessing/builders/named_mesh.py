@@ -30,8 +30,7 @@ from preprocessing.mesh.matrix_file import read_motion, read_nodes
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions, rotations
 from preprocessing.reduction.ties import NARROW, NodeTie, rows_of_place, tie
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import meant
+from toolkit.foundation.errors import InputError, meant
 
 ON_EDGE = 1e-9
 """Part of the body's extent by which a node may be outside of a box."""

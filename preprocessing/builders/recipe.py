@@ -15,11 +15,9 @@ import numpy as np
 from preprocessing.builders.tables import Table, put, validated
 from preprocessing.foreign_files.child import LARGEST_FILE
 from preprocessing.mesh.input_files import at_key, origin
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.meant_path import meant_path
-from toolkit.foundation.files.regular_file import read_whole
+from toolkit.foundation.errors import InputError, listed, meant
+from toolkit.foundation.files.safe_files import meant_path, read_whole
 from toolkit.foundation.files.toml_file import read_toml
-from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.file import SCHEMA_VERSION
 from toolkit.reduced_model.model import ReducedModel
 

@@ -29,11 +29,9 @@ from preprocessing.reduction.stored_entries import ROUND_OFF, with_held_points
 from preprocessing.reduction.ties import Freedom, chord_turn, freedom
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
-from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.dependence import Polynomial
-from toolkit.reduced_model.model import MEAN_AXES, InterfacePoint, Outline, StressPoints
-from toolkit.reduced_model.parts.interior import Interior
-from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
+from toolkit.reduced_model.model import MEAN_AXES, Chord, InterfacePoint, Outline, StressPoints
+from toolkit.reduced_model.parts import SPIN_STIFFENING, Interior, Spin
 
 MODES, MOST = 2, 12
 """Modes that are looked at, the lowest ones, and shapes of interface points."""

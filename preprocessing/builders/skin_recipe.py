@@ -21,10 +21,8 @@ from preprocessing.mesh.input_files import at_key
 from preprocessing.reduction.discretisation import DesignSpace, Discretisation
 from preprocessing.reduction.pictured_parts import beam_surface
 from preprocessing.reduction.reduced import ELEMENT_PARTS, SECTIONS, ReducedParts, reduce
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.meant_path import meant_path
-from toolkit.foundation.files.regular_file import read_start
-from toolkit.foundation.listed_names import meant
+from toolkit.foundation.errors import InputError, meant
+from toolkit.foundation.files.safe_files import meant_path, read_start
 from toolkit.reduced_model.model import Mesh, Shape
 
 

@@ -10,10 +10,9 @@ from typing import Annotated, Any, Literal, TypeVar, get_args
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from preprocessing.reduction.basis import BasisChoice
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.meant_path import file_name
-from toolkit.foundation.files.toml_lines import line_of
-from toolkit.foundation.listed_names import SHORT, meant
+from toolkit.foundation.errors import SHORT, InputError, meant
+from toolkit.foundation.files.safe_files import file_name
+from toolkit.foundation.files.toml_file import line_of
 from toolkit.foundation.units import LARGEST
 
 

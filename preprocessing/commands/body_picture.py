@@ -14,11 +14,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.regular_file import read_start
-from toolkit.foundation.files.replaced_file import write_whole
-from toolkit.reduced_model.description.body_summary import body_summary
-from toolkit.reduced_model.description.told_body import body_line, told_place
+from toolkit.foundation.files.safe_files import read_start, write_whole
 from toolkit.reduced_model.model import Outline, ReducedModel
+from toolkit.reduced_model.told_body import body_line, body_summary, told_place
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,16 +13,21 @@ from preprocessing.builders.build_model import read_recipe
 from preprocessing.commands.body_picture import refuse_picture, save_picture
 from preprocessing.mesh.input_files import refuse_output
 from toolkit.foundation.errors import InputError, ModelFileError
-from toolkit.foundation.files.outside_files import told_outside
+from toolkit.foundation.files.safe_files import told_outside
 from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
-from toolkit.reduced_model.description.body_summary import NOT_KEPT, body_summary
-from toolkit.reduced_model.description.told_body import body_line
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.questions.face_questions import face_questions, face_record, told_faces
-from toolkit.reduced_model.questions.material_questions import material_questions
-from toolkit.reduced_model.questions.mesh_questions import mesh_questions, mesh_record, told_mesh
+from toolkit.reduced_model.questions import (
+    face_questions,
+    face_record,
+    material_questions,
+    mesh_questions,
+    mesh_record,
+    told_faces,
+    told_mesh,
+)
+from toolkit.reduced_model.told_body import NOT_KEPT, body_line, body_summary
 
 app = typer.Typer(pretty_exceptions_enable=False)
 

@@ -28,7 +28,7 @@ from scipy.sparse import issparse
 from preprocessing.elements.section import Patch, Terms
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import Invariants
-from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants
+from toolkit.reduced_model.parts import PAIRS, SpatialInvariants
 
 Pair = tuple[int, int]
 """Axes a and b of a component mass matrix M_ab; M_ba is its transpose."""

@@ -21,7 +21,7 @@ from preprocessing.foreign_files.contents import (
     wrong_file,
 )
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.regular_file import read_whole
+from toolkit.foundation.files.safe_files import read_whole
 
 SOLIDS = {**dict.fromkeys((45, 64, 65, 185), 8), **dict.fromkeys((95, 186), 20), **dict.fromkeys((92, 187), 10), 285: 4}
 """Type of structural solid -> its number of nodes."""

@@ -12,10 +12,8 @@ from typing import Any, BinaryIO, NamedTuple
 from preprocessing.foreign_files.child import LARGEST_FILE, Bounds
 from preprocessing.foreign_files.wire import receive
 from toolkit.foundation.errors import InputError, without_content
-from toolkit.foundation.files.meant_path import meant_path
-from toolkit.foundation.files.regular_file import size_of
-from toolkit.foundation.processes.limits import ONE_THREAD
-from toolkit.foundation.processes.own_process import command, environment, refuse_namesakes
+from toolkit.foundation.files.safe_files import meant_path, size_of
+from toolkit.foundation.processes import ONE_THREAD, command, environment, refuse_namesakes
 
 CHILD = "from preprocessing.foreign_files.child import main; main(*sys.argv[1:])"
 

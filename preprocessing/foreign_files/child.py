@@ -11,7 +11,7 @@ from io import StringIO
 from typing import Any, BinaryIO
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.processes.limits import limit_process, memory_of_machine
+from toolkit.foundation.processes import limit_process, memory_of_machine
 
 LARGEST_FILE = 2 * 10**9
 """Bytes; a mesh of ten million nodes has half of it."""

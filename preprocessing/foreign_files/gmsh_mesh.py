@@ -21,7 +21,7 @@ from preprocessing.foreign_files.gmsh_sections import (
     names_of_groups,
     sections,
 )
-from toolkit.foundation.files.regular_file import read_whole
+from toolkit.foundation.files.safe_files import read_whole
 
 FORMAT = re.compile(rb"\s*\$MeshFormat[ \t\r]*\n[ \t]*(\d)(?:\.(\d))?[ \t]+([01])[ \t]+(\d)[ \t\r]*\n")
 ONCE = {"PhysicalNames", "Entities", "PartitionedEntities", "Nodes", "ParametricNodes", "Elements", "NOD", "ELM"}

@@ -12,8 +12,7 @@ from preprocessing.foreign_files.abaqus.blocks import deck_files
 from preprocessing.foreign_files.child import LARGEST_FILE
 from preprocessing.foreign_files.nastran.lines import named_files
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.meant_path import meant_path
-from toolkit.foundation.files.regular_file import read_whole
+from toolkit.foundation.files.safe_files import meant_path, read_whole
 
 DEEPEST, MOST = 20, 1000
 """Files that include each other in a row, and files in all, that any mesh is made of."""

@@ -19,7 +19,7 @@ from meshio._mesh import topological_dimension
 from preprocessing.foreign_files.child import LARGEST_FILE
 from preprocessing.foreign_files.contents import KNOWN, Elements, MeshContents, refuse_leave_out, wrong_file
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.regular_file import read_start, read_whole
+from toolkit.foundation.files.safe_files import read_start, read_whole
 
 SURFACES = {
     ".stl": "STL", ".off": "OFF", ".ply": "PLY", ".ply2": "PLY2", ".obj": "Wavefront OBJ", ".wrl": "VRML", ".x3d": "X3D", ".wkt": "WKT",

@@ -20,7 +20,7 @@ from preprocessing.foreign_files.contents import (
     wrong_file,
 )
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.regular_file import read_whole
+from toolkit.foundation.files.safe_files import read_whole
 
 KINDS = {
     **dict.fromkeys((11, 21, 22, 31), "line"),

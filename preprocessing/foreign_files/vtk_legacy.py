@@ -18,7 +18,7 @@ from preprocessing.foreign_files.contents import (
     wrong_file,
 )
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.regular_file import read_whole
+from toolkit.foundation.files.safe_files import read_whole
 
 REMEDY = "Export it again, with cells such as VTK_TETRA, VTK_HEXAHEDRON or their quadratic kinds."
 TYPES = {

@@ -24,7 +24,7 @@ from preprocessing.foreign_files.contents import (
     wrong_file,
 )
 from preprocessing.foreign_files.vtk_legacy import REMEDY, cells_by_type, hidden
-from toolkit.foundation.files.regular_file import read_whole
+from toolkit.foundation.files.safe_files import read_whole
 
 RAW = re.compile(rb"<AppendedData\s[^>]*encoding\s*=\s*[\"']raw[\"'][^>]*>\s*_", re.DOTALL)
 NUMBERS = {f"{name}{bits}": f"{code}{bits // 8}" for name, code in (("Int", "i"), ("UInt", "u")) for bits in (8, 16, 32, 64)}

@@ -8,7 +8,7 @@ from pathlib import Path
 from string import Template
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.files.safe_files import write_whole
 from toolkit.foundation.units import UNIT_SYSTEMS
 
 

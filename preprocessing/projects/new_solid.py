@@ -29,9 +29,8 @@ from preprocessing.projects.new_linkage import (
     substituted,
     write_folder,
 )
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.regular_file import read_whole
-from toolkit.foundation.listed_names import meant
+from toolkit.foundation.errors import InputError, meant
+from toolkit.foundation.files.safe_files import read_whole
 from toolkit.foundation.units import UNIT_SYSTEMS, unit
 
 BODY = Template("""\

@@ -21,7 +21,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import first_smallest
-from toolkit.reduced_model.chord_condition import Chord
+from toolkit.reduced_model.model import Chord
 
 
 def along(one: np.ndarray, other: np.ndarray) -> np.ndarray:

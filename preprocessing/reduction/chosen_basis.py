@@ -31,8 +31,7 @@ from preprocessing.reduction.normal_modes import (
 )
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import first_largest
-from toolkit.reduced_model.chord_condition import Chord
-from toolkit.reduced_model.model import MEAN_AXES
+from toolkit.reduced_model.model import MEAN_AXES, Chord
 
 REGULAR = 1e-6
 """Reciprocal condition of the rows on the coordinates that follow, below which two points share their nodes."""

@@ -17,8 +17,7 @@ from preprocessing.reduction.discretisation import DesignChange, DesignSpace, Di
 from preprocessing.reduction.invariants import Term, polynomial_of
 from preprocessing.reduction.stored_entries import ROUND_OFF, joined_rates
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.elements import Elements, SpatialElements
-from toolkit.reduced_model.parts.sections import BeamSections
+from toolkit.reduced_model.parts import BeamSections, Elements, SpatialElements
 
 KINDS: dict[int, Any] = {2: Elements, 3: SpatialElements}
 """Class of elements by the dimension of space."""
@@ -205,7 +204,7 @@ def _significant(arrays: Mapping[str, SumRows], mass: np.ndarray) -> dict[str, S
 
 
 def _scales(arrays: Arrays, mass: np.ndarray) -> Arrays:
-    """Largest possible size of every entry, element by element; see `toolkit.reduced_model.entry_scales`."""
+    """Largest possible size of every entry, element by element; see `toolkit.reduced_model.shapes`."""
     found: Arrays = {name: _of_squares(arrays[name]) for name in ("stiffness", "damping") if name in arrays}
     moments = {name: arrays[name] for name in ("inertia", "gyroscopic", "second_moment") if name in arrays}
     if moments:

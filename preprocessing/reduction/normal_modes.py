@@ -15,7 +15,7 @@ from preprocessing.reduction.constrained_pencil import (
     rigid_modes,
 )
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.mode_shapes import EQUAL, clusters, told_apart
+from toolkit.foundation.near_ties import EQUAL, clusters, told_apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,7 @@ class NormalModes:
     """Lowest modes of K phi = lambda M phi - R^T eta, R phi = 0, with Phi^T M Phi = I, without rigid motions.
 
     Of modes with equal eigenvalues `shapes` are those that the solver found, whose derivatives are known; `columns` are the same
-    ones turned and signed as `toolkit.foundation.mode_shapes` says, which no round-off chooses.
+    ones turned and signed as `toolkit.foundation.near_ties` says, which no round-off chooses.
     """
 
     pencil: ConstrainedPencil

@@ -12,7 +12,7 @@ from preprocessing.elements.section import Monomial, SectionShape, value_of
 from preprocessing.reduction.invariants import polynomial_of
 from preprocessing.reduction.reduced import ReducedParts
 from toolkit.reduced_model.dependence import Polynomial
-from toolkit.reduced_model.spatial_model import SURFACE_POSITION, Surface, SurfaceLoad
+from toolkit.reduced_model.parts import SURFACE_POSITION, Surface, SurfaceLoad
 
 if TYPE_CHECKING:
     from preprocessing.mesh.faces import BoundaryFaces

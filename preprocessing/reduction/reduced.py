@@ -31,8 +31,7 @@ from preprocessing.reduction.stored_entries import (
 )
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
-from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.description.composition import (
+from toolkit.reduced_model.composition import (
     LONGEST_SENTENCE,
     Attributes,
     Composition,
@@ -42,11 +41,9 @@ from toolkit.reduced_model.description.composition import (
     place_of,
     plain_text,
 )
-from toolkit.reduced_model.elements import Elements, SpatialElements
+from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
-from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
-from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
-from toolkit.reduced_model.spatial_model import SpatialInvariants
+from toolkit.reduced_model.parts import SPIN_STIFFENING, Elements, LeftOutShapes, SpatialElements, SpatialInvariants, Spin
 
 
 def mesh_composition(mesh: SolidMesh, volume: float | None, clamped: np.ndarray, tied: Mapping[str, np.ndarray]) -> Attributes:

@@ -21,7 +21,7 @@ from preprocessing.reduction.solid_systems import BasisChange, free_system, held
 from preprocessing.reduction.sparse_modes import ShiftedSystem, lowest_modes, mode_rates
 from preprocessing.reduction.ties import Freedom, NodeTie, chord_turn, supported
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.chord_condition import Chord
+from toolkit.reduced_model.model import Chord
 
 
 def count_by_static_error(modes: NormalModes, rows: Mapping[str, Any], system: Any, largest: float) -> int | None:

@@ -13,7 +13,7 @@ from preprocessing.reduction.constrained_pencil import ConstrainedPencil
 from preprocessing.reduction.normal_modes import NormalModes, normal_modes
 from preprocessing.reduction.solid_systems import BasisChange
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.mode_shapes import told_apart
+from toolkit.foundation.near_ties import told_apart
 
 SMALL = 300
 """Coordinates up to which all modes are computed with dense matrices."""

@@ -24,7 +24,7 @@ from preprocessing.reduction.assembly import Matrices, symmetric
 from preprocessing.reduction.discretisation import STEP, derivative_of
 from preprocessing.reduction.solid_systems import free_system, held_system
 from preprocessing.reduction.stored_entries import OF_SHAPES, ROUND_OFF, AnyInvariants
-from toolkit.reduced_model.parts.spin import Spin
+from toolkit.reduced_model.parts import Spin
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 A full basis selects nodal coordinates, and most entries of its arrays are zero. Some of these are sums that cancel, of which
 round-off is left: other round-off on another processor, and nothing at all on a third. So an entry counts only if it is more than
-round-off of what it could be (`toolkit.reduced_model.entry_scales`). Shapes that were computed fill their arrays, and the round-off of an
+round-off of what it could be (`toolkit.reduced_model.shapes`). Shapes that were computed fill their arrays, and the round-off of an
 eigenvalue problem is anywhere between 1e-17 and 1e-9 of what counts: no bound tells it from small entries on every processor. So
 all entries are stored then, or none where the largest is round-off.
 """
@@ -16,11 +16,10 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, issparse
 
-from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
+from toolkit.reduced_model.dependence import Derivatives, Polynomial, listed
 from toolkit.reduced_model.model import InterfacePoint, Invariants
-from toolkit.reduced_model.spatial_model import SpatialInvariants
-from toolkit.reduced_model.thin_arrays import listed
+from toolkit.reduced_model.parts import SpatialInvariants
+from toolkit.reduced_model.shapes import EntryScale, entry_factors
 
 ROUND_OFF = 1e-12
 """Part of what an entry could be, below which it is round-off: sums over a thousand elements leave 1e-13, and of an entry as

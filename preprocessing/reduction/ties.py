@@ -22,7 +22,7 @@ from scipy import sparse
 from preprocessing.mesh.solid_mesh import SolidMesh, rotations, translations
 from preprocessing.reduction.boundary import along, left, refuse_short, refuse_unknown
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.chord_condition import Chord
+from toolkit.reduced_model.model import Chord
 
 NARROW = 1e-9
 """Radius of gyration of tied nodes, in parts of the body's extent, below which they are one point without a rotation."""

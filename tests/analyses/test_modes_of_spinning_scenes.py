@@ -16,7 +16,7 @@ from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import Rigid
 from toolkit.command_line.cli import app
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.driver import AngleDriver
 from toolkit.joints.revolute import Revolute

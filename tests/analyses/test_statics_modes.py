@@ -18,7 +18,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError

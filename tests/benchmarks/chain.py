@@ -1,7 +1,7 @@
 """A chain of rods swinging under gravity: a mechanism whose size can be chosen."""
 
 from toolkit.bodies.rigid import Rod
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity

@@ -19,11 +19,11 @@ from preprocessing.elements.section import QUANTITIES
 from tests.benchmarks.chain import chain
 from toolkit.analyses.transient import simulate
 from toolkit.reduced_model.file import save
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
+from toolkit.sensitivity.adjoint import adjoint_gradients
 from toolkit.sensitivity.preparation import prepare, responses_of
 from toolkit.system.system import System
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import ffrf
 from toolkit.analyses.transient import simulate
-from toolkit.sensitivity.evaluation import evaluate_with_gradients
+from toolkit.sensitivity.preparation import evaluate_with_gradients
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"
 COUNT, REPEATS, JUDGED = 200, 3, 10

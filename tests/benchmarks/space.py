@@ -16,7 +16,7 @@ from preprocessing import build
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import SpatialRod
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.spherical import Spherical
 from toolkit.loads.gravity import SpatialGravity

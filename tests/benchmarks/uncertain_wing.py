@@ -19,11 +19,11 @@ from pathlib import Path
 
 import numpy as np
 
-from toolkit.studies.designs.design_work import DesignJob, DesignWork
-from toolkit.studies.designs.solved_design import solve_design
-from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.uncertainty.find_uncertainty import find_uncertainty
-from toolkit.studies.uncertainty.uncertain_study import uncertain_study
+from toolkit.studies.design_work import DesignJob, DesignWork
+from toolkit.studies.find_uncertainty import find_uncertainty
+from toolkit.studies.solved_design import solve_design
+from toolkit.studies.study_file import read_study
+from toolkit.studies.uncertain_study import uncertain_study
 
 STUDY = Path(__file__).parents[2] / "models" / "morphing_wing" / "study.toml"
 

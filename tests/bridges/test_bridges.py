@@ -17,11 +17,9 @@ from scipy.optimize import NonlinearConstraint, minimize
 import ffrf
 from tests.models.truss import force, force_slope, height, limit_load, write_truss
 from toolkit.bridges.openmdao_component import openmdao_units
-from toolkit.bridges.packages import BridgeError
-from toolkit.bridges.vector_function import VectorFunction
-from toolkit.foundation.dimensions import LABELLED, factor
+from toolkit.bridges.vector_function import BridgeError, VectorFunction
 from toolkit.foundation.errors import InputError, ToolkitError
-from toolkit.foundation.units import UNIT_SYSTEMS, unit
+from toolkit.foundation.units import LABELLED, UNIT_SYSTEMS, factor, unit
 
 LOAD, STIFFNESS = "loads.push.force.y", "loads.left.stiffness"
 BEYOND = -1.1 * limit_load()

@@ -24,12 +24,11 @@ from toolkit.command_line.printing import prepare_folder
 from toolkit.command_line.run_answer import RunAnswer
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import OWN, list_own, listed, own_set
+from toolkit.foundation.files.safe_files import OWN, list_own, listed, own_set
 from toolkit.foundation.verdict import finite
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
-from toolkit.sensitivity.evaluation import evaluate_responses
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
 from toolkit.sensitivity.run import run_of
 
 ROOT = Path(__file__).parents[2]

@@ -22,7 +22,7 @@ from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene.resolution import loaded
 from toolkit.scene.space import PLANE
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.clock import price
+from toolkit.sensitivity.preparation import price
 from toolkit.system.formulas import formulas_of
 
 ROOT = Path(__file__).parents[2]
@@ -36,7 +36,7 @@ from toolkit.command_line.rehearsal import rehearse
 from toolkit.command_line.cli import app
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.evaluation import evaluate_responses
+from toolkit.sensitivity.preparation import evaluate_responses
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.sensitivity.methods import gradients_by
 
@@ -202,7 +202,7 @@ def test_a_repetition_that_compiles_does_not_count(monkeypatch):
         pretend_to_compile()
     watch.seconds, watch.rest = 298.0, 4.0
     times = iter([10.0, 12.0])
-    monkeypatch.setattr("toolkit.sensitivity.clock.clock", SimpleNamespace(perf_counter=lambda: next(times)))
+    monkeypatch.setattr("toolkit.sensitivity.preparation.clock", SimpleNamespace(perf_counter=lambda: next(times)))
     assert price(watch, True, lambda: None) == 2.0
     assert price(watch, False, lambda: None) == 4.0
     assert list(times) == []

@@ -19,7 +19,7 @@ from toolkit.reduced_model.file import save
 from toolkit.results.results_file import load_results
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.run import restored
-from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map
+from toolkit.studies.stability.maps import load_map, mass_map, speed_map, stiffness_map
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.models.spatial_cases import KINDS, SpatialCase
-from toolkit.conformance.residual import inputs, random_state
+from toolkit.conformance.comparison import inputs, random_state
 from toolkit.joints.joint import Joint
 from toolkit.joints.kernels.laws import angle_law
 from toolkit.system.system import System, compile_scene

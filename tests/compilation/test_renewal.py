@@ -25,8 +25,7 @@ from toolkit.loads.torque import Torque
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.evaluation import evaluate_with_gradients
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.preparation import evaluate_with_gradients, prepare, solve
 from toolkit.system.renewal import renewed
 from toolkit.system.system import System
 

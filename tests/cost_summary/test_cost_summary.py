@@ -9,17 +9,15 @@ from tests.models.scenes import HANGING_DESIGN, MODELS, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.model_body import FRAME
-from toolkit.cost_summary.cost import costs
-from toolkit.cost_summary.cost_summary import cost_summary
-from toolkit.cost_summary.everything import prepare_everything, with_frames
-from toolkit.description.point import BodyPoint
+from toolkit.cost_summary.cost_summary import cost_summary, costs
+from toolkit.cost_summary.cost_terms import prepare_everything, with_frames
+from toolkit.description.design import BodyPoint
 from toolkit.foundation.files.hdf5 import Content
 from toolkit.joints.revolute import Revolute
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene, forget_models
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.evaluation import evaluate_responses
-from toolkit.sensitivity.preparation import prepare, responses_of, solve
+from toolkit.sensitivity.preparation import evaluate_responses, prepare, responses_of, solve
 from toolkit.system.system import compile_scene
 
 

@@ -8,15 +8,14 @@ from pydantic import ValidationError
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from tests.models.curves import CURVES, RISING, ROUGH, ROWS, VALUES, built_in_curves
-from toolkit.conformance.curve import check_curve
+from toolkit.conformance.check import check_curve
 from toolkit.curves.combined import Product, Sequence, Sum
 from toolkit.curves.curve import Curve
 from toolkit.curves.oscillation import Harmonic, Sine
 from toolkit.curves.polynomial import Constant, Polynomial
 from toolkit.curves.rise import Cycloid, Ramp, SmoothStep
 from toolkit.curves.table import Table
-from toolkit.description.description import Number
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Number, Quantity
 from toolkit.foundation.errors import ConformanceError
 
 TIMES = np.linspace(-0.3, 2.3, 27)

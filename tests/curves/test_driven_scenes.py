@@ -18,7 +18,7 @@ from toolkit.curves.curve import Curve
 from toolkit.curves.oscillation import Sine
 from toolkit.curves.polynomial import Constant, Polynomial
 from toolkit.curves.rise import Cycloid
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.driver import AngleDriver, PositionDriver, SpatialAngleDriver, SpatialPositionDriver
@@ -26,7 +26,7 @@ from toolkit.joints.prismatic import Prismatic
 from toolkit.joints.revolute import Revolute, SpatialRevolute
 from toolkit.joints.slider import Slider
 from toolkit.loads.point_force import PointForce, SpatialPointForce
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.results.collect import table_of
 from toolkit.scene.scene import Scene

@@ -16,11 +16,11 @@ from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.combined import Sum
 from toolkit.curves.oscillation import Sine
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.driver import AngleDriver
 from toolkit.joints.revolute import Revolute
-from toolkit.kinematics.planar import rotation
+from toolkit.kinematics.orientation import rotation
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.loads.torque import Torque

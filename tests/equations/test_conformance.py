@@ -23,11 +23,9 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.body import Body
 from toolkit.bodies.rigid import Rigid
 from toolkit.compilation.arrays.joint_arrays import laws_of
-from toolkit.conformance.check import check_joint, check_laws, check_load, check_scene
-from toolkit.conformance.comparison import STEP
-from toolkit.conformance.formula import check_load_formula
-from toolkit.conformance.residual import check_state_derivatives, inputs, plain_terms, random_state
-from toolkit.description.point import Point
+from toolkit.conformance.check import check_joint, check_laws, check_load, check_load_formula, check_scene
+from toolkit.conformance.comparison import STEP, check_state_derivatives, inputs, plain_terms, random_state
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel

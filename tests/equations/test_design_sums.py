@@ -12,7 +12,7 @@ from toolkit.equations.design_sums import TOGETHER, add_up, design_sums, gather
 from toolkit.equations.equations import Plan, allocate_terms, allocate_work, evaluate_all
 from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import plain
-from toolkit.solvers.transient.formulation import scheme_of
+from toolkit.solvers.transient.scheme import scheme_of
 from toolkit.system.system import System, compile_scene, plain_formulas_of
 
 ROUND_OFF = 1e-12

@@ -12,8 +12,8 @@ from tests.models.spatial_cases import write_models as write_spatial
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.conformance.check import check_joint
-from toolkit.conformance.residual import inputs, random_state
-from toolkit.description.point import Point
+from toolkit.conformance.comparison import inputs, random_state
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel

@@ -18,9 +18,8 @@ from tests.models.any_scene import (  # noqa: F401  (they run on the scenes of t
 from tests.models.spatial_cases import AXIS, CASES, SpatialCase, write_models
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import SpatialRigid
-from toolkit.conformance.check import check_joint, check_load, check_scene
-from toolkit.conformance.formula import check_load_formula
-from toolkit.description.point import Point
+from toolkit.conformance.check import check_joint, check_load, check_load_formula, check_scene
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel

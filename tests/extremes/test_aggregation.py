@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import WING
-from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
-from toolkit.responses.stress.stress import KSStress, MaxStress, stress_field
+from toolkit.responses.stress import KSStress, MaxStress, gap_bound, kreisselmeier_steinhauser, stress_field
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.preparation import prepare, solve

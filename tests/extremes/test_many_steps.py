@@ -7,7 +7,7 @@ import pytest
 
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rod
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity

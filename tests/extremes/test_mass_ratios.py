@@ -8,7 +8,7 @@ import pytest
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.slider import Slider

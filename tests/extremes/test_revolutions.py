@@ -10,7 +10,7 @@ import pytest
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.driver import AngleDriver

@@ -10,7 +10,7 @@ import pytest
 
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.scene.scene import Scene

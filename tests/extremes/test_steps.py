@@ -10,7 +10,7 @@ from tests.models.scenes import WING
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.distance import Distance

@@ -10,7 +10,7 @@ from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import Flexible
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError
 from toolkit.loads.point_force import PointForce

@@ -13,7 +13,7 @@ from tests.models.beam_models import save_beam
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.distance import Distance
 from toolkit.joints.revolute import Revolute
@@ -23,10 +23,10 @@ from toolkit.loads.point_force import PointForce
 from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
-from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.responses.over_time import TimeIntegral
+from toolkit.responses.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.preparation import Kind

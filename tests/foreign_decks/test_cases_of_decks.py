@@ -13,7 +13,7 @@ from preprocessing import build
 from preprocessing.mesh.mesh_file import read_mesh
 from tests.models.solid_bodies import frequencies
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.description.composition import read_composition
+from toolkit.reduced_model.composition import read_composition
 
 DECKS = Path(__file__).parents[1] / "data" / "foreign_files" / "decks"
 DENSITY = 7800.0

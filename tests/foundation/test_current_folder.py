@@ -15,17 +15,16 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from toolkit.command_line.cli import app
+from toolkit.foundation import processes
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
-from toolkit.foundation.processes import preprocessing_process
-from toolkit.foundation.processes.own_process import HOME, safe_path
+from toolkit.foundation.processes import HOME, safe_path
 from toolkit.reduced_model.file import load
-from toolkit.render.motion.animation import mp4
-from toolkit.render.packages import RenderError
-from toolkit.render.space import probe
-from toolkit.render.space.probe import drawing_environment
-from toolkit.sensitivity.certificate.rebuilt_bodies import build_all
-from toolkit.studies.engine.executor import Executor, completed
+from toolkit.render import packages
+from toolkit.render.animation import mp4
+from toolkit.render.packages import RenderError, drawing_environment
+from toolkit.sensitivity.certificate.fresh_models import build_all
+from toolkit.studies.executor import Executor, completed
 
 ROOT = Path(__file__).parents[2]
 WING = ROOT / "models" / "morphing_wing"
@@ -143,10 +142,10 @@ def test_no_other_code_starts_processes_than_what_is_tested_here():
     assert found == {
         *(
             "toolkit/foundation/files/plain_hdf5.py",
-            "toolkit/foundation/processes/preprocessing_process.py",
-            "toolkit/render/motion/animation.py",
-            "toolkit/render/space/probe.py",
-            "toolkit/studies/engine/processes.py",
+            "toolkit/foundation/processes.py",
+            "toolkit/render/animation.py",
+            "toolkit/render/packages.py",
+            "toolkit/studies/executor.py",
         ),
         "preprocessing/foreign_files/apart.py",
     }
@@ -164,7 +163,7 @@ def namesake(tmp_path, monkeypatch):
 def test_a_package_with_the_name_of_one_of_ours_is_named(namesake):
     message = re.escape(f"'{namesake}' has the name of a part of this program, '{HOME / 'preprocessing'}', and comes before it")
     with pytest.raises(InputError, match=message):
-        preprocessing_process.run("preprocessing.projects.command", [])
+        processes.run("preprocessing.projects.command", [])
     with pytest.raises(InputError, match=message):
         list(completed(Executor(processes=2), os.path.basename, {1: "a", 2: "b"}))
 
@@ -207,7 +206,7 @@ def test_the_path_of_processes_lacks_the_current_folder_unless_the_program_is_th
 
 
 def test_the_trial_picture(trap, monkeypatch):
-    monkeypatch.setattr(probe, "_DRAWN", {})
+    monkeypatch.setattr(packages, "_DRAWN", {})
     with suppress(RenderError):  # a machine without OpenGL, which the trial has found out
         drawing_environment()
     assert not trap.exists()

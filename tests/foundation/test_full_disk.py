@@ -15,8 +15,7 @@ from pathlib import Path
 import pytest
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import OWN
-from toolkit.foundation.files.replaced_file import replaced, write_whole
+from toolkit.foundation.files.safe_files import OWN, replaced, write_whole
 from toolkit.kept_run.layout import ResultsFileError
 from toolkit.results.results_file import refuse_foreign
 

@@ -16,7 +16,7 @@ from tests.fuzz.good_files import PREPARED
 from tests.fuzz.sealed_hdf5 import blocks_of
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files.hdf5 import Content, reading
-from toolkit.foundation.files.hdf5_reader.source import checksum
+from toolkit.foundation.files.hdf5_source import checksum
 from toolkit.reduced_model.file import load, stored_bytes
 
 ROOT = Path(__file__).parents[2]

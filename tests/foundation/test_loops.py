@@ -7,8 +7,8 @@ import threading
 import numpy as np
 
 from toolkit.foundation.kernel import loop
-from toolkit.solvers.transient.adjoint_steps import integrate_backwards
 from toolkit.solvers.transient.generalized_alpha import integrate
+from toolkit.solvers.transient.step_gradients import integrate_backwards
 
 MOST = 3_000_000_000
 """Turns after which a loop gives up: some seconds, in which any other thread has its turn if it may."""

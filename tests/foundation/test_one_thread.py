@@ -11,7 +11,7 @@ CODE = """
 import json, threading
 import scipy.linalg
 from threadpoolctl import threadpool_info
-from toolkit.foundation.processes.one_thread import one_thread
+from toolkit.foundation.processes import one_thread
 
 def threads():
     return {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}

@@ -16,16 +16,16 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.compilation.redundant_rows import independent_rows
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.near_ties import first_largest, first_smallest
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.torque import Torque
-from toolkit.reduced_model.entry_scales import entry_scales
 from toolkit.reduced_model.file import load, save
-from toolkit.responses.stress.stress import MaxStress
+from toolkit.reduced_model.shapes import entry_scales
+from toolkit.responses.stress import MaxStress
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
 from toolkit.system.system import compile_scene

@@ -2,7 +2,7 @@
 
 import pytest
 
-from toolkit.foundation.files.toml_lines import line_of
+from toolkit.foundation.files.toml_file import line_of
 
 TEXT = """units = "mm-N-s"  # 1
 [points]

@@ -13,8 +13,7 @@ from tests.frames.test_cut_bodies import agree
 from tests.models.rectangular_beams import corotational, points_of
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load
-from toolkit.render.plane.configuration import Configuration
-from toolkit.render.plane.skin_shape import skin_shape
+from toolkit.render.plane.configuration import Configuration, skin_shape
 from toolkit.scene.resolution import resolve
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism

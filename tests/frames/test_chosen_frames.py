@@ -18,10 +18,10 @@ from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.studies.tradeoff.axes import read_axes
-from toolkit.studies.tradeoff.case import Case
 from toolkit.studies.tradeoff.frame_axes import framed
-from toolkit.studies.tradeoff.recommendation import changes
 from toolkit.studies.tradeoff.setting import Setting
+from toolkit.studies.tradeoff.setting_run import Case
+from toolkit.studies.tradeoff.tradeoff import changes
 from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
 from toolkit.validity.bodies.deformation import LIMIT, deformations
 

@@ -14,7 +14,7 @@ from tests.models.spatial_chains import WHERE, chain_scene, save_chain
 from toolkit.command_line.cli import app
 from toolkit.command_line.run_answer import deformation_record
 from toolkit.foundation.errors import InputError
-from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.validity.bodies.bent_surfaces import geometric_errors

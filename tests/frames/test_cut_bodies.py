@@ -20,8 +20,8 @@ from toolkit.description.run_options import RunOptions
 from toolkit.door.model import Model
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save
-from toolkit.responses.cut_shape import cut_positions
-from toolkit.responses.stress.stress import stress_field
+from toolkit.responses.shape_error import cut_positions
+from toolkit.responses.stress import stress_field
 from toolkit.scene.resolution import resolve
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.differences import taylor_rates

@@ -14,12 +14,11 @@ from tests.spatial.momenta import kinetic_energy, momentum, strain_energy, turni
 from toolkit.analyses.statics import solve_statics
 from toolkit.door.model import Model
 from toolkit.foundation.errors import InputError
-from toolkit.kinematics.spatial import matrix_of, quaternion_of, skew
+from toolkit.kinematics.orientation import matrix_of, quaternion_of, skew
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.file import load
-from toolkit.render.space.body_shape import body_shape
-from toolkit.render.space.configuration import SpatialConfiguration
-from toolkit.render.space.symbols import spatial_symbols
+from toolkit.render.space.configuration import SpatialConfiguration, body_shape
+from toolkit.render.space.parts import spatial_symbols
 from toolkit.scene.resolution import resolve
 from toolkit.system.system import compile_scene
 

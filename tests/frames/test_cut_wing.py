@@ -13,9 +13,8 @@ from preprocessing import build
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.file import load, save
-from toolkit.render.plane.configuration import Configuration
-from toolkit.render.plane.skin_shape import skin_shape
-from toolkit.responses.cut_shape import cut_positions
+from toolkit.render.plane.configuration import Configuration, skin_shape
+from toolkit.responses.shape_error import cut_positions
 from toolkit.scene.scene import Scene
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"

@@ -10,9 +10,9 @@ import ffrf
 from tests.frames.test_every_joint import AGREEMENT, disagreement
 from tests.models.response_cases import CASES, TIP, write_models
 from toolkit.foundation.errors import InputError
-from toolkit.responses.kinematics.deflection import Deflection
+from toolkit.responses.point_motion import Deflection
 from toolkit.responses.response import Response
-from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
+from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 
 

@@ -15,7 +15,7 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.solvers import direct_solve
-from toolkit.solvers.static.stability import saddle, sparse_saddle, static_array
+from toolkit.solvers.static import static_matrix
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.cut.places import node_places
 
@@ -83,11 +83,13 @@ def test_sparse_factors_of_many_frames_find_what_dense_ones_do(tmp_path, monkeyp
     system = prepare(cantilever(tmp_path, nodes, 48, in_space(force)), ["t"])
     assert system.n >= direct_solve.MANY
     found: list[object] = []
-    monkeypatch.setattr(saddle, "sparse_factors", lambda *given: found.append(sparse_saddle.sparse_factors(*given)) or found[-1])
+    monkeypatch.setattr(
+        static_matrix, "sparse_factors", lambda *given: found.append(static_matrix.sparse_factors(*given)) or found[-1]
+    )
     sparse = solve(system, "static")
     assert any(each is not None for each in found)
     assert stable == all(each is not None for each in found)
-    for module in (direct_solve, static_array):
+    for module in (direct_solve, static_matrix):
         monkeypatch.setattr(module, "MANY", 10**6)
     dense = solve(system, "static")
     np.testing.assert_allclose(

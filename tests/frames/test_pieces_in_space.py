@@ -21,10 +21,9 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.file import load
-from toolkit.reduced_model.parts.pieces import Pieces
-from toolkit.render.space.body_shape import body_shape
-from toolkit.render.space.configuration import SpatialConfiguration
-from toolkit.render.space.symbols import spatial_symbols
+from toolkit.reduced_model.parts import Pieces
+from toolkit.render.space.configuration import SpatialConfiguration, body_shape
+from toolkit.render.space.parts import spatial_symbols
 from toolkit.scene.resolution import resolve
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.bent_pieces import shortening

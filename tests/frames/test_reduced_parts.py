@@ -14,8 +14,8 @@ from tests.models.beam_models import save_beam
 from tests.models.spatial_chains import chain_scene, save_chain
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.foundation.errors import InputError
-from toolkit.responses.stress.stress import stress_field
-from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
+from toolkit.responses.stress import stress_field
+from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.cut.places import largest_displacement, node_places

@@ -27,8 +27,7 @@ from toolkit.results.collect import restore_scene
 from toolkit.results.csv_tables import export_csv
 from toolkit.results.results_file import load_results, refuse_foreign
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.evaluation import evaluate_responses
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
 
 MODEL_OBJECTS = ["invariants", "invariants/stiffness", "invariants/inertia", "invariants/mass", "derivatives",
                  "derivatives/shape.target/entry", "affine/stiffness/power", "affine/stiffness/factor", "affine/stiffness/entry",

@@ -22,7 +22,7 @@ from preprocessing.foreign_files.child import Bounds
 from preprocessing.mesh import mesh_file
 from tests.fuzz.case import Case, Ended
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.processes.own_process import command, environment
+from toolkit.foundation.processes import command, environment
 
 MEMORY = 3 * 2**30
 """Bytes of address space of a command, besides what the program takes itself."""

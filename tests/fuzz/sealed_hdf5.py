@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from toolkit.foundation.files.hdf5 import Content
-from toolkit.foundation.files.hdf5_reader.filters import fletcher32
-from toolkit.foundation.files.hdf5_reader.objects import File, Group
-from toolkit.foundation.files.hdf5_reader.source import Cursor, Source, checksum
-from toolkit.foundation.files.hdf5_reader.storage import Array
+from toolkit.foundation.files.hdf5_objects import File, Group
+from toolkit.foundation.files.hdf5_source import Cursor, Source, checksum
+from toolkit.foundation.files.hdf5_storage import Array, fletcher32
 
 NUMBERS = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0xFFFF, 2**31 - 1, 2**32 - 1, 2**48, 2**63 - 1, 2**63, 2**64 - 1)
 """Written over sizes, counts and addresses."""

@@ -13,8 +13,8 @@ import pytest
 
 from tests.fuzz import include_cases, matrix_cases, mesh_cases, option_cases, path_cases, toml_cases
 from tests.fuzz.case import Case, Ended, identity, judged, snapshot
-from toolkit.studies.study.checked_problem import problem_of
-from toolkit.studies.study.study_reader import read_study
+from toolkit.studies.problem import problem_of
+from toolkit.studies.study_file import read_study
 
 ROOT = Path(__file__).parents[2]
 CASE = Case("any", ("ffrf",), lambda _: None, ("out.h5",))

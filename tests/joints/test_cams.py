@@ -16,7 +16,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
 from toolkit.joints.kernels.profile import PIECE
 from toolkit.joints.profile import profile_form
-from toolkit.kinematics.spatial import axes_along
+from toolkit.kinematics.orientation import axes_along
 from toolkit.scene_file.gradient_units import variable_unit
 from toolkit.system.system import compile_scene
 

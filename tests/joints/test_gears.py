@@ -13,7 +13,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
 from toolkit.joints.rows import Row
-from toolkit.kinematics.spatial import axes_along
+from toolkit.kinematics.orientation import axes_along
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

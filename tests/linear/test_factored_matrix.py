@@ -8,7 +8,7 @@ import pytest
 from toolkit.foundation.compiled.calls import call
 from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import kernel, plain
-from toolkit.linear.factored_matrix import (
+from toolkit.linear.linear_solver import (
     Factored,
     FactoredChanges,
     add_factored,

@@ -10,10 +10,18 @@ from toolkit.foundation.compiled.calls import call
 from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
-from toolkit.linear import dense_lu, sparse_lu
-from toolkit.linear.elimination_order import minimum_degree
-from toolkit.linear.linear_solver import linear_solver, solve_block, solve_once, updates_of
-from toolkit.linear.sparse_analysis import analyse
+from toolkit.linear import sparse_lu
+from toolkit.linear.linear_solver import (
+    dense_factor,
+    dense_solve,
+    dense_solve_block,
+    linear_solver,
+    solve_block,
+    solve_once,
+    to_dense,
+    updates_of,
+)
+from toolkit.linear.sparse_analysis import analyse, minimum_degree
 
 COMPILED = partial(partial, call)
 """A kernel as the program calls it, which compiles it once for both."""
@@ -77,8 +85,8 @@ def solved(matrix, n_q, rhs, run=COMPILED):
 def dense_solved(matrix, rhs, run=COMPILED):
     n = len(matrix)
     a, pivots, x = matrix.copy(), np.zeros(n, dtype=np.int64), rhs.astype(matrix.dtype)
-    assert run(dense_lu.dense_factor)(a, pivots, np.empty((3, n)), 1e-14) == -1
-    solve = dense_lu.dense_solve if rhs.ndim == 1 else dense_lu.dense_solve_block
+    assert run(dense_factor)(a, pivots, np.empty((3, n)), 1e-14) == -1
+    solve = dense_solve if rhs.ndim == 1 else dense_solve_block
     run(solve)(a, pivots, x)
     return x
 
@@ -404,7 +412,7 @@ def test_redundant_constraint_is_named_by_one_of_its_multipliers(seed):
 def test_dense_factor_names_the_unknown_that_no_equation_determines():
     matrix = np.random.default_rng(0).normal(size=(6, 6))
     matrix[:, 4] = 0.0
-    assert call(dense_lu.dense_factor, matrix, np.zeros(6, dtype=np.int64), np.empty((3, 6)), 1e-14) == 4
+    assert call(dense_factor, matrix, np.zeros(6, dtype=np.int64), np.empty((3, 6)), 1e-14) == 4
 
 
 def test_value_that_is_not_a_number_is_refused():
@@ -412,7 +420,7 @@ def test_value_that_is_not_a_number_is_refused():
     matrix[4, 4] = np.nan
     assert factorized(matrix, n_q)[0] >= 0
     n = len(matrix)
-    assert call(dense_lu.dense_factor, matrix, np.zeros(n, dtype=np.int64), np.empty((3, n)), 1e-14) >= 0
+    assert call(dense_factor, matrix, np.zeros(n, dtype=np.int64), np.empty((3, n)), 1e-14) >= 0
 
 
 def test_multiply_and_to_dense_agree_with_the_matrix():
@@ -421,7 +429,7 @@ def test_multiply_and_to_dense_agree_with_the_matrix():
     x, y, a = rng.normal(size=len(matrix)), np.full(len(matrix), np.nan), np.full(matrix.shape, np.nan)
     indptr, indices, values = csr(matrix)
     call(sparse_lu.multiply, indptr, indices, values, x, y)
-    call(dense_lu.to_dense, indptr, indices, values, a)
+    call(to_dense, indptr, indices, values, a)
     assert np.array_equal(a, matrix)
     assert np.allclose(y, matrix @ x, rtol=0, atol=len(x) * EPS * (abs(matrix) @ abs(x)).max())  # another order of summation
 

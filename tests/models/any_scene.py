@@ -4,8 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.conformance.comparison import STEP, TOLERANCE
-from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives, inputs, plain_terms, random_state
+from toolkit.conformance.comparison import (
+    STEP,
+    TOLERANCE,
+    check_design_derivatives,
+    check_state_derivatives,
+    inputs,
+    plain_terms,
+    random_state,
+)
 from toolkit.system.system import compile_scene
 
 

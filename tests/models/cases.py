@@ -17,7 +17,7 @@ from toolkit.curves.oscillation import Harmonic, Sine
 from toolkit.curves.polynomial import Constant
 from toolkit.curves.rise import SmoothStep
 from toolkit.curves.table import Table
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.joints.cam import Cam, SwingCam
 from toolkit.joints.distance import Distance
 from toolkit.joints.driver import AngleDriver, PositionDriver

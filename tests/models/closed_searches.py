@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.studies.engine.outcome import DesignOutcome
+from toolkit.studies.optimization.explored import SearchResult
 from toolkit.studies.optimization.program import Values
-from toolkit.studies.optimization.search.search import Search
-from toolkit.studies.optimization.search.search_result import SearchResult
-from toolkit.studies.study.search_options import Search as SearchOptions
+from toolkit.studies.optimization.search import Search
+from toolkit.studies.store import DesignOutcome
+from toolkit.studies.study_file import Search as SearchOptions
 
 Residuals = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 """r of a z, and its derivatives (r, z)."""

@@ -14,14 +14,14 @@ from tests.models.spatial_chains import save_chain
 from tests.models.spatial_every_number import TENSOR
 from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.rigid import Rigid, SpatialRigid
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.joints.joint import Joint
 from toolkit.loads.bushing import Bushing, SpatialBushing
 from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
-from toolkit.responses.stress.stress import KSStress
+from toolkit.responses.stress import KSStress
 from toolkit.scene.scene import Scene
 
 NODES = np.array([[0.0, 0.0, 0.0], [0.6, 0.1, 0.1], [1.0, 0.5, 0.0], [1.1, 1.2, -0.2], [1.0, 1.9, 0.1]])

@@ -12,7 +12,7 @@ import numpy as np
 from toolkit.analyses.transient import simulate
 from toolkit.description.design import DesignVariable
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.numerical import derivative
+from toolkit.sensitivity.direct import derivative
 from toolkit.sensitivity.preparation import Kind, frozen, prepare
 from toolkit.system.solution import Solution
 

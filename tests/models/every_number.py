@@ -14,7 +14,7 @@ from toolkit.curves.oscillation import Harmonic, Sine
 from toolkit.curves.polynomial import Constant, Polynomial
 from toolkit.curves.rise import Cycloid, Ramp, SmoothStep
 from toolkit.curves.table import Table
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.cam import Cam, SwingCam
 from toolkit.joints.distance import Distance
@@ -31,13 +31,12 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
 from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.loads.torque import Torque
-from toolkit.responses.balance.power import Power
-from toolkit.responses.balance.work import Work
+from toolkit.responses.balance import Power, Work
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
-from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.responses.over_time import TimeIntegral
+from toolkit.responses.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
 
 SOLVER = RunOptions(end_time=0.06, step=0.02, tolerance=1e-13, assemble=True, rho_inf=0.7, load_steps=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from toolkit.bodies.rigid import Rod
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.render.packages import RenderError
-from toolkit.render.space.probe import drawing_environment
+from toolkit.render.packages import RenderError, drawing_environment
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

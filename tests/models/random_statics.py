@@ -11,7 +11,7 @@ import numpy as np
 
 from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.joints.driver import AngleDriver
 from toolkit.joints.revolute import Revolute, SpatialRevolute
 from toolkit.joints.slider import Slider

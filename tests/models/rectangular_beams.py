@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.reduced_model.model import StressPoints
-from toolkit.reduced_model.parts.sections import BeamSections
+from toolkit.reduced_model.parts import BeamSections
 from toolkit.validity.bodies.chains.planar_chain import PlanarChain
 from toolkit.validity.bodies.corotational.elements import Corotational
 

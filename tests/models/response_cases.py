@@ -9,28 +9,24 @@ from tests.models.every_number import LEAD, SOLVER
 from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.rigid import Rod, SpatialRod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.revolute import Revolute, SpatialRevolute
 from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.loads.springs import RotationalSpringDamper, SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
 from toolkit.loads.torque import SpatialTorque, Torque
-from toolkit.responses.balance.mass import CentreOfMass, Mass
-from toolkit.responses.balance.power import Power
-from toolkit.responses.balance.work import Work
+from toolkit.responses.balance import CentreOfMass, Mass, Power, Work
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.kinematics.deflection import Deflection
-from toolkit.responses.kinematics.point_distance import PointDistance
-from toolkit.responses.kinematics.point_motion import Acceleration, AngularVelocity, Velocity
-from toolkit.responses.kinematics.relative_angle import RelativeAngle
+from toolkit.responses.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.responses.joint_force import JointForce
+from toolkit.responses.local_stress import StressAlongLine, StressAtPoint
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
-from toolkit.responses.over_time.means import TimeIntegral, TimeMean, TimeMeanSquare
+from toolkit.responses.over_time import TimeIntegral, TimeMean, TimeMeanSquare
+from toolkit.responses.point_motion import Acceleration, AngularVelocity, Deflection, PointDistance, Velocity
+from toolkit.responses.relative_angle import RelativeAngle
 from toolkit.responses.response import Response
-from toolkit.responses.stress.local_stress import StressAlongLine, StressAtPoint
-from toolkit.responses.stress.stress import KSStress, MaxStress
-from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
+from toolkit.responses.stress import KSStress, MaxStress
+from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 
 AXIS = (0.3, -0.5, 1.0)

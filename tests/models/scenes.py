@@ -5,7 +5,7 @@ from pathlib import Path
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.distance import Distance
 from toolkit.joints.revolute import Revolute
@@ -13,11 +13,11 @@ from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
+from toolkit.responses.over_time import TimeIntegral
 from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS
-from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.responses.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
 
 MODELS = Path(__file__).parents[2] / "models" / "morphing_wing"

@@ -12,7 +12,7 @@ from preprocessing.elements.section import Patch, SectionShape, rectangle
 from preprocessing.reduction.chosen_basis import spatial_motions, undeformed
 from preprocessing.reduction.discretisation import Discretisation
 from preprocessing.reduction.invariants import contract_at
-from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments
+from toolkit.reduced_model.parts import SpatialInvariants, all_second_moments
 
 VALUES = {
     "youngs_modulus": 70.0, "density": 2.7, "thickness": 0.3, "width": 0.5, "damping_mass": 0.2, "damping_stiffness": 0.01,

@@ -12,7 +12,7 @@ from tests.models.kept_files import write_once
 from tests.models.solid_bodies import box, write_body
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import SpatialRigid, SpatialRod
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.joints.cam import SpatialCam, SpatialSwingCam
 from toolkit.joints.cylindrical import Cylindrical
 from toolkit.joints.distance import SpatialDistance

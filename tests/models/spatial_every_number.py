@@ -11,7 +11,7 @@ from toolkit.bodies.rigid import SpatialRigid, SpatialRod
 from toolkit.curves.oscillation import Sine
 from toolkit.curves.polynomial import Constant
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.joints.cam import SpatialCam, SpatialSwingCam
 from toolkit.joints.cylindrical import Cylindrical
 from toolkit.joints.distance import SpatialDistance
@@ -34,10 +34,10 @@ from toolkit.loads.pressure import Pressure
 from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
 from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
-from toolkit.responses.stress.stress import KSStress
+from toolkit.responses.over_time import TimeIntegral
+from toolkit.responses.stress import KSStress
 from toolkit.scene.scene import Scene
 
 POINTS = {

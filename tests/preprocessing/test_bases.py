@@ -12,7 +12,7 @@ from preprocessing.reduction.chosen_basis import MEAN_AXES, reduced_basis, tange
 from preprocessing.reduction.invariants import contract
 from tests.models.frames import Frame, cantilever, matrices, relative, richardson, ring, varied, wing
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.checks.matrices import RIGID
+from toolkit.reduced_model.check import RIGID
 from toolkit.reduced_model.model import generalized_mass
 
 INSIDE = replace(wing(), points={"C": 9.62, "E": 25.0, "G": 30.0})

@@ -20,12 +20,10 @@ from preprocessing.reduction.chosen_basis import reduced_basis, undeformed
 from preprocessing.reduction.invariants import contract_at
 from tests.preprocessing.test_frame_models import FRAME, close, rate
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.chord_condition import Chord, chord_of
 from toolkit.reduced_model.dependence import scattered
-from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.entries.rates import rates_at
+from toolkit.reduced_model.design_point import DesignPoint, rates_at
 from toolkit.reduced_model.file import load, save
-from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.model import Chord, ReducedModel, chord_of
 
 SECTION = Section(youngs_modulus=2e11, density=7800.0, thickness=0.006, width=0.01)
 LENGTH, ENDS = 0.3, ("A", "B")

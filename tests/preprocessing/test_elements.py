@@ -19,7 +19,7 @@ from preprocessing.reduction.reduced import reduce
 from tests.models.elements import ELEMENTS, STEP, VALUES, Case, stepped_values
 from tests.models.new_elements import ShearBeam
 from toolkit.reduced_model.dependence import scattered
-from toolkit.reduced_model.spatial_model import all_second_moments
+from toolkit.reduced_model.parts import all_second_moments
 
 every_element = pytest.mark.parametrize("case", ELEMENTS, ids=lambda case: case.name)
 

@@ -22,7 +22,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel
-from toolkit.reduced_model.spatial_model import SpatialInvariants
+from toolkit.reduced_model.parts import SpatialInvariants
 
 NAMES = [field.name for field in fields(SpatialInvariants)]
 

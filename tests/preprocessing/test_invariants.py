@@ -14,8 +14,7 @@ from preprocessing.reduction.assembly import assemble
 from preprocessing.reduction.chosen_basis import tangent_frame, undeformed
 from preprocessing.reduction.invariants import contract, contract_derivative, polynomials
 from toolkit.reduced_model.dependence import scattered
-from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.entries.rates import rates_at
+from toolkit.reduced_model.design_point import DesignPoint, rates_at
 from toolkit.reduced_model.model import Invariants, generalized_mass
 
 MODELS = Path(__file__).parents[2] / "models" / "morphing_wing"

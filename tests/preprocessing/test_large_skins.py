@@ -13,13 +13,13 @@ import ffrf
 from preprocessing import build
 from preprocessing.builders.build_model import read_recipe
 from toolkit.foundation.errors import InputError, ModelFileError
-from toolkit.reduced_model import thin_arrays
-from toolkit.reduced_model.definiteness import positive_definite
+from toolkit.reduced_model import dependence
+from toolkit.reduced_model.check import positive_definite
+from toolkit.reduced_model.dependence import is_thin, places, sparing
 from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.entry_scales import entry_factors, entry_scales
 from toolkit.reduced_model.file import load, save
-from toolkit.reduced_model.thin_arrays import is_thin, places, sparing
-from toolkit.responses.stress.stress import products
+from toolkit.reduced_model.shapes import entry_factors, entry_scales
+from toolkit.responses.stress import products
 from toolkit.sensitivity.preparation import prepare
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -57,9 +57,9 @@ def fine(tmp_path_factory):
 @pytest.fixture
 def every_array_is_thin(monkeypatch):
     """The paths of large arrays, for small ones."""
-    monkeypatch.setattr(thin_arrays, "LARGE", 1)
-    monkeypatch.setattr(thin_arrays, "SPARSE", 1.1)
-    monkeypatch.setattr("toolkit.responses.stress.stress.LARGE", 1)
+    monkeypatch.setattr(dependence, "LARGE", 1)
+    monkeypatch.setattr(dependence, "SPARSE", 1.1)
+    monkeypatch.setattr("toolkit.responses.stress.LARGE", 1)
 
 
 def stored(model) -> int:

@@ -24,7 +24,7 @@ from toolkit.command_line.cli import app as runtime
 from toolkit.door.model import compile_model
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.questions.mesh_questions import COARSE, TOO_STIFF, mesh_questions, told_mesh
+from toolkit.reduced_model.questions import COARSE, TOO_STIFF, mesh_questions, told_mesh
 from toolkit.scene_file.reader import read_scene
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 

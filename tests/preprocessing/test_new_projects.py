@@ -18,8 +18,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
-from toolkit.studies.study.checked_problem import problem_of
-from toolkit.studies.study.study_reader import read_study
+from toolkit.studies.problem import problem_of
+from toolkit.studies.study_file import read_study
 
 pytestmark = pytest.mark.usefixtures("read_here")
 

@@ -25,9 +25,8 @@ from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.run import Run
 from toolkit.studies.optimization.optimize import optimized
-from toolkit.studies.study.checked_problem import problem_of
-from toolkit.studies.study.search_options import Search
-from toolkit.studies.study.study_reader import read_study
+from toolkit.studies.problem import problem_of
+from toolkit.studies.study_file import Search, read_study
 
 ROOT = Path(__file__).parents[2]
 AIRFOILS = ROOT / "tests" / "data" / "airfoils"
@@ -236,7 +235,7 @@ def assert_matches(message: str, text: str) -> None:
 
 def test_without_preprocessing_the_command_says_what_to_install(tmp_path):
     code = (
-        "import sys, toolkit.foundation.processes.preprocessing_process as new; new.is_installed = lambda: False;"
+        "import sys, toolkit.foundation.processes as new; new.is_installed = lambda: False;"
         "from toolkit.command_line.cli import app;"
         f"sys.argv = ['ffrf', 'new', 'wing', {str(tmp_path / 'w')!r}, '--airfoil', 'a.dat']; app()"
     )

@@ -8,7 +8,7 @@ from preprocessing.reduction.constrained_pencil import ConstrainedPencil, rigid_
 from preprocessing.reduction.normal_modes import cluster, count_by_frequency, count_by_static_error, normal_modes, static_errors
 from tests.models.frames import SECTION, cantilever, relative, ring, square, varied, wing
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.mode_shapes import EQUAL, told_apart
+from toolkit.foundation.near_ties import EQUAL, told_apart
 
 FREE = {"ring": ring(24, 100.0), "square": square(6), "beam": cantilever(12, angle=0.4), "skin": wing()}
 

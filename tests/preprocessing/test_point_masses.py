@@ -21,7 +21,7 @@ from tests.preprocessing.test_spatial_solids import BASES, LENGTHS, body_file, r
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
-from toolkit.reduced_model.spatial_model import PAIRS, all_second_moments
+from toolkit.reduced_model.parts import PAIRS, all_second_moments
 
 pytestmark = pytest.mark.usefixtures("read_here")
 

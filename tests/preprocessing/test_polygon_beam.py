@@ -10,8 +10,7 @@ from preprocessing.elements.section import Section
 from preprocessing.reduction.basis import BasisChoice
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import scattered
-from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.entries.rates import rates_at
+from toolkit.reduced_model.design_point import DesignPoint, rates_at
 from toolkit.reduced_model.model import ReducedModel
 
 SECTION = Section(youngs_modulus=2.0, density=3.0, thickness=0.1, width=0.5)

@@ -12,9 +12,8 @@ from preprocessing import build
 from tests.models.solid_bodies import DENSITY, MODULUS, WIDTH, box, compliance, frequencies, rectangle, write_body
 from tests.preprocessing.test_frame_models import rate
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.chord_condition import Chord, chord_of
 from toolkit.reduced_model.file import load, save
-from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.model import Chord, ReducedModel, chord_of
 
 pytestmark = pytest.mark.usefixtures("read_here")
 

@@ -19,7 +19,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments
+from toolkit.reduced_model.parts import SpatialInvariants, all_second_moments
 
 SKIN = Path(__file__).parents[2] / "models" / "morphing_wing" / "skin.toml"
 NAMES = [field.name for field in fields(SpatialInvariants)]

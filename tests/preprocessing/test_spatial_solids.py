@@ -34,7 +34,7 @@ from tests.models.solid_bodies import (
 )
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
-from toolkit.reduced_model.spatial_model import all_second_moments
+from toolkit.reduced_model.parts import all_second_moments
 
 pytestmark = pytest.mark.usefixtures("read_here")
 

@@ -21,8 +21,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
-from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, stiffness_of_spin
-from toolkit.reduced_model.spatial_model import PAIRS
+from toolkit.reduced_model.parts import PAIRS, SPIN_STIFFENING, stiffness_of_spin
 
 pytestmark = pytest.mark.usefixtures("read_here")
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tests.random_scenes.draw import Draw
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.scene.scene import Scene
 

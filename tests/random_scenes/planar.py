@@ -227,7 +227,7 @@ def _drive(d: Draft, body: str, point: str, turns: bool = False) -> None:
 
 
 def _force(d: Draft, joint: str) -> Any:
-    from toolkit.responses.forces.joint_force import JointForce
+    from toolkit.responses.joint_force import JointForce
 
     component: Any = "magnitude" if joint != "lead" or d.joints[joint].kind != "angle-driver" else "torque"
     return JointForce(joint=joint, component=component)

@@ -19,10 +19,10 @@ from toolkit.loads.point_force import PointForce
 from toolkit.loads.springs import SpringDamper
 from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
-from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.responses.over_time import TimeIntegral
+from toolkit.responses.stress import KSStress, MaxStress
 
 
 class Link(NamedTuple):

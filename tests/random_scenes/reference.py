@@ -9,14 +9,13 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import Instant
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
+from toolkit.responses.over_time import TimeIntegral
+from toolkit.responses.response import Instant
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.evaluation import evaluate_with_gradients
-from toolkit.sensitivity.preparation import prepare, responses_of, solve
+from toolkit.sensitivity.preparation import evaluate_with_gradients, prepare, responses_of, solve
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 

@@ -23,7 +23,7 @@ from toolkit.loads.point_force import SpatialPointForce
 from toolkit.loads.pressure import Pressure
 from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
 from toolkit.loads.torque import SpatialTorque
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 
 
 def chain(d: Draft) -> None:

@@ -18,16 +18,16 @@ from toolkit.joints.revolute import SpatialRevolute
 from toolkit.joints.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spherical import Spherical
 from toolkit.joints.universal import Universal
-from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.loads.point_force import SpatialPointForce
 from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
 from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
-from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.responses.over_time import TimeIntegral
+from toolkit.responses.stress import KSStress, MaxStress
 
 ALONG = (Cylindrical, Prismatic)
 """Joints along which a body may slide away."""

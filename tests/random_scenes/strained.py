@@ -29,10 +29,10 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import save
 from toolkit.responses.energy import StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.extremes import TimeMax
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
-from toolkit.responses.over_time.extremes import TimeMax
-from toolkit.responses.stress.stress import MaxStress
+from toolkit.responses.stress import MaxStress
 from toolkit.scene.scene import Scene
 
 MODULUS, DENSITY, THICKNESS, WIDTH, LENGTH = 2e9, 1200.0, 0.02, 0.03, 1.0

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from toolkit.reduced_model.dependence import SMALL
-from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.entries.elastic import elastic_matrices
+from toolkit.reduced_model.design_point import DesignPoint, elastic_matrices
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
 

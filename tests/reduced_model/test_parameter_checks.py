@@ -7,7 +7,7 @@ import re
 import pytest
 
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.parameter_checks import check_parameters
+from toolkit.reduced_model.questions import check_parameters
 
 NOMINAL = {
     "diameter_leg": 0.02, "wall_leg": 0.004, "thickness_arm": 0.01, "width_arm": 0.03, "thickness_bar": 0.01, "width_bar": 0.01,

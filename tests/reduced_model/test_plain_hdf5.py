@@ -19,8 +19,7 @@ from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files import plain_hdf5
 from toolkit.reduced_model.file import described_by, hash_of, is_reduced_model, load, save, stored_bytes
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.evaluation import evaluate_responses
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
 
 PACKED = {"compression": "gzip", "shuffle": True, "chunks": True}
 

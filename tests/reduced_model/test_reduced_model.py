@@ -13,11 +13,10 @@ import pytest
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.foundation.files.hdf5 import Content
 from toolkit.reduced_model.dependence import Derivatives
-from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.entries.rates import rates_at
+from toolkit.reduced_model.design_point import DesignPoint, rates_at
 from toolkit.reduced_model.file import PARTS, load, save
+from toolkit.reduced_model.frozen_basis import RICHER_PARTS
 from toolkit.reduced_model.model import Invariants, ReducedModel
-from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS
 
 SKIN = Path(__file__).parents[2] / "models" / "morphing_wing" / "skin.h5"
 

@@ -11,8 +11,8 @@ import pytest
 from preprocessing import build
 from tests.models.spatial_cases import FRAME, write_models
 from tests.scene_file.test_scene_units import arrays
-from toolkit.foundation.dimensions import LABELLED, factor
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import LABELLED, factor
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.design_point import DesignPoint

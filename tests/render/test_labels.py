@@ -8,16 +8,13 @@ import pytest
 from matplotlib.collections import LineCollection
 
 from tests.models.pictures import rest
-from toolkit.render.body_places import body_places
-from toolkit.render.label_places import Name, panel_of, placed, sides
+from toolkit.render.label_places import Name, NamesOfMotion, body_places, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
-from toolkit.render.motion.names import NamesOfMotion
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import choose_look
 from toolkit.render.plane.scene_picture import instant_figure, overview_figure
-from toolkit.render.space.camera import Camera
 from toolkit.render.space.configuration import SpatialConfiguration
-from toolkit.render.space.look import seen_points
+from toolkit.render.space.look import Camera, seen_points
 from toolkit.scene_file.reader import read_scene
 
 SCENES = {file.parent.name: read_scene(file) for file in sorted((Path(__file__).parents[2] / "models").glob("*/scene.toml"))}

@@ -18,46 +18,40 @@ from matplotlib.colors import to_rgba
 from PIL import Image
 from scipy.spatial import cKDTree
 
-import toolkit.render.space.probe as probe
+import toolkit.render.packages as probe
 from tests.models.cases import CASES, write_models
 from tests.models.pictures import distinct_colors, image, rest
 from tests.models.scenes import hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.foundation.errors import InputError, ToolkitError
-from toolkit.foundation.files.own_files import OWN, list_own
+from toolkit.foundation.files.safe_files import OWN, list_own
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.loads.gravity import Gravity
 from toolkit.reduced_model.file import load, save
-from toolkit.render.body_places import body_places
-from toolkit.render.colors import ROD, TARGET, UNDEFORMED
-from toolkit.render.curves import merged, motion_panels, told
-from toolkit.render.label_places import Name, Panel, placed, sides
+from toolkit.render.animation import gif, telling_steps
+from toolkit.render.label_places import Name, Panel, body_places, placed, sides
 from toolkit.render.moment import names_by_place
-from toolkit.render.motion.animation import gif
-from toolkit.render.motion.instants import telling_steps
-from toolkit.render.packages import RenderError
+from toolkit.render.packages import RenderError, drawing, drawing_environment
 from toolkit.render.pictures import chosen_steps, render_solution
-from toolkit.render.plane.configuration import Configuration
-from toolkit.render.plane.curves import curves_figure, shape_errors
-from toolkit.render.plane.look import choose_look
-from toolkit.render.plane.names import drawn_lines
-from toolkit.render.plane.parts import outlines
-from toolkit.render.plane.scene_picture import instant_figure, instant_windows, meanings, overview_figure
-from toolkit.render.plane.skin_shape import skin_shape
-from toolkit.render.plane.solid_shape import solid_shape
-from toolkit.render.plane.symbols import clamps, symbols
-from toolkit.render.plane.window import window
-from toolkit.render.readable_units import readable
-from toolkit.render.round_numbers import even, round_up, tick_step
-from toolkit.render.sheet import NARROW, WIDE, write_figure
-from toolkit.render.space.probe import drawing, drawing_environment
-from toolkit.render.stress_told import stress_range
-from toolkit.render.view import View
+from toolkit.render.plane.configuration import Configuration, skin_shape, solid_shape
+from toolkit.render.plane.look import choose_look, window
+from toolkit.render.plane.parts import clamps, outlines, symbols
+from toolkit.render.plane.scene_picture import (
+    curves_figure,
+    drawn_lines,
+    instant_figure,
+    instant_windows,
+    meanings,
+    overview_figure,
+    shape_errors,
+)
+from toolkit.render.readable_units import ROD, TARGET, UNDEFORMED, View, even, readable, round_up, stress_range, tick_step
+from toolkit.render.sheet import NARROW, WIDE, merged, motion_panels, told, write_figure
 from toolkit.responses.shape_error import ShapeRMS
-from toolkit.responses.stress.stress import MaxStress, stress_field, stress_operator
+from toolkit.responses.stress import MaxStress, stress_field, stress_operator
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
@@ -221,7 +215,7 @@ def test_every_stress_point_is_drawn_in_its_colour_at_its_place(wing, figures):
 
 def test_bands_for_paraview_have_the_range_of_the_response(wing):
     pytest.importorskip("pyvista")
-    from toolkit.render.paraview.export import skin_mesh
+    from toolkit.render.paraview import skin_mesh
 
     drawn = skin_mesh(skin_shape(Configuration(wing, 4), "skin"), 1.5, "stress").point_data["stress"]
     stress = stress_field(wing, "skin")[0][-1]
@@ -322,7 +316,7 @@ def test_drawn_line_passes_through_the_nodes(wing):
 def test_drawn_line_stays_an_arc_under_a_rigid_rotation_of_the_nodes():
     """A small rotation by eps moves every point of the line by eps times its distance; the elements represent it exactly."""
     from toolkit.reduced_model.model import Mesh
-    from toolkit.render.plane.skin_shape import _displacement
+    from toolkit.render.plane.configuration import _displacement
 
     nodes = np.array([[0.0, 0.0], [2.0, 1.0], [3.0, 3.0]])
     mesh = Mesh(nodes, np.array([[0, 1], [1, 2]]), np.zeros((9, 1)), nodes, nodes)
@@ -391,7 +385,7 @@ def bracket():
 @pytest.fixture
 def bare(bracket, monkeypatch):
     """The bracket of a model file that does not tell the stress inside."""
-    monkeypatch.setattr("toolkit.render.plane.solid_shape._inside", lambda *_: None)
+    monkeypatch.setattr("toolkit.render.plane.configuration._inside", lambda *_: None)
     return bracket
 
 
@@ -471,7 +465,7 @@ def test_a_meshed_body_is_drawn_with_its_stress_along_its_boundary_where_no_othe
 
 def test_a_meshed_body_without_stress_is_drawn_without_colours(bare, monkeypatch):
     bracket = bare
-    monkeypatch.setattr("toolkit.render.plane.solid_shape.stress_components", lambda *_: np.zeros((7, 1)))
+    monkeypatch.setattr("toolkit.render.plane.configuration.stress_components", lambda *_: np.zeros((7, 1)))
     look, moment = choose_look(bracket, [2]), Configuration(bracket, 2)
     assert np.isnan(solid_shape(moment, "rod").stress).all()
     assert look.stress_limit == 0
@@ -692,7 +686,7 @@ def test_importing_the_pictures_imports_no_drawing_and_a_planar_scene_is_drawn_w
         "print({'pyvista', 'vtkmodules', 'matplotlib'} & sys.modules.keys())\n"
         "sys.modules['pyvista'] = sys.modules['vtkmodules'] = None\n"
         "from tests.models.pictures import rest\n"
-        "from toolkit.render.view import View\n"
+        "from toolkit.render.readable_units import View\n"
         "from toolkit.scene_file.reader import read_scene\n"
         "solution = rest(read_scene('models/pendulum/scene.toml'), 1)\n"
         "refuse_what_cannot_be_drawn(solution.system.scene, View())\n"

@@ -21,11 +21,10 @@ from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rod
 from toolkit.command_line.cli import app
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import OWN, list_own, refuse_foreign
-from toolkit.foundation.files.replaced_file import replaced
+from toolkit.foundation.files.safe_files import OWN, list_own, refuse_foreign, replaced
 from toolkit.foundation.verdict import Verdict
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity

@@ -28,7 +28,7 @@ from docs.generators.rooms import page, rooms
 from docs.generators.worked_pages import GALLERY
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.verdict import REGISTRY, codes
-from toolkit.responses.stress.stress import design_rates
+from toolkit.responses.stress import design_rates
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare, solve
 

@@ -102,9 +102,9 @@ ONE_EACH = (
 APART = {
     "toolkit.command_line.completion",
     "toolkit.compilation.arrays.strain_arrays",
-    "toolkit.linear.elimination_order",
-    "toolkit.render.paraview.spatial_meshes",
-    "toolkit.studies.optimization.search.cuts",
+    "toolkit.linear.sparse_analysis",
+    "toolkit.render.paraview",
+    "toolkit.studies.optimization.explored",
     "toolkit.system.evaluation_memory",
     "toolkit.system.handed_records",
     "toolkit.system.remembered_curves",

@@ -13,9 +13,9 @@ from tests.scene_file.test_schemas import complaints
 from toolkit.conformance.check import check_response
 from toolkit.foundation.errors import ConformanceError
 from toolkit.responses.catalogue import Response
-from toolkit.responses.kinematics.marker_motion import Motion
-from toolkit.responses.kinematics.point_motion import PointVector
-from toolkit.responses.vibrations.vibration import OfVibration
+from toolkit.responses.marker_formula import Motion
+from toolkit.responses.point_motion import PointVector
+from toolkit.responses.vibration import OfVibration
 from toolkit.sensitivity.methods import gradients_by
 
 AGREEMENT = 1e-10

@@ -9,11 +9,11 @@ from tests.models.scenes import WING
 from tests.responses.test_load_margin import FORCE, HALF, RISE, SNAPPING, STIFFNESS, truss
 from tests.scene_file.test_schemas import complaints
 from toolkit.analyses.statics import solve_statics
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.foundation.errors import InputError
 from toolkit.loads.springs import SpatialSpringDamper, SpringDamper
-from toolkit.responses.vibrations.least_frequency import LeastFrequency
-from toolkit.responses.vibrations.vibration import Frequency
+from toolkit.responses.least_frequency import LeastFrequency
+from toolkit.responses.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.methods import gradients_by

@@ -15,34 +15,28 @@ from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod, SpatialRod
 from toolkit.curves.oscillation import Sine
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.revolute import Revolute, SpatialRevolute
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
-from toolkit.responses.balance.mass import CentreOfMass, Mass
-from toolkit.responses.balance.power import Power
-from toolkit.responses.balance.work import Work
+from toolkit.responses.balance import CentreOfMass, Mass, Power, Work
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.kinematics.deflection import Deflection
-from toolkit.responses.kinematics.marker_motion import MarkerMotion
-from toolkit.responses.kinematics.point_distance import PointDistance
-from toolkit.responses.kinematics.point_motion import Acceleration, AngularVelocity, Velocity
-from toolkit.responses.kinematics.relative_angle import RelativeAngle
+from toolkit.responses.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.responses.joint_force import JointForce
+from toolkit.responses.local_stress import StressAlongLine, StressAtPoint, stress_places
+from toolkit.responses.marker_formula import MarkerMotion
 from toolkit.responses.motion import Displacement
-from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
-from toolkit.responses.over_time.means import TimeMean, TimeMeanSquare
-from toolkit.responses.stress.local_stress import StressAlongLine, StressAtPoint
-from toolkit.responses.stress.stress import stress_field
-from toolkit.responses.stress.stress_places import stress_places
+from toolkit.responses.over_time import TimeMean, TimeMeanSquare
+from toolkit.responses.point_motion import Acceleration, AngularVelocity, Deflection, PointDistance, Velocity
+from toolkit.responses.relative_angle import RelativeAngle
+from toolkit.responses.stress import stress_field
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.evaluation import evaluate_responses
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
 from toolkit.validity.motion.energy_balance import energy_balance
 
 DRIVEN = Sine(amplitude=0.8, frequency=1.5)

@@ -9,21 +9,18 @@ from tests.models.scenes import WING, hanging_skin
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.energy import KineticEnergy
-from toolkit.responses.instant import magnitude
+from toolkit.responses.extremes import TimeMax
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.extremes import TimeMax
-from toolkit.responses.over_time.means import TimeIntegral, TimeMean, TimeMeanSquare
+from toolkit.responses.over_time import TimeIntegral, TimeMean, TimeMeanSquare
+from toolkit.responses.response import magnitude
 from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS, gaps, shape_error, shape_error_history
-from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
-from toolkit.responses.stress.stress import KSStress, MaxStress, stress_field
+from toolkit.responses.stress import KSStress, MaxStress, gap_bound, kreisselmeier_steinhauser, stress_field
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.resolution import loaded
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint.adjoint import adjoint
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.evaluation import values_of
-from toolkit.sensitivity.numerical import numerical
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.adjoint import adjoint
+from toolkit.sensitivity.direct import direct, numerical
+from toolkit.sensitivity.preparation import prepare, solve, values_of
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 
 import ffrf
 from preprocessing import build, save
-from toolkit.responses.over_time.tied_extremes import tied_peaks
+from toolkit.responses.extremes import tied_peaks
 
 SCENE = """units = "m-kg-s"
 points.C = [0.0, 0.0]

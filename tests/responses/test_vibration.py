@@ -12,7 +12,7 @@ from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
 from toolkit.bodies.rigid import Rigid
 from toolkit.curves.rise import Ramp
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.revolute import Revolute
@@ -20,7 +20,7 @@ from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
 from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
-from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
+from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.preparation import prepare, solve

@@ -15,15 +15,13 @@ from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.kept_run.layout import BODY, STATES, ResultsFileError
 from toolkit.responses.shape_error import shape_error, shape_error_history
-from toolkit.responses.stress.stress import stress_field
+from toolkit.responses.stress import stress_field
 from toolkit.results.collect import restore_scene, table_of
 from toolkit.results.csv_tables import export_csv, safe_name
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene_file.reader import read_scene, scene_from_table
-from toolkit.sensitivity.direct import direct, evaluated
-from toolkit.sensitivity.evaluation import evaluate_responses
-from toolkit.sensitivity.numerical import numerical
-from toolkit.sensitivity.preparation import ANALYSES, prepare, solve
+from toolkit.sensitivity.direct import direct, evaluated, numerical
+from toolkit.sensitivity.preparation import ANALYSES, evaluate_responses, prepare, solve
 from toolkit.sensitivity.run import restored
 
 
@@ -325,7 +323,7 @@ def test_names_of_files_cannot_leave_their_folder():
 
 def test_paraview_reads_the_deformed_skin_with_stress_and_its_derivatives(wing, tmp_path):
     pyvista = pytest.importorskip("pyvista")
-    from toolkit.render.paraview.export import export_paraview
+    from toolkit.render.paraview import export_paraview
 
     results = load_results(wing[1])
     reader = pyvista.get_reader(export_paraview(restored(results).solution, tmp_path / "series"))

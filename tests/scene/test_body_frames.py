@@ -17,7 +17,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.joints.driver import AngleDriver, SpatialAngleDriver

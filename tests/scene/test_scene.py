@@ -9,7 +9,7 @@ from toolkit.bodies.body import Body, PlanarBody, SpatialBody
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint, PlanarJoint, SpatialJoint

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from toolkit.analyses.free_motion import farthest, free_motion_states
-from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.statics import farthest, free_motion_states, solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.combined import Sum
@@ -20,7 +19,7 @@ from toolkit.curves.oscillation import Sine
 from toolkit.curves.polynomial import Constant
 from toolkit.curves.rise import SmoothStep
 from toolkit.curves.table import Table
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, ModelFileError, SingularSystemError
 from toolkit.joints.distance import Distance

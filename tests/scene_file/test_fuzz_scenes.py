@@ -15,8 +15,7 @@ from toolkit.command_line.commands.inspection import describe_scene
 from toolkit.foundation.errors import ToolkitError
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.evaluation import evaluate_responses
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
 
 pytestmark = pytest.mark.robustness
 

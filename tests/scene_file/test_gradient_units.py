@@ -12,7 +12,7 @@ from tests.models.every_number import SCENES
 from tests.models.scenes import hanging_skin
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL_SCENES
-from toolkit.foundation.dimensions import Dimension, factor
+from toolkit.foundation.units import Dimension, factor
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.dimensions import number_dimension, response_dimension
 from toolkit.scene_file.gradient_units import dimension_label, gradient_unit, gradient_units, per, variable_unit

@@ -19,7 +19,7 @@ from toolkit.kept_run.layout import ResultsFileError
 from toolkit.reduced_model.file import load
 from toolkit.results.results_file import load_results
 from toolkit.scene_file.reader import read_scene
-from toolkit.studies.study.study_reader import read_study
+from toolkit.studies.study_file import read_study
 
 ROOT = Path(__file__).parents[2]
 WING = ROOT / "models" / "morphing_wing"

@@ -16,11 +16,9 @@ from tests.models.every_number import SCENES
 from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
 from toolkit.curves.curve import Curve
 from toolkit.curves.oscillation import Sine
-from toolkit.description.description import Description, Number
-from toolkit.description.quantity import Quantity
-from toolkit.foundation.dimensions import LABELLED, Dimension, factor
+from toolkit.description.description import Description, Number, Quantity
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.units import UNIT_SYSTEMS
+from toolkit.foundation.units import LABELLED, UNIT_SYSTEMS, Dimension, factor
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.load import PlanarLoad
 from toolkit.loads.point_force import point_force
@@ -28,7 +26,7 @@ from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.responses.stress.stress import KSStress
+from toolkit.responses.stress import KSStress
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import converted, number_factor, response_factor
 from toolkit.scene_file.reader import read_scene

@@ -16,7 +16,7 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.distance import Distance
 from toolkit.joints.revolute import Revolute

@@ -31,8 +31,7 @@ from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.direct import direct, numerical
 from toolkit.sensitivity.preparation import prepare
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

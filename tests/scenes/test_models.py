@@ -30,11 +30,11 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.preparation import prepare
 from toolkit.sensitivity.run import Run
-from toolkit.studies.designs.evaluator import Evaluator
-from toolkit.studies.engine.store import DesignStore
+from toolkit.studies.design_work import Evaluator
 from toolkit.studies.optimization.program import Program
-from toolkit.studies.study.checked_problem import problem_of
-from toolkit.studies.study.study_reader import read_study
+from toolkit.studies.problem import problem_of
+from toolkit.studies.store import DesignStore
+from toolkit.studies.study_file import read_study
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
 from toolkit.validity.description.frame_choice import frame_choices

@@ -18,8 +18,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
 from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.evaluation import values_of
-from toolkit.sensitivity.preparation import prepare
+from toolkit.sensitivity.preparation import prepare, values_of
 
 pytestmark = pytest.mark.usefixtures("read_here", "programs_here")
 

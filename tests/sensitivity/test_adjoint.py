@@ -8,11 +8,11 @@ from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
+from toolkit.responses.over_time import TimeIntegral
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
+from toolkit.sensitivity.adjoint import adjoint_gradients
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.preparation import prepare

@@ -16,7 +16,7 @@ from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.compilation.quantities import STEP
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.slider import Slider
@@ -25,14 +25,13 @@ from toolkit.loads.point_force import PointForce
 from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
-from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.responses.over_time import TimeIntegral
+from toolkit.responses.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import Kind
+from toolkit.sensitivity.preparation import Kind, values_of
 
 AGREEMENT = 1e-9
 """All methods are exact for the discrete equations. What differs is round-off of the state, 1e-16 of the model size, times the

@@ -13,12 +13,12 @@ from tests.models.scenes import HANGING_DESIGN, hanging_skin
 from toolkit.analyses.checkpoints import solve_windows, window_bounds
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.errors import InputError
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.response import Partials, Response
-from toolkit.responses.stress.stress import KSStress
+from toolkit.responses.stress import KSStress
 from toolkit.responses.windows import combine
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.adjoint.adjoint import adjoint
+from toolkit.sensitivity.adjoint import adjoint
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.transient.run import prepare_run

@@ -17,7 +17,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
 from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.evaluation import values_of
+from toolkit.sensitivity.preparation import values_of
 from toolkit.sensitivity.run import Run
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"

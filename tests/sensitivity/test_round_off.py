@@ -11,11 +11,10 @@ import pytest
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.certificate.certificate import DisagreementError, certify
-from toolkit.sensitivity.certificate.differences import STEPS, direction, jumping, taylor_rates
-from toolkit.sensitivity.certificate.round_off import round_off
+from toolkit.sensitivity.certificate.differences import STEPS, direction, jumping, round_off, taylor_rates
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.sizes import response_scales, variable_sizes
+from toolkit.sensitivity.preparation import response_scales, variable_sizes
 from toolkit.system.system import compile_scene
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -9,7 +9,7 @@ from tests.models.directions import along, derivative_along, direction
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rod
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, NoDerivativeError
 from toolkit.joints.distance import Distance
@@ -19,10 +19,8 @@ from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate.differences import step_study, taylor_rates
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.evaluation import values_of
-from toolkit.sensitivity.numerical import numerical
-from toolkit.sensitivity.preparation import prepare
+from toolkit.sensitivity.direct import direct, numerical
+from toolkit.sensitivity.preparation import prepare, values_of
 from toolkit.solvers.start import initial_conditions
 
 AGREEMENT = 5e-10

@@ -12,7 +12,7 @@ from toolkit.bodies.rigid import Rod
 from toolkit.curves.combined import Sum
 from toolkit.curves.oscillation import Sine
 from toolkit.curves.polynomial import Constant
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
 from toolkit.joints.distance import Distance
@@ -22,8 +22,8 @@ from toolkit.loads.gravity import Gravity
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.methods import gradients_by
+from toolkit.sensitivity.preparation import values_of
 from toolkit.system.system import compile_scene
 
 FREE = Sum(terms=(Constant(value=0.0), Sine(amplitude=0.3, frequency=0.8)))

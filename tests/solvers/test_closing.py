@@ -15,7 +15,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rod, SpatialRod
 from toolkit.curves.polynomial import Constant
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, LimitPointError
 from toolkit.joints.distance import Distance, SpatialDistance

@@ -17,14 +17,14 @@ from tests.models.spatial_cases import write_models as write_spatial_models
 from toolkit.analyses.modes import undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.responses.kinematics.deflection import Deflection
+from toolkit.responses.point_motion import Deflection
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.studies.stability.physics_maps import speed_map
+from toolkit.studies.stability.maps import speed_map
 from toolkit.system.system import compile_scene
 from toolkit.validity.start.start_cautions import cautions_of_start
 from toolkit.validity.start.start_state import start_lines, start_record

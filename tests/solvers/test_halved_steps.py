@@ -11,7 +11,7 @@ import ffrf
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.frames import chosen_frames
+from toolkit.sensitivity import chosen_frames
 from toolkit.system.system import compile_scene
 from toolkit.validity.motion.creeping_friction import told_frictions
 

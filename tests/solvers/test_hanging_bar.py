@@ -11,15 +11,14 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.bodies.flexible import Flexible
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.evaluation import evaluate_responses
-from toolkit.sensitivity.preparation import prepare
+from toolkit.sensitivity.preparation import evaluate_responses, prepare
 
 STEEL = Section(youngs_modulus=2.1e11, density=7850.0, thickness=0.1, width=0.01)
 

@@ -18,7 +18,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
 from toolkit.curves.rise import Cycloid
 from toolkit.description.description import Description
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.kept_run.layout import ResultsFileError
@@ -28,11 +28,10 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.certificate.fresh_models import fresh_gradients
-from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import prepare
-from toolkit.solvers.start.continued import continued_start
-from toolkit.studies.stability.physics_maps import speed_map
+from toolkit.sensitivity.preparation import evaluate_responses, prepare
+from toolkit.solvers.start.initial_conditions import continued_start
+from toolkit.studies.stability.maps import speed_map
 from toolkit.studies.stability.study import unit_map
 
 HALF, STEP = 0.6, 0.01

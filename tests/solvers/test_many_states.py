@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy
 
-from toolkit.solvers.static.stability.many_states import StaticEntries, are_positive
+from toolkit.solvers.static.critical_state import StaticEntries, are_positive
 
 COORDINATES, TIES, STATES = 12, 3, 6
 SIZES = np.geomspace(0.1, 30.0, COORDINATES)

@@ -16,7 +16,7 @@ from toolkit.analyses.run_start import run_start
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rod
 from toolkit.curves.table import Table
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.rows import LANES
 from toolkit.foundation.kernel import plain
@@ -25,12 +25,10 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
-from toolkit.solvers.transient.fitted_trend import HIGHEST, fit_trend
 from toolkit.solvers.transient.newton import SINGULAR
 from toolkit.solvers.transient.run import Integration, allocate_history, failure_of_step, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha
-from toolkit.solvers.transient.step_memory import ITERATIONS, LAST
+from toolkit.solvers.transient.step_memory import AWAY, EXPECTED, HIGHEST, ITERATIONS, LAST, ORDER, fit_trend, guess, learn_trend
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

@@ -8,15 +8,14 @@ import pytest
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.oscillation import Sine
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import Baumgarte, RunOptions
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.springs import RotationalSpringDamper
 from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
-from toolkit.solvers.transient.formulation import constraint_levels
-from toolkit.solvers.transient.scheme import generalized_alpha
+from toolkit.solvers.transient.scheme import constraint_levels, generalized_alpha
 from toolkit.system.system import System, compile_scene
 
 DURATION, SAMPLES = 0.8, 20

@@ -15,7 +15,7 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, CriticalStateError, LimitPointError
 from toolkit.joints.revolute import Revolute

@@ -14,7 +14,7 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, LimitPointError
 from toolkit.joints.driver import PositionDriver
@@ -25,8 +25,7 @@ from toolkit.loads.point_force import PointForce
 from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.solvers.static.stability.saddle import Saddle
-from toolkit.solvers.static.stability.softness import Softness, softest
+from toolkit.solvers.static.static_matrix import Saddle, Softness, softest
 from toolkit.system.system import System, compile_scene
 
 PAST = RunOptions(continuation="arc-length")

@@ -18,7 +18,7 @@ from toolkit.curves.oscillation import Sine
 from toolkit.curves.polynomial import Constant
 from toolkit.curves.rise import SmoothStep
 from toolkit.curves.table import Table
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
 from toolkit.joints.revolute import Revolute
@@ -30,10 +30,9 @@ from toolkit.loads.torque import Torque
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint.adjoint import adjoint
+from toolkit.sensitivity.adjoint import adjoint
 from toolkit.sensitivity.certificate.certificate import certify
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.direct import direct, numerical
 from toolkit.sensitivity.preparation import frozen, prepare, solve
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

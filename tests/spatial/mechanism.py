@@ -8,7 +8,7 @@ from tests.spatial.scenes import at, save_frame
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import SpatialRigid
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.driver import SpatialAngleDriver
 from toolkit.joints.prismatic import Prismatic
@@ -20,9 +20,9 @@ from toolkit.loads.point_force import SpatialPointForce
 from toolkit.loads.springs import SpatialSpringDamper
 from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.means import TimeIntegral
+from toolkit.responses.over_time import TimeIntegral
 from toolkit.scene.scene import Scene
 
 ROD = """units = "m-kg-s"

@@ -15,7 +15,7 @@ from toolkit.bodies.body import Body, Placed, StartVelocity
 from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRigidBody
 from toolkit.description.description import Positive
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.joints.distance import Distance, SpatialDistance
 from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.joint import Joint

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from preprocessing import build
 from tests.models.kept_files import write_once
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.reduced_model.file import save
 
 

@@ -15,14 +15,14 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import SpatialRigid
 from toolkit.curves.polynomial import Constant
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.driver import SpatialAngleDriver
 from toolkit.joints.joint import SpatialPointJoint
 from toolkit.joints.revolute import SpatialRevolute
 from toolkit.joints.rigid_joint import SpatialRigidJoint
 from toolkit.joints.rows import Row
-from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.loads.point_force import SpatialPointForce
 from toolkit.loads.springs import SpatialSpringDamper

@@ -15,13 +15,13 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.driver import SpatialAngleDriver
 from toolkit.joints.revolute import SpatialRevolute
-from toolkit.kinematics.spatial import matrix_of
+from toolkit.kinematics.orientation import matrix_of
 from toolkit.loads.springs import SpatialRotationalSpringDamper
 from toolkit.loads.torque import SpatialTorque
-from toolkit.responses.kinematics.relative_angle import RelativeAngle
 from toolkit.responses.motion import Rotation
-from toolkit.responses.over_time.means import TimeMean
-from toolkit.responses.vibrations.vibration import Frequency
+from toolkit.responses.over_time import TimeMean
+from toolkit.responses.relative_angle import RelativeAngle
+from toolkit.responses.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
 from toolkit.solvers.half_turns import half_turn

@@ -21,9 +21,8 @@ from toolkit.joints.revolute import SpatialRevolute
 from toolkit.joints.spherical import Spherical
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.loads.torque import SpatialTorque
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.forces.joint_wrenches import JointWrenches
-from toolkit.responses.forces.spatial_joint_force import SpatialJointForce
+from toolkit.responses.joint_force import JointForce, SpatialJointForce
+from toolkit.responses.least_squares_forces import JointWrenches
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import SPACE

@@ -14,10 +14,10 @@ from tests.models.solid_bodies import box, cantilever
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import Rod, SpatialRigid, SpatialRod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import OWN
+from toolkit.foundation.files.safe_files import OWN
 from toolkit.joints.cam import SpatialSwingCam
 from toolkit.joints.cylindrical import Cylindrical
 from toolkit.joints.distance import SpatialDistance
@@ -30,7 +30,7 @@ from toolkit.joints.rigid_joint import SpatialRigidJoint
 from toolkit.joints.screw import Screw
 from toolkit.joints.spherical import Spherical
 from toolkit.joints.universal import Universal
-from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.loads.bushing import SpatialBushing
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.loads.point_force import SpatialPointForce
@@ -38,19 +38,15 @@ from toolkit.loads.pressure import Pressure
 from toolkit.loads.springs import SpatialSpringDamper
 from toolkit.loads.torque import SpatialTorque
 from toolkit.reduced_model.file import save
+from toolkit.render.packages import drawing
 from toolkit.render.pictures import render_solution
-from toolkit.render.space.arrows import arrows
-from toolkit.render.space.body_shape import body_shape, drawn_as_built
-from toolkit.render.space.camera import ISOMETRIC, Camera, natural_aspect
-from toolkit.render.space.configuration import SpatialConfiguration
-from toolkit.render.space.curves import counted_angle, stress_extremes
-from toolkit.render.space.look import choose_spatial_look, outermost
-from toolkit.render.space.probe import drawing
+from toolkit.render.readable_units import View
+from toolkit.render.space.configuration import SpatialConfiguration, body_shape, counted_angle, drawn_as_built, stress_extremes
+from toolkit.render.space.look import ISOMETRIC, Camera, arrows, choose_spatial_look, natural_aspect, outermost
 from toolkit.render.space.scene_picture import spatial_caption
-from toolkit.render.view import View
 from toolkit.report.material import Material
 from toolkit.report.write import write_report
-from toolkit.responses.stress.stress import MaxStress, stress_field
+from toolkit.responses.stress import MaxStress, stress_field
 from toolkit.results.collect import collect
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
@@ -256,8 +252,7 @@ def test_beams_are_closed_round_their_fibres(folder):
 
 
 def test_what_is_clamped_is_still(folder):
-    from toolkit.render.space.parts import clamped_faces
-    from toolkit.render.space.symbols import clamped_points
+    from toolkit.render.space.parts import clamped_faces, clamped_points
 
     (clamp,) = clamped_points(SpatialConfiguration(rest(gallows(folder), 0), 0))
     np.testing.assert_allclose(clamp, 0, atol=1e-15)  # the node A
@@ -269,7 +264,7 @@ def test_what_is_clamped_is_still(folder):
 
 
 def test_axes_of_a_joint_turn_with_the_body_that_carries_them(folder):
-    from toolkit.render.space.symbols import spatial_symbols
+    from toolkit.render.space.parts import spatial_symbols
 
     scene = gallows(folder)
     joint = Prismatic(bodies=("ground", "rod"), point="E", axis=(0.0, 0.0, 2.0))
@@ -294,7 +289,7 @@ class Vague(Drawer):
 
 
 def test_a_joint_says_itself_what_it_is_drawn_as(folder):
-    from toolkit.render.space.symbols import spatial_symbols
+    from toolkit.render.space.parts import spatial_symbols
 
     scene = gallows(folder)
     drawn = {}
@@ -320,7 +315,7 @@ def test_arrows_are_the_loads_of_the_moment(folder):
 
 
 def test_a_turning_frame_stands_on_the_ground_and_a_welded_point_is_a_pin():
-    from toolkit.render.space.symbols import spatial_symbols
+    from toolkit.render.space.parts import spatial_symbols
 
     def at(name):
         scene = read_scene(Path(__file__).parents[2] / "models" / name / "scene.toml")
@@ -338,15 +333,15 @@ def test_a_turning_frame_stands_on_the_ground_and_a_welded_point_is_a_pin():
 
 
 def test_every_symbol_has_its_word_in_the_legend():
-    from toolkit.render.space.legend import SYMBOLS
-    from toolkit.render.space.symbols import _SURFACES
+    from toolkit.render.space.parts import _SURFACES
+    from toolkit.render.space.scene_picture import SYMBOLS
 
     known = {kind for name, (_, *beside) in SYMBOLS.items() for kind in (name, *beside)}
     assert known - {"spring"} == set(_SURFACES) - {"pin"}  # a spring is a coil, and a pin the end of a link
 
 
 def test_pictures_leave_room_below_for_what_they_explain_alone(folder):
-    from toolkit.render.space.legend import foot
+    from toolkit.render.space.scene_picture import foot
 
     solution = rest(crank(folder), 1)
     moment, look = SpatialConfiguration(solution, 1), choose_spatial_look(solution, [1], View())
@@ -359,7 +354,7 @@ def test_pictures_leave_room_below_for_what_they_explain_alone(folder):
 
 
 def test_what_stands_faintly_behind_is_called_what_it_is(folder):
-    from toolkit.render.space.legend import _faint
+    from toolkit.render.space.scene_picture import _faint
 
     solution = rest(crank(folder), 1)
     look = choose_spatial_look(solution, [1], View())
@@ -376,7 +371,7 @@ def test_what_stands_faintly_behind_is_called_what_it_is(folder):
     [("diameter_leg", "motion to scale; surface of frame as built"), ("youngs_modulus_steel", "motion and shape to scale")],
 )
 def test_a_surface_that_has_not_the_size_of_the_scene_says_so(folder, number, told):
-    from toolkit.render.space.legend import _scale
+    from toolkit.render.space.scene_picture import _scale
 
     scene, path = gallows(folder), f"bodies.frame.{number}"
     tangent = {**scene.bodies, "frame": scene.bodies["frame"].model_copy(update={"extrapolation": "first-order"})}
@@ -487,8 +482,7 @@ def test_a_point_is_drawn_at_the_pixel_that_the_panel_says(opengl, perspective, 
     points = np.array([[0.0, 0.0, 0.0], [2.0, 1.0, 0.5], [1.2, -0.4, 0.9]])
     with drawing():
         from toolkit.render.space.parts import ball
-        from toolkit.render.space.plotter.canvas import canvas
-        from toolkit.render.space.plotter.panel import SpatialPanel
+        from toolkit.render.space.plotter import SpatialPanel, canvas
 
         with canvas(tmp_path / "balls.png", 400, 300, 1) as plotter:
             panel = SpatialPanel(plotter, 1, (50, 40, 320, 240), 10, Camera.framing(points, 320 / 240, 0.1, perspective))
@@ -507,8 +501,7 @@ def test_a_mesh_that_is_drawn_in_front_covers_what_is_nearer(opengl, perspective
     points = np.array([[0.0, 0.0, 0.0], [1.0, -1.0, 1.0]])  # one behind the other
     with drawing():
         from toolkit.render.space.parts import ball
-        from toolkit.render.space.plotter.canvas import canvas
-        from toolkit.render.space.plotter.panel import SpatialPanel
+        from toolkit.render.space.plotter import SpatialPanel, canvas
 
         with canvas(tmp_path / "balls.png", 300, 300, 1) as plotter:
             panel = SpatialPanel(plotter, 1, (0, 0, 300, 300), 10, Camera.framing(points, 1.0, 0.5, perspective))
@@ -523,7 +516,7 @@ def test_a_mesh_that_is_drawn_in_front_covers_what_is_nearer(opengl, perspective
 
 def test_paraview_reads_displacement_von_mises_and_components(folder, tmp_path):
     pyvista = pytest.importorskip("pyvista")
-    from toolkit.render.paraview.export import export_paraview
+    from toolkit.render.paraview import export_paraview
 
     scene = gallows(folder)
     both = scene.model_copy(

@@ -21,7 +21,7 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.curves.oscillation import Sine
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.driver import SpatialPositionDriver
 from toolkit.joints.point_on_plane import PointOnPlane

@@ -10,7 +10,7 @@ import pytest
 from tests.models.starts import derivatives_agree, started
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import SpatialRigid, SpatialRod
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.distance import SpatialDistance

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from tests.models.spatial_cases import CASES, write_models
-from toolkit.conformance.residual import inputs, random_state
+from toolkit.conformance.comparison import inputs, random_state
 from toolkit.equations.equations import allocate_terms, allocate_work, evaluate_all
 from toolkit.foundation.kernel import plain
-from toolkit.solvers.transient.scheme import generalized_alpha
-from toolkit.solvers.transient.step_matrix import mix, newton_matrix
+from toolkit.solvers.transient.scheme import generalized_alpha, mix, newton_matrix
 from toolkit.system.system import System, compile_scene
 
 

@@ -14,7 +14,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import SpatialRigid
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.spherical import Spherical
-from toolkit.kinematics.spatial import angular_velocity
+from toolkit.kinematics.orientation import angular_velocity
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution

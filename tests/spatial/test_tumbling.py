@@ -14,7 +14,7 @@ from tests.spatial.scenes import save_frame
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.description.run_options import RunOptions
-from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
 

@@ -9,7 +9,7 @@ from tests.models.any_scene import test_state_derivatives_are_the_complex_step_o
 from tests.models.spatial_cases import CASES, write_models
 from toolkit.bodies.body import SpatialFloatingNumbers
 from toolkit.compilation.patterns import common_pattern
-from toolkit.conformance.residual import design_paths, inputs, random_state
+from toolkit.conformance.comparison import design_paths, inputs, random_state
 from toolkit.system.system import System, compile_scene
 
 PAIRS = [("strip", "flag"), ("ground", "arm"), ("sled", "mast")]

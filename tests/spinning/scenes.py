@@ -13,17 +13,17 @@ from tests.spatial.scenes import at, save_frame
 from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.rigid import Rigid, SpatialRigid
 from toolkit.curves.polynomial import Polynomial
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.prismatic import Prismatic
 from toolkit.joints.revolute import Revolute, SpatialRevolute
 from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
 from toolkit.joints.slider import Slider
-from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.loads.gravity import SpatialGravity
 from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
-from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
+from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 
 Z = (0.0, 0.0, 1.0)

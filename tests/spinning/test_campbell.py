@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.spinning.scenes import UNIT, blade, planar_blade, table
-from toolkit.analyses.campbell import Campbell, campbell
+from toolkit.analyses.modes import Campbell, campbell
 from toolkit.command_line.cli import app
 from toolkit.command_line.commands.campbell_command import speeds_of
 from toolkit.door.model import compile_model

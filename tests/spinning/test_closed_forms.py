@@ -11,7 +11,7 @@ from tests.spinning.scenes import SPINNING, Z, governor, motor, planar_blade, ta
 from toolkit.analyses.modes import Modes, solve_modes, undeformed
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import Rigid
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.foundation.errors import InputError
 from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.revolute import Revolute

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from toolkit.bodies.rigid import Rigid
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.slider import Slider
 from toolkit.loads.springs import SpringDamper
-from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
+from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import values_alone

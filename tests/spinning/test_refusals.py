@@ -6,7 +6,7 @@ import pytest
 
 from tests.spinning.scenes import governor, motor, table
 from toolkit.curves.polynomial import Constant, Polynomial
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import InputError, SingularSystemError
@@ -15,8 +15,8 @@ from toolkit.joints.revolute import Revolute
 from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.springs import SpringDamper
-from toolkit.responses.load_margin import LoadMargin
-from toolkit.responses.vibrations.vibration import Frequency
+from toolkit.responses.least_frequency import LoadMargin
+from toolkit.responses.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.preparation import prepare, solve

@@ -15,7 +15,7 @@ from tests.spatial.momenta import kinetic_energy, momenta, momentum, strain_ener
 from tests.spinning.scenes import BEAM
 from tests.spinning.test_campbell import FLAP, diagram, lowest
 from tests.spinning.test_spinning_gradients import same
-from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
+from toolkit.conformance.comparison import check_design_derivatives, check_state_derivatives
 from toolkit.door.model import compile_model
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene

@@ -12,8 +12,19 @@ import toolkit as ffrf
 from toolkit.door.outcome import KEPT
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
-from toolkit.studies.designs.carried_verdicts import FARTHEST, SAME, Answers, CarriedVerdicts, Measured, apart, growth
-from toolkit.studies.designs.indicators import Indicators, distances, indicators, written_numbers
+from toolkit.studies.carried_verdicts import (
+    FARTHEST,
+    SAME,
+    Answers,
+    CarriedVerdicts,
+    Indicators,
+    Measured,
+    apart,
+    distances,
+    growth,
+    indicators,
+    written_numbers,
+)
 
 BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "beam.h5"
 CANTILEVER = f"""

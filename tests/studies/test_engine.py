@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 
 from toolkit.foundation.errors import InputError
-from toolkit.studies.engine.executor import Executor
-from toolkit.studies.engine.jobs import run_jobs
-from toolkit.studies.engine.outcome import DesignOutcome, RunOutcome, State
-from toolkit.studies.engine.store import DesignStore, RunFolder, StudyFileError, opened_store
+from toolkit.studies.executor import Executor, run_jobs
+from toolkit.studies.store import DesignOutcome, DesignStore, RunFolder, RunOutcome, State, StudyFileError, opened_store
 
 ODD = RunOutcome(values={"f": math.nan, "g": 0.1 + 0.2}, gradients={"f": {"x": -math.inf, "y": 5e-324}}, seconds=1 / 3, steps=7)
 

@@ -13,12 +13,10 @@ from tests.responses.test_vibration import MASS, STIFFNESS, blocks
 from toolkit.foundation.errors import InputError
 from toolkit.loads.springs import SpringDamper
 from toolkit.scene.scene import Scene
-from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.optimization.optimize import optimized
-from toolkit.studies.study.checked_problem import problem_of
-from toolkit.studies.study.problem import Problem
-from toolkit.studies.study.study_file import Study
-from toolkit.studies.study.study_reader import read_study
+from toolkit.studies.problem import Problem, problem_of
+from toolkit.studies.solved_design import solve_design
+from toolkit.studies.study_file import Study, read_study
 
 FIRST = "loads.springB0.stiffness"
 

@@ -8,11 +8,11 @@ import pytest
 import ffrf
 from tests.models.truss import HALF, REST, STIFFNESS, height, write_truss
 from toolkit.foundation.errors import InputError
-from toolkit.studies.designs.solved_design import solve_design
-from toolkit.studies.study.checked_problem import problem_of
-from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.sweep.sweep import run_sweep, sweep_problem
-from toolkit.studies.uncertainty.uncertain_study import uncertain_study
+from toolkit.studies.problem import problem_of
+from toolkit.studies.solved_design import solve_design
+from toolkit.studies.study_file import read_study
+from toolkit.studies.sweep import run_sweep, sweep_problem
+from toolkit.studies.uncertain_study import uncertain_study
 
 LOADS, SPRINGS = (-40.0, -10.0), (-200.0, 300.0)
 SLOPE = f"""

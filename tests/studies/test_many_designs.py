@@ -19,8 +19,8 @@ import ffrf
 from tests.models.studies import SWEEP, UNCERTAIN, sweep_file
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.hdf5 import reading
-from toolkit.studies.engine.executor import Executor, completed
-from toolkit.studies.sweep.swept import Swept
+from toolkit.studies.executor import Executor, completed
+from toolkit.studies.sweep import Swept
 
 ROOT = Path(__file__).parents[2]
 SOBOL = SWEEP.replace("levels = 9", 'points = "sobol"\ncount = 24').replace("-90.0", "-45.0")
@@ -55,15 +55,15 @@ def test_places_that_cannot_be_meant_are_refused(tmp_path):
 
 
 def test_nobody_at_the_address_of_a_scheduler_is_an_error_in_words(monkeypatch):
-    monkeypatch.setattr("toolkit.studies.engine.dask_cluster.PATIENCE", 1)
+    monkeypatch.setattr("toolkit.studies.executor.PATIENCE", 1)
     with pytest.raises(InputError, match=r"no Dask scheduler answers at 'tcp://127.0.0.1:9'.*dask scheduler"):
         list(completed(Executor(dask="tcp://127.0.0.1:9"), str, {1: 2}))
 
 
 KILLED = """
 import os, signal
-from toolkit.studies.engine.executor import Executor, completed
-from toolkit.studies.engine.processes import StudyError
+from toolkit.studies.executor import Executor, completed
+from toolkit.studies.executor import StudyError
 def end_this_process(task):
     os.kill(os.getpid(), signal.SIGKILL)
 if __name__ == "__main__":
@@ -94,8 +94,8 @@ def test_a_killed_process_is_an_error_that_says_what_to_do(tmp_path):
 
 
 UNGUARDED = """
-from toolkit.studies.engine.executor import Executor, completed
-from toolkit.studies.engine.processes import StudyError
+from toolkit.studies.executor import Executor, completed
+from toolkit.studies.executor import StudyError
 try:
     list(completed(Executor(processes=2), abs, {1: 1, 2: 2}))
 except StudyError as error:
@@ -103,8 +103,8 @@ except StudyError as error:
 """
 ENDED = """
 import sys
-from toolkit.studies.engine.executor import Executor, completed
-from toolkit.studies.engine.processes import StudyError
+from toolkit.studies.executor import Executor, completed
+from toolkit.studies.executor import StudyError
 if __name__ != "__main__":
     sys.exit("it says why")
 try:
@@ -137,7 +137,7 @@ def test_processes_that_cannot_begin_say_why(tmp_path, text, told, said):
 
 SLEEPING = """
 import time
-from toolkit.studies.engine.executor import Executor, completed
+from toolkit.studies.executor import Executor, completed
 if __name__ == "__main__":
     list(completed(Executor(processes=2), time.sleep, {1: 60, 2: 60}))
 """

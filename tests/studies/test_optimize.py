@@ -24,21 +24,17 @@ from tests.models.truss import STIFFNESS, force, force_slope, height, limit_load
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
 from toolkit.sensitivity.certificate.certificate import NothingVerifiedError, certify
-from toolkit.studies.designs.evaluator import Evaluator
-from toolkit.studies.engine.outcome import DesignOutcome, State
-from toolkit.studies.engine.store import DesignStore, StudyFileError
-from toolkit.studies.optimization.methods.catalogue import METHODS
-from toolkit.studies.optimization.methods.functions import Functions
-from toolkit.studies.optimization.optimality import optimality_of
+from toolkit.studies.design_work import Evaluator
+from toolkit.studies.optimization.explored import Known, turned
+from toolkit.studies.optimization.methods import METHODS, Functions
 from toolkit.studies.optimization.optimize import STORE, _other_optima, _rank, _unfinished, optimized
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
-from toolkit.studies.optimization.program import Program, Values
-from toolkit.studies.optimization.search.curvature import Known, turned
+from toolkit.studies.optimization.program import Program, Values, optimality_of
 from toolkit.studies.optimization.verification import solved_again
-from toolkit.studies.study.checked_problem import problem_of
-from toolkit.studies.study.problem import Problem
-from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.uncertainty.uncertain_study import uncertain_study
+from toolkit.studies.problem import Problem, problem_of
+from toolkit.studies.store import DesignOutcome, DesignStore, State, StudyFileError
+from toolkit.studies.study_file import read_study
+from toolkit.studies.uncertain_study import uncertain_study
 
 LOAD = '"loads.push.force.y"'
 DROP = f"""

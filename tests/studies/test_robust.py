@@ -14,12 +14,11 @@ import ffrf
 from tests.models.truss import HALF, HEIGHT, REST, force, force_slope, height, write_truss
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
-from toolkit.studies.designs.solved_design import solve_design
 from toolkit.studies.optimization.optimize import optimized
-from toolkit.studies.study.checked_problem import problem_of
-from toolkit.studies.study.problem import Problem
-from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.sweep.sweep import run_sweep, sweep_problem
+from toolkit.studies.problem import Problem, problem_of
+from toolkit.studies.solved_design import solve_design
+from toolkit.studies.study_file import read_study
+from toolkit.studies.sweep import run_sweep, sweep_problem
 
 LOAD = '"loads.push.force.y"'
 SPRINGS = '["loads.left.stiffness", "loads.right.stiffness"]'

@@ -6,15 +6,12 @@ import numpy as np
 import pytest
 
 from tests.models.closed_searches import search_of, searched
-from toolkit.studies.optimization import optimality
-from toolkit.studies.optimization.methods.catalogue import METHODS
-from toolkit.studies.optimization.optimality import Optimality
-from toolkit.studies.optimization.program import Values
-from toolkit.studies.optimization.promise import promised
-from toolkit.studies.optimization.search.curvature import LONGEST
-from toolkit.studies.optimization.search.cuts import Cuts
-from toolkit.studies.optimization.search.search import LITTLE, MANY, REACHES, EndRule, Renewal
-from toolkit.studies.study.search_options import Search as SearchOptions
+from toolkit.studies.optimization import program
+from toolkit.studies.optimization.explored import LONGEST, Cuts
+from toolkit.studies.optimization.methods import METHODS
+from toolkit.studies.optimization.program import Optimality, Values, promised
+from toolkit.studies.optimization.search import LITTLE, MANY, REACHES, EndRule, Renewal
+from toolkit.studies.study_file import Search as SearchOptions
 
 
 def valley(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -33,7 +30,7 @@ def squares(**options: object) -> tuple[float, bool]:
 
 def test_a_search_that_has_seen_steep_slopes_only_is_not_done_on_the_floor_of_a_valley(monkeypatch):
     assert squares() == (pytest.approx(0.0, abs=SearchOptions().optimality), True)
-    monkeypatch.setattr(optimality, "promised", lambda *_: 0.0)
+    monkeypatch.setattr(program, "promised", lambda *_: 0.0)
     above, said = squares()
     assert said  # by slopes alone the twelfth design is one
     assert above > 0.1

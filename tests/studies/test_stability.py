@@ -19,9 +19,8 @@ from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.description import Number
-from toolkit.description.point import BodyPoint, Point
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Number, Quantity
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.driver import AngleDriver
@@ -33,15 +32,30 @@ from toolkit.responses.motion import Displacement, Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare
-from toolkit.studies.stability.cell_outcome import CellOutcome, Ending
-from toolkit.studies.stability.cell_run import created_energy, run_cell
-from toolkit.studies.stability.classifier import CLASSES, CellClass, Limits, gradient_class, run_class
-from toolkit.studies.stability.map import Axis, Map, with_options
-from toolkit.studies.stability.map_limits import breakdowns, stable_where
-from toolkit.studies.stability.map_result import Cell, MapResult
-from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map, thickness_map
-from toolkit.studies.stability.record import record_of
-from toolkit.studies.stability.solver_maps import baumgarte_map, refined
+from toolkit.studies.stability.cells import (
+    CLASSES,
+    CellClass,
+    CellOutcome,
+    Ending,
+    Limits,
+    created_energy,
+    gradient_class,
+    run_cell,
+    run_class,
+)
+from toolkit.studies.stability.map_result import Cell, MapResult, breakdowns, record_of, stable_where
+from toolkit.studies.stability.maps import (
+    Axis,
+    Map,
+    baumgarte_map,
+    load_map,
+    mass_map,
+    refined,
+    speed_map,
+    stiffness_map,
+    thickness_map,
+    with_options,
+)
 from toolkit.studies.stability.study import MAPS, maps_of, stability
 
 PENDULUM = WING.parents[1] / "pendulum" / "scene.toml"
@@ -414,7 +428,7 @@ def test_error_control_is_refined_by_the_cube_and_ends_when_its_steps_vanish(mon
     scene = with_options(read_scene(PENDULUM, QUICK), local_error=1e-4, rho_inf=0.8)
     assert refined(scene, 2).solver.local_error == pytest.approx(1e-4 / 8, rel=1e-15)
     assert run_cell(scene, ["g_y"]).ending == Ending()
-    monkeypatch.setattr("toolkit.studies.stability.cell_run.MOST_REPORTS", 2)
+    monkeypatch.setattr("toolkit.studies.stability.cells.MOST_REPORTS", 2)
     impatient = run_cell(with_options(scene, local_error=1e-8), [])
     assert impatient.status == "failed"
     assert "solver.local_error" in impatient.reason

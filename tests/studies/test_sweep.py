@@ -15,11 +15,10 @@ from tests.models.studies import LEFT, LOAD, SWEEP, sweep_file
 from tests.models.truss import force_slope, height, limit_load
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
-from toolkit.studies.designs.solve_designs import NoDesignError
-from toolkit.studies.engine.store import StudyFileError
-from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.sweep.points import points_of
-from toolkit.studies.sweep.sweep import sweep_problem
+from toolkit.studies.design_work import NoDesignError
+from toolkit.studies.store import StudyFileError
+from toolkit.studies.study_file import read_study
+from toolkit.studies.sweep import points_of, sweep_problem
 
 TWO = SWEEP.replace("[sweep]", f'"{LEFT}" = {{ between = [900.0, 1100.0] }}\n[sweep]')
 

@@ -22,16 +22,12 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
-from toolkit.studies.engine.store import RunFolder
+from toolkit.studies.store import RunFolder
 from toolkit.studies.tradeoff import setting_run
 from toolkit.studies.tradeoff.axes import SOLVER_AXES, available, read_axes
-from toolkit.studies.tradeoff.budget import BudgetError, ErrorQuantity, read_budget
-from toolkit.studies.tradeoff.judgement import errors, pareto
-from toolkit.studies.tradeoff.recommendation import toml_table
 from toolkit.studies.tradeoff.reference import limit
-from toolkit.studies.tradeoff.setting import grid
-from toolkit.studies.tradeoff.setting_outcome import SettingOutcome
-from toolkit.studies.tradeoff.tradeoff import Plan, Tradeoff, plan, tradeoff
+from toolkit.studies.tradeoff.setting import BudgetError, ErrorQuantity, SettingOutcome, grid, read_budget
+from toolkit.studies.tradeoff.tradeoff import Plan, Tradeoff, errors, pareto, plan, toml_table, tradeoff
 
 ROOT = Path(__file__).parents[2]
 PENDULUM = ROOT / "models" / "pendulum" / "scene.toml"
@@ -165,7 +161,7 @@ def test_no_member_of_the_pareto_set_is_dominated_and_all_others_are(pendulum):
 
 
 def test_the_recommended_fragment_pasted_into_the_scene_reproduces_the_error(pendulum, tmp_path):
-    from toolkit.studies.tradeoff.recommendation import changes, solver_fragment
+    from toolkit.studies.tradeoff.tradeoff import changes, solver_fragment
 
     best, case = pendulum.recommended, pendulum.plan.case
     assert best is not None
@@ -343,7 +339,7 @@ def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_
     pytest.importorskip("gmsh")
     from preprocessing import build
     from toolkit.reduced_model.file import load
-    from toolkit.studies.tradeoff.recommendation import skin_fragments
+    from toolkit.studies.tradeoff.tradeoff import skin_fragments
 
     wing = Path(shutil.copytree(WING, tmp_path / "wing"))
     (wing / "skin.toml").write_text((wing / "skin.toml").read_text().replace("elements = 30", "elements = 12").replace("10 }", "4 }")

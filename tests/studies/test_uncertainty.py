@@ -16,14 +16,12 @@ from tests.models.studies import LEFT, LOAD, RIGHT, UNCERTAIN, sweep_file
 from tests.models.truss import STIFFNESS, force, force_slope, height
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
-from toolkit.studies.designs.solve_designs import NoDesignError
-from toolkit.studies.distributions.basis import basis_of
-from toolkit.studies.distributions.joint import joint_of
-from toolkit.studies.distributions.marginal import HALF, Marginal, marginal_of
-from toolkit.studies.distributions.uncertain_numbers import Correlation, Uncertain
-from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.uncertainty.expansion import _fit, fitted
-from toolkit.studies.uncertainty.uncertain_study import uncertain_study
+from toolkit.studies.design_work import NoDesignError
+from toolkit.studies.distributions import HALF, Correlation, Marginal, Uncertain, joint_of, marginal_of
+from toolkit.studies.orthonormal_basis import basis_of
+from toolkit.studies.study_file import read_study
+from toolkit.studies.uncertain_result import _fit, fitted
+from toolkit.studies.uncertain_study import uncertain_study
 
 NORMAL, UNIFORM, CUT = (
     Marginal(0.0, 1.0, False, False),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.benchmarks.chain import chain
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.system import compile_scene

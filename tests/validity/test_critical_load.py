@@ -17,10 +17,10 @@ from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
-from toolkit.responses.vibrations.least_frequency import LeastFrequency
+from toolkit.responses.least_frequency import LeastFrequency
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.solvers.static.stability import static_array
+from toolkit.solvers.static import static_matrix
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies import physics
@@ -177,7 +177,7 @@ def test_a_long_row_of_fine_bodies_keeps_its_softest_motion(tmp_path, monkeypatc
 def test_sparse_matrices_of_many_coordinates_say_what_dense_ones_do(held, n, part, tmp_path, monkeypatch):
     solution = at_rest(beams(tmp_path, held, -part * COLUMN / (4 if held == CLAMPED else 1) * AXIS, n=n))
     dense = compression(solution)
-    for module in (static_array, geometric_stiffness):
+    for module in (static_matrix, geometric_stiffness):
         monkeypatch.setattr(module, "MANY", 10)
     monkeypatch.delattr(missed_deflections, "_of_few")
     sparse = compression(solution)

@@ -19,10 +19,10 @@ from tests.models.rectangular_beams import linear_chain, points_of, rectangles
 from tests.models.scenes import hanging_skin
 from toolkit.command_line.cli import app
 from toolkit.command_line.run_answer import deformation_record, deformation_table
-from toolkit.foundation.processes import preprocessing_process
+from toolkit.foundation import processes
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.validity.bodies.chains.known_chain import chain
@@ -368,6 +368,6 @@ def test_check_deformation_reads_scenes_and_results_alike(tmp_path):
 
 
 def test_check_deformation_needs_no_preprocessing(monkeypatch):
-    monkeypatch.setattr(preprocessing_process, "is_installed", lambda: False)
+    monkeypatch.setattr(processes, "is_installed", lambda: False)
     done = run("check-deformation", WING, "--static", *BRIEFLY, "--json")
     assert json.loads(done.stdout)["deformation"]["skin"]["error"]["value"] > 0.1

@@ -9,7 +9,7 @@ from tests.models.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.driver import AngleDriver
 from toolkit.joints.revolute import Revolute

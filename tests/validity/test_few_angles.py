@@ -7,8 +7,7 @@ import pytest
 
 import ffrf
 from ffrf import plane
-from toolkit.responses.over_time.extremes import TimeKS, TimeMax
-from toolkit.responses.over_time.missed_peaks import MISSED, missed_part
+from toolkit.responses.extremes import MISSED, TimeKS, TimeMax, missed_part
 
 
 def wheel(per_turn: float, point: str = "P", **loads):

@@ -15,7 +15,7 @@ from tests.models.solid_bodies import rectangle, write_body
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
-from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, richer_model, turns
+from toolkit.reduced_model.frozen_basis import RICHER_PARTS, richer_model, turns
 from toolkit.sensitivity.certificate.fresh_models import Fresh, FreshGradients, doubts_of_fresh
 from toolkit.sensitivity.direct import direct
 

@@ -20,7 +20,7 @@ from toolkit.curves.oscillation import Sine
 from toolkit.curves.polynomial import Constant
 from toolkit.curves.rise import SmoothStep
 from toolkit.curves.table import Table
-from toolkit.description.time_grid import time_grid
+from toolkit.description.run_options import time_grid
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

@@ -9,7 +9,7 @@ import pytest
 
 import ffrf
 from ffrf import space
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.responses.energy import KineticEnergy
 
 

@@ -7,14 +7,14 @@ import pytest
 
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid, SpatialRigid
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.distance import Distance, SpatialDistance
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.extremes import TimeMax, TimeMin
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
-from toolkit.responses.over_time.extremes import TimeMax, TimeMin
-from toolkit.responses.over_time.means import TimeMean
+from toolkit.responses.over_time import TimeMean
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
 from toolkit.system.solution import Solution

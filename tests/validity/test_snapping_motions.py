@@ -12,7 +12,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.rigid import Rigid
 from toolkit.curves.rise import SmoothStep
 from toolkit.description.run_options import RunOptions
-from toolkit.kinematics.spatial import matrix_of, quaternion_of, quaternion_rate
+from toolkit.kinematics.orientation import matrix_of, quaternion_of, quaternion_rate
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution

@@ -10,7 +10,7 @@ import pytest
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.bodies.flexible import Flexible
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.loads.torque import Torque
 from toolkit.responses.motion import Displacement

@@ -11,12 +11,12 @@ import pytest
 from preprocessing.commands.cli import main
 from tests.preprocessing.test_frame_models import BENT
 from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.foundation.verdict import Verdict
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.spherical import Spherical
 from toolkit.loads.gravity import Gravity, SpatialGravity
-from toolkit.reduced_model.questions.material_questions import material_questions
+from toolkit.reduced_model.questions import material_questions
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.validity.description.scene_cautions import cautions_of_scene

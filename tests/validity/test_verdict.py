@@ -24,11 +24,10 @@ from toolkit.responses.motion import Displacement
 from toolkit.responses.response import Partials
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint.adjoint import adjoint
+from toolkit.sensitivity.adjoint import adjoint
 from toolkit.sensitivity.certificate.certificate import Certificate, DisagreementError, NothingVerifiedError, certify
-from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.direct import direct, numerical
 from toolkit.sensitivity.errors.step_error import step_error
-from toolkit.sensitivity.numerical import numerical
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

@@ -7,7 +7,7 @@ import pytest
 
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.rise import SmoothStep
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.driver import AngleDriver
 from toolkit.joints.revolute import Revolute
@@ -15,7 +15,7 @@ from toolkit.joints.slider import Slider
 from toolkit.loads.friction import PlanarSlidingFriction
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.springs import SpringDamper
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled

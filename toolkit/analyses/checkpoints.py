@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.analyses.joint_drift import check_drift
 from toolkit.analyses.run_start import run_start
-from toolkit.analyses.transient import advance
+from toolkit.analyses.transient import advance, check_drift
 from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.transient.run import Integration, empty_history
 from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, Memory

@@ -7,14 +7,13 @@ from functools import lru_cache
 import numpy as np
 
 from toolkit.analyses.statics import equilibrium_beside, solve_statics
-from toolkit.description.run_options import RunOptions
-from toolkit.description.time_grid import step_lengths, time_grid
+from toolkit.description.run_options import RunOptions, step_lengths, time_grid
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
-from toolkit.solvers.start.initial_conditions import Motion, State, consistent_motion, moving, with_accelerations
+from toolkit.solvers.start.initial_conditions import ConsistentMotion, State, consistent_motion, moving, with_accelerations
 from toolkit.solvers.start.kept_start import kept_start
-from toolkit.solvers.start.written_velocities import written_velocities
-from toolkit.solvers.transient.formulation import start_levels
+from toolkit.solvers.start.start_velocities import written_velocities
+from toolkit.solvers.transient.scheme import start_levels
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -36,14 +35,14 @@ def run_start(
     return accelerated_start(system, options, run_motion(system, options, q, v, beside))
 
 
-def accelerated_start(system: System, options: RunOptions, found: Motion | State) -> State:
+def accelerated_start(system: System, options: RunOptions, found: ConsistentMotion | State) -> State:
     """State at time 0 with the accelerations of its steps, whose lengths are all that matters of these options."""
     return found if isinstance(found, State) else with_accelerations(system, run_levels(options), *found)
 
 
-def known_start(solution: Solution) -> Motion | State | None:
+def known_start(solution: Solution) -> ConsistentMotion | State | None:
     """Start that `run_motion` has found for this motion, None if it has not; it holds for all step lengths."""
-    found: Motion | State | None = solution.known.get(Motion)
+    found: ConsistentMotion | State | None = solution.known.get(ConsistentMotion)
     return found
 
 
@@ -64,7 +63,7 @@ def run_motion(
     q: np.ndarray | None = None,
     v: np.ndarray | None = None,
     beside: Solution | None = None,
-) -> Motion | State:
+) -> ConsistentMotion | State:
     """Coordinates and velocities at time 0, or the whole state where it is found in one; arguments as of `run_start`.
 
     Raises
@@ -96,7 +95,7 @@ def run_motion(
     return rest if _stays(system, motion) else motion
 
 
-def _stays(system: System, motion: Motion) -> bool:
+def _stays(system: System, motion: ConsistentMotion) -> bool:
     """Whether nothing leads out of an equilibrium at once: then its accelerations are zero.
 
     Found from its equations they would be the round-off of elastic forces, which stiff bodies make (h omega)^2 times as large in a step.

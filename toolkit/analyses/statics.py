@@ -1,4 +1,9 @@
-"""Static equilibrium with load stepping along a path that is followed, never jumped."""
+"""Static equilibrium with load stepping along a path that is followed, never jumped.
+
+Free motions as states that can be drawn: the given positions, and each motion that nothing holds.
+
+Each motion moves its bodies by a tenth of the model size.
+"""
 
 from __future__ import annotations
 
@@ -8,19 +13,26 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.analyses.modes import solve_modes
-from toolkit.analyses.spinning import solve_spinning
+from toolkit.analyses.modes import solve_modes, solve_spinning
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import BifurcationError, ConvergenceError, InputError, SingularSystemError
-from toolkit.foundation.processes.one_thread import one_thread
-from toolkit.solvers.dense_memory import check_dense
+from toolkit.foundation.near_ties import told_apart
+from toolkit.foundation.processes import one_thread
+from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.solvers.direct_solve import check_dense
 from toolkit.solvers.half_turns import half_turn
-from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
-from toolkit.solvers.static.left_out_joints import refuse_open_joints_left_out
-from toolkit.solvers.static.locked import at_limit_position
-from toolkit.solvers.static.path.continuation import NEAR, to_full_load
-from toolkit.solvers.static.stability.critical_state import is_stable, refuse_gradients_of_critical
-from toolkit.solvers.static.static_change import static_change
+from toolkit.solvers.static.continuation import NEAR, to_full_load
+from toolkit.solvers.static.critical_state import is_stable, refuse_gradients_of_critical
+from toolkit.solvers.static.equilibrium import (
+    Equilibrium,
+    find_equilibrium,
+    inputs_at,
+    loose_motions,
+    refuse_open_joints_left_out,
+    static_change,
+    static_matrix,
+)
+from toolkit.solvers.static.passed_limits import at_limit_position
 from toolkit.solvers.static.static_start import start_of_path
 from toolkit.system.solution import Solution
 from toolkit.system.static_path import StaticPath
@@ -202,3 +214,49 @@ def _with_sensitivities(system: System, options: RunOptions, state: Equilibrium,
     states = tuple(item[None] for item in (state.q, rest, state.acc, dq, np.zeros_like(dq), dacc))
     report["sensitivity_seconds"] = clock.perf_counter() - solved
     return Solution.from_padded(system, np.array([options.end_time]), states, options=options, judge=judge, **report)
+
+
+FAR = 0.1
+"""Distance that a motion is drawn by, in parts of the model size or rad."""
+
+
+def free_motion_states(system: System, frames: int = 1) -> Solution:
+    """The given positions, and behind them those moved along every free motion; each with its name.
+
+    Where several motions are free, each mixture of them is free too: they are told apart as modes of equal frequency are.
+
+    Parameters
+    ----------
+    frames : states of every motion: the farthest alone, or a whole number of fours for a swing there, back, to the other side and home
+
+    Raises
+    ------
+    InputError
+        Joints and stiffness hold every body.
+    """
+    motions = loose_motions(system, system.scene.solver)
+    count, n_q = motions.shape[1], system.n_q
+    if not count:
+        raise InputError("nothing can move freely: joints and stiffness hold every body. Leave --free-motions out.")
+    weights = system.weights[: system.n_b]
+    shapes = told_apart(np.zeros(count), motions, weights)
+    shapes = FAR * shapes / (weights[:, None] * np.abs(shapes)).max(axis=0)
+    swing = np.sin(2 * np.pi * np.arange(1, frames + 1) / frames) if frames > 1 else np.ones(1)
+    q = np.tile(np.real(system.undeformed()[0][:n_q]), (1 + count * frames, 1))
+    q[1:, : system.n_b] += np.kron(shapes.T, swing[:, None])
+    rest, force = np.zeros_like(q), np.zeros((len(q), system.n - n_q))
+    design = (*q.shape, system.n_x)
+    names = ("as given", *(f"free motion {k + 1} of {count}" for k in range(count) for _ in range(frames)))
+    nothing, no_force = np.zeros(design), np.zeros((*force.shape, system.n_x))
+    times = np.arange(float(len(q)))
+    return Solution(system, times, q, rest, rest, force, nothing, nothing, nothing, no_force, judge=_judged, names=names)
+
+
+def farthest(solution: Solution, frames: int) -> list[float]:
+    """Times of the given positions and of the farthest state of every motion of `free_motion_states`."""
+    return [float(solution.times[0]), *map(float, solution.times[max(frames // 4, 1) :: frames])]
+
+
+def _judged(_solution: Solution) -> Verdict:
+    text = "these are motions that nothing resists while there are no loads, each a tenth of the model size or rad far."
+    return Verdict.of([Caution("free-motions", text, doubt=False)])

@@ -10,10 +10,9 @@ import numpy as np
 from pydantic import model_validator
 
 from toolkit.bodies.chain_strains import Strains, no_strains
-from toolkit.description.description import InSpace, Number, Scalar, Triple
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import InSpace, Number, Quantity, Scalar, Triple
 from toolkit.foundation.compiled.rows import filled_up
-from toolkit.kinematics.spatial import angular_velocity, axes_along, matrix_of, quaternion_rate
+from toolkit.kinematics.orientation import angular_velocity, axes_along, matrix_of, quaternion_rate
 from toolkit.reduced_model.model import ReducedModel
 
 T = TypeVar("T")

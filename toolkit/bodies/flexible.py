@@ -22,14 +22,11 @@ from toolkit.bodies.body import (
 from toolkit.bodies.chain_strains import chain_strains
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.model_body import is_zero
-from toolkit.description.description import Number, Pair, Triple
-from toolkit.description.quantity import Quantity
-from toolkit.kinematics.planar import rotation
-from toolkit.kinematics.spatial import angular_velocity, matrix_of, quaternion_of
-from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.entries.elastic import ElasticMatrices, elastic_matrices
+from toolkit.description.description import Number, Pair, Quantity, Triple
+from toolkit.kinematics.orientation import angular_velocity, matrix_of, quaternion_of, rotation
+from toolkit.reduced_model.design_point import DesignPoint, ElasticMatrices, elastic_matrices
 from toolkit.reduced_model.model import Invariants, generalized_lengths
-from toolkit.reduced_model.spatial_model import SpatialInvariants, SurfaceLoad, all_second_moments, spatial_lengths
+from toolkit.reduced_model.parts import SpatialInvariants, SurfaceLoad, all_second_moments, spatial_lengths
 
 ACROSS = np.array([0.0, 0.0, 1.0])
 """The axis of all rotations in the plane."""

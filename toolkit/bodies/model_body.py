@@ -12,11 +12,10 @@ from pydantic import ConfigDict
 from toolkit.bodies.body import CENTRE, Body, Placed
 from toolkit.bodies.start_shape import start_shape
 from toolkit.description.description import FileName, Number, Scalar
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed, meant
+from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.reduced_model.design_point import DesignPoint, design_at
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
-from toolkit.reduced_model.parts.spin import SPIN_STIFFENING
+from toolkit.reduced_model.parts import SPIN_STIFFENING
 
 DEPENDENCE = ("affine", "derivatives")
 """Parts of a reduced model that tell how its arrays depend on its parameters."""

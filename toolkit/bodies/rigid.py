@@ -21,8 +21,7 @@ from toolkit.bodies.body import (
     no_constants,
     pose_of,
 )
-from toolkit.description.description import Number, Positive, Scalar
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Number, Positive, Quantity, Scalar
 
 
 class AnyRigidBody(Body):

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bridges.packages import BridgeError, package
-from toolkit.bridges.vector_function import VectorFunction
+from toolkit.bridges.vector_function import BridgeError, VectorFunction, package
 from toolkit.door.model import Model
 
 

@@ -9,12 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bridges.packages import package
-from toolkit.bridges.vector_function import VectorFunction
+from toolkit.bridges.vector_function import VectorFunction, package
 from toolkit.door.model import Model
-from toolkit.foundation.dimensions import LABELLED
 from toolkit.foundation.errors import InputError, ToolkitError
-from toolkit.foundation.units import UNIT_SYSTEMS, unit
+from toolkit.foundation.units import LABELLED, UNIT_SYSTEMS, unit
 from toolkit.scene_file.gradient_units import variable_unit
 
 WORD = re.compile("[A-Za-z]+")

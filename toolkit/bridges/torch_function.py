@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from toolkit.bridges.packages import BridgeError, package
-from toolkit.bridges.vector_function import VectorFunction
+from toolkit.bridges.vector_function import BridgeError, VectorFunction, package
 from toolkit.door.model import Model
 
 

@@ -3,16 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from threading import Lock
 from typing import Any
 
 import numpy as np
 
 from toolkit.door.model import Model, compile_model, kind_of
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed, meant
+from toolkit.foundation.errors import InputError, ToolkitError, listed, meant
 from toolkit.sensitivity.preparation import responses_of
 from toolkit.sensitivity.run import Run
+
+
+class BridgeError(ToolkitError, RuntimeError):
+    """A bridge leads to a package that is not installed, or is not set up as it must be; the message says what to do."""
+
+
+def package(name: str, extra: str) -> Any:
+    """A package of the other side.
+
+    Raises
+    ------
+    BridgeError
+        It is not installed; says how to.
+    """
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise BridgeError(
+            f"this bridge needs {name}, which cannot be imported ({error}). Install: pip install 'ffrf-toolkit[{extra}]'."
+        ) from error
 
 
 class VectorFunction:

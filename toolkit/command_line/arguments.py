@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from toolkit.command_line import completion
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.outside_files import told_outside
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.errors import InputError, listed
+from toolkit.foundation.files.safe_files import told_outside
 
 if TYPE_CHECKING:
     from toolkit.description.description import Description

@@ -41,10 +41,10 @@ from toolkit.command_line.keeping import (
 )
 from toolkit.command_line.printing import prepare_folder, print_files, tell
 from toolkit.command_line.run_answer import RunAnswer
-from toolkit.foundation.processes.one_thread import SINGLE
+from toolkit.foundation.processes import SINGLE
 from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, usage_in_json
-from toolkit.sensitivity.method_names import Method
+from toolkit.sensitivity.preparation import Method
 
 if TYPE_CHECKING:
     from toolkit.door.model import Model
@@ -117,9 +117,9 @@ def _compiled(scene: Scene, keep_all: bool) -> Model:
 
     if not keep_all:
         return compile_model(scene)
-    from toolkit.cost_summary.everything import prepare_everything
+    from toolkit.cost_summary.cost_terms import prepare_everything
+    from toolkit.sensitivity.chosen_frames import with_chosen_frames
     from toolkit.sensitivity.compiled import Compiled
-    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 
     return Model(Compiled.of(prepare_everything(with_chosen_frames(scene, "transient"))))
 
@@ -201,10 +201,10 @@ def render(
     quiet: Quiet = False,
 ) -> None:
     """Simulate the scene, or read its results, and draw it at several instants, or its equilibrium."""
-    from toolkit.analyses.free_motion import farthest
-    from toolkit.foundation.files.own_files import refuse_foreign
+    from toolkit.analyses.statics import farthest
+    from toolkit.foundation.files.safe_files import refuse_foreign
     from toolkit.render.pictures import file_names, refuse_what_cannot_be_drawn, render_solution
-    from toolkit.render.view import View
+    from toolkit.render.readable_units import View
 
     refuse_contrary(static, free_motions, animate, film, times)
     view = View(perspective, triads, kind)

@@ -131,8 +131,8 @@ def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | 
         )
 
     def found() -> Solution:
-        from toolkit.analyses.free_motion import free_motion_states
-        from toolkit.sensitivity.frames.chosen_frames import automatic, with_frames
+        from toolkit.analyses.statics import free_motion_states
+        from toolkit.sensitivity.chosen_frames import automatic, with_frames
         from toolkit.sensitivity.preparation import prepare
 
         scene = read(file, changes, True)

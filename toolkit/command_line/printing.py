@@ -13,7 +13,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import leave_nothing, list_own, missing, refuse_foreign
+from toolkit.foundation.files.safe_files import leave_nothing, list_own, missing, refuse_foreign
 from toolkit.foundation.terminal import print_json
 from toolkit.foundation.verdict import PAGE, Verdict
 from toolkit.report.answer import Answer, Table, write

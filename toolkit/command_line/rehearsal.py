@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.rigid import Rod, SpatialRod
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.description.run_options import Formulation, RunOptions
 from toolkit.foundation.kernel import first_class
 from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
@@ -21,15 +21,14 @@ from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.load import Load
 from toolkit.loads.springs import SpatialRotationalSpringDamper
-from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE, Space
-from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
-from toolkit.sensitivity.errors.lost_parts import lost_parts
-from toolkit.sensitivity.evaluation import evaluate_responses
-from toolkit.sensitivity.preparation import Kind, prepare, solve
+from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
+from toolkit.sensitivity.errors.excited_vibrations import lost_parts
+from toolkit.sensitivity.preparation import Kind, evaluate_responses, prepare, solve
 from toolkit.system.formulas import formulas_of
 from toolkit.validity.judge import judge
 from toolkit.validity.motion.energy_balance import energy_balance

@@ -141,7 +141,7 @@ def chosen_steps(result: Run) -> list[str]:
 
 def remarks(result: Run) -> list[str]:
     """Sentences on responses, constraint violation and energy balance, iterations and wall times."""
-    from toolkit.responses.stress.stress import KSStress
+    from toolkit.responses.stress import KSStress
     from toolkit.validity.start.start_state import start_lines
 
     solution = result.solution

@@ -8,7 +8,7 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import BetweenPoints
 from toolkit.loads.springs import PointSpring
-from toolkit.reduced_model.parameter_checks import check_parameters
+from toolkit.reduced_model.questions import check_parameters
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from toolkit.description.description import Description
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.foundation.itself import Itself
 from toolkit.loads.gravity import UniformGravity
 from toolkit.reduced_model.model import ReducedModel

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.foundation.listed_names import quoted
+from toolkit.foundation.errors import quoted
 from toolkit.reduced_model.model import MEAN_AXES
 from toolkit.scene.scene import Scene
 

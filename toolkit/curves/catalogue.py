@@ -1,7 +1,7 @@
 """All built-in time curves; importing this file makes them known to scene files."""
 
 from toolkit.curves.curve import Curve
-from toolkit.description.registration import import_room
+from toolkit.description.description import import_room
 
 __all__ = ["Curve"]
 

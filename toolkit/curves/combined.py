@@ -8,8 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from toolkit.curves.curve import Curve, Part, Rates
-from toolkit.description.description import Number, Scalar
-from toolkit.description.quantity import OF_OWNER, Quantity
+from toolkit.description.description import OF_OWNER, Number, Quantity, Scalar
 
 
 class Sum(Curve):

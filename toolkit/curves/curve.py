@@ -14,7 +14,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, SerializerFunct
 from pydantic_core import core_schema
 
 from toolkit.description.description import Registered, Scalar
-from toolkit.foundation.listed_names import SHORT, meant
+from toolkit.foundation.errors import SHORT, meant
 
 PLACEHOLDER = "any time curve"
 """Comment in a JSON schema of one class that stands for a curve of any kind."""

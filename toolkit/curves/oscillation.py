@@ -7,8 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from toolkit.curves.curve import Curve, Rates
-from toolkit.description.description import Number, Positive
-from toolkit.description.quantity import OF_OWNER, Quantity
+from toolkit.description.description import OF_OWNER, Number, Positive, Quantity
 
 
 class Oscillation(Curve):

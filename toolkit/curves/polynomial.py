@@ -8,8 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from toolkit.curves.curve import Curve, Rates
-from toolkit.description.description import Number, Scalar
-from toolkit.description.quantity import OF_OWNER, OF_OWNER_PER_TIME, Quantity
+from toolkit.description.description import OF_OWNER, OF_OWNER_PER_TIME, Number, Quantity, Scalar
 
 
 class Constant(Curve):

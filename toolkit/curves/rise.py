@@ -10,8 +10,7 @@ import numpy as np
 from pydantic import model_validator
 
 from toolkit.curves.curve import Curve, Rates
-from toolkit.description.description import Number, Positive, Scalar
-from toolkit.description.quantity import OF_OWNER, Quantity
+from toolkit.description.description import OF_OWNER, Number, Positive, Quantity, Scalar
 
 Shape = Callable[[np.ndarray], Rates]
 

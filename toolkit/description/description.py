@@ -3,14 +3,120 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Self
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.meant_path import file_name
-from toolkit.foundation.units import LARGEST, SMALLEST
+from toolkit.foundation.files.safe_files import file_name
+from toolkit.foundation.units import LABELLED, LARGEST, NONE, SMALLEST, Dimension
+
+ANGLE = "angle"
+"""The one word without dimension that has a unit nevertheless."""
+
+
+class Measure(NamedTuple):
+    """Measure of one number: its dimension, and the power of an angle, which has a unit but no dimension."""
+
+    dimension: Dimension
+    angle: int = 0
+
+
+class Quantity:
+    """Measure of the numbers of a field: of all of them in one, or of each in its order.
+
+    Words are those of `toolkit.foundation.units.LABELLED`; factors stand apart by spaces, a slash divides by what follows it:
+    "mass", "mass length^2", "length/time^2", "1/time", "none". Conversion of units, labels of gradients, schema and documentation read it.
+
+    Parameters
+    ----------
+    each : one text for all numbers of the field, or one for each; none at all for what the owner of the record says of it
+
+    Raises
+    ------
+    InputError
+        A word names no quantity; lists those that do.
+    """
+
+    def __init__(self, *each: str) -> None:
+        self.each = each
+        self._measures = [_measure(text) for text in each]
+
+    @property
+    def of_owner(self) -> bool:
+        """Whether the measure is said where the record stands, as that of the values of a time curve is."""
+        return not self.each
+
+    def measure_of(self, values: Measure, place: int = 0) -> Measure:
+        """Measure of the number at a place of a field; `values` is what the owner of the record says that its values measure."""
+        return values if self.of_owner else self.measure(place)
+
+    def measure(self, place: int = 0) -> Measure:
+        """Measure of the number at a place of a list, or of all numbers where one text stands for all."""
+        return self._measures[place if len(self._measures) > 1 else 0]
+
+    def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> dict[str, Any]:
+        """JSON schema of the field with its measure in words, for those who write a file."""
+        schema = handler(core_schema)
+        if any(text != "none" for text in self.each) and "$ref" not in schema:
+            schema["description"] = ", ".join(self.each)
+        return schema
+
+
+class PerTime(Quantity):
+    """Coefficients of a polynomial of time: what its values measure, per time to the power of the place."""
+
+    def measure_of(self, values: Measure, place: int = 0) -> Measure:
+        """Measure of the coefficient at a place: `values` per time to the power of the place.
+
+        The first coefficient is a value itself.
+        """
+        return Measure(values.dimension.times(LABELLED["time"].power(-place)), values.angle)
+
+
+class OverAngle(Quantity):
+    """Values of a curve whose argument is an angle where others have their time."""
+
+
+OF_OWNER = Quantity()
+"""Measure of a value of a time curve, which is said where the curve stands."""
+OF_OWNER_PER_TIME = PerTime()
+"""Measure of coefficients of a polynomial of time, which is said where the curve stands."""
+
+
+def _measure(text: str) -> Measure:
+    """Measure that a text such as "force time/length" stands for."""
+    found, angle = NONE, 0
+    for k, factors in enumerate(text.split("/")):
+        for word in factors.split():
+            name, _, power = word.partition("^")
+            exponent = int(power or 1) * (-1 if k else 1)
+            if name not in LABELLED and name != "1":
+                raise InputError(
+                    f"{text!r} names no quantity; its words are {', '.join(LABELLED)}, with powers such as length^2."
+                )
+            found = found.times(LABELLED.get(name, NONE).power(exponent))
+            angle += exponent * (name == ANGLE)
+    return Measure(found, angle)
+
+
+def import_room(name: str) -> None:
+    """Import every module of a room and of those inside it, by name, so that every kind defined there can be named in a scene file.
+
+    Rooms of compiled formulas, `kernels`, hold no kinds and are left alone.
+
+    Parameters
+    ----------
+    name
+        The room's dotted name, such as "toolkit.joints".
+    """
+    for found in iter_modules(import_module(name).__path__, f"{name}."):
+        if not found.ispkg:
+            import_module(found.name)
+        elif not found.name.endswith(".kernels"):
+            import_room(found.name)
 
 
 def _ordinary(value: float) -> float:

@@ -2,14 +2,89 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, get_args, get_origin
 
+import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from toolkit.description.description import Description, Number
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Description, Number, Quantity, Triple
+
+
+class Point(Description):
+    """A point given by its coordinates.
+
+    Attributes
+    ----------
+    x
+        Coordinate in the undeformed global configuration, in units of length.
+    y
+        Likewise.
+    z
+        Likewise, of a spatial scene alone.
+    """
+
+    x: Annotated[Number, Quantity("length")]
+    y: Annotated[Number, Quantity("length")]
+    z: Annotated[Number | None, Quantity("length")] = None
+
+    def position(self) -> np.ndarray:
+        """Coordinates of the point, shape (2,) or (3,)."""
+        return np.array([self.x, self.y] if self.z is None else [self.x, self.y, self.z])
+
+
+class BodyPoint(Description):
+    """An interface point of a flexible body; `arc_length` moves it along the body, within the element it was made for.
+
+    Attributes
+    ----------
+    body
+        Name of the flexible body.
+    interface
+        Name of the interface point in the body's reduced model; "(frame)" is the origin of the body's frame, which does not deform.
+    arc_length
+        Place along the body, in units of length from its start; by default where preprocessing put the point.
+    """
+
+    body: str
+    interface: str
+    arc_length: Annotated[Number | None, Quantity("length")] = None
+
+
+AXES = ("x", "y", "z")
+
+
+def numbered(path: str, groups: Mapping[str, Mapping[str, Any]]) -> str:
+    """Path with the number of the axis: `loads.pull.force.z` is `loads.pull.force.2`; any other path as it is.
+
+    So is `bodies.beam.deflection.tip.z`, of one vector among several that have names.
+
+    Parameters
+    ----------
+    groups : of a scene in space; a triple in the plane is no vector
+    """
+    keys = path.split(".")
+    group, name, field, axis = (*(*keys, "", "", "")[:3], keys[-1])
+    item = groups.get(group, {}).get(name)
+    if axis not in AXES or not isinstance(item, Description):
+        return path
+    described = type(item).model_fields.get(field)
+    kind = None if described is None else described.annotation
+    depth = 5 if get_origin(kind) is dict else 4
+    if len(keys) != depth or Triple not in (kind, *get_args(kind)):
+        return path
+    return ".".join([*keys[:-1], str(AXES.index(axis))])
+
+
+def lettered(path: str, known: Container[str]) -> str:
+    """Path of a pair's number by its letter, `coefficients.0` as `coefficients.x`, where that is the one among the `known` paths.
+
+    Two numbers are taken for a vector of the plane, also where they are a list that could be longer.
+    """
+    stem, _, number = path.rpartition(".")
+    letter = f"{stem}.{AXES[int(number)]}"
+    return letter if path not in known and letter in known else path
 
 
 class CommonVariable(Description):

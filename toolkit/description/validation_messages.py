@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from toolkit.foundation.listed_names import SHORT, meant
+from toolkit.foundation.errors import SHORT, meant
 
 
 def messages(error: ValidationError, kind: type[BaseModel], value: Any, where: str, nested: Mapping[str, type]) -> list[str]:

@@ -11,17 +11,14 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.processes.one_thread import one_thread
-from toolkit.sensitivity.clock import Progress, price
+from toolkit.foundation.processes import one_thread
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import again, by_direct, enriched, evaluated, values_alone, with_values
-from toolkit.sensitivity.frames_for_gradients import more_frames
-from toolkit.sensitivity.method_names import METHODS
-from toolkit.sensitivity.methods import by_method
-from toolkit.sensitivity.preparation import ANALYSES, Kind, solve
+from toolkit.sensitivity.methods import by_method, more_frames
+from toolkit.sensitivity.preparation import ANALYSES, METHODS, Kind, Progress, price, solve
 from toolkit.sensitivity.run import Run
-from toolkit.solvers.start.continued import continued_start
-from toolkit.solvers.start.kept_scene import refuse_other_run
+from toolkit.solvers.start.initial_conditions import continued_start
+from toolkit.solvers.start.kept_start import refuse_other_run
 from toolkit.system.model_files import refuse_changed
 
 

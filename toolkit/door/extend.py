@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from toolkit.conformance.check import check_joint, check_load, check_response, check_scene
-from toolkit.conformance.curve import check_curve
+from toolkit.conformance.check import check_curve, check_joint, check_load, check_response, check_scene
 from toolkit.curves.catalogue import Curve
-from toolkit.description.description import NotNegative, Number, Positive
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import NotNegative, Number, Positive, Quantity
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.joints.joint import PlanarJoint, SpatialJoint
 from toolkit.joints.rows import Row
@@ -14,10 +12,8 @@ from toolkit.loads.kernels.along import act_along, add_parameter, add_state, rat
 from toolkit.loads.kernels.measured import distance, plane_angle, plane_offset, space_angle, space_offset
 from toolkit.loads.load import AlongAxisLoad, BetweenBodies, BetweenPoints, PlanarLoad, SpatialLoad
 from toolkit.markers.component import AboutAxis
-from toolkit.responses.instant import Instant
-from toolkit.responses.kinematics.marker_formula import MarkerFormula, MarkerVector
-from toolkit.responses.kinematics.marker_motion import Motion
-from toolkit.responses.response import Partials, Response
+from toolkit.responses.marker_formula import MarkerFormula, MarkerVector, Motion
+from toolkit.responses.response import Instant, Partials, Response
 
 __all__ = [
     "AboutAxis",

@@ -8,18 +8,16 @@ from pathlib import Path
 
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.clock import Progress
-from toolkit.studies.engine.executor import Executor
+from toolkit.sensitivity.preparation import Progress
+from toolkit.studies.executor import Executor
+from toolkit.studies.find_uncertainty import find_uncertainty
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.optimization.optimum import Optimum
-from toolkit.studies.study.checked_problem import problem_of
-from toolkit.studies.study.study_file import Study
-from toolkit.studies.study.study_reader import naming_study_lines, read_study
-from toolkit.studies.sweep.sweep import run_sweep, sweep_problem
-from toolkit.studies.sweep.swept import Swept
-from toolkit.studies.uncertainty.find_uncertainty import find_uncertainty
-from toolkit.studies.uncertainty.uncertain_result import UncertainResult
-from toolkit.studies.uncertainty.uncertain_study import uncertain_study
+from toolkit.studies.problem import problem_of
+from toolkit.studies.study_file import Study, naming_study_lines, read_study
+from toolkit.studies.sweep import Swept, run_sweep, sweep_problem
+from toolkit.studies.uncertain_result import UncertainResult
+from toolkit.studies.uncertain_study import uncertain_study
 
 
 def optimize(

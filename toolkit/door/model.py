@@ -8,24 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.analyses.campbell import Campbell
-from toolkit.analyses.campbell import campbell as campbell_of
-from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.modes import Campbell, Modes, solve_modes
+from toolkit.analyses.modes import campbell as campbell_of
 from toolkit.analyses.modes import undeformed as at_rest
-from toolkit.analyses.modes_found import Modes
 from toolkit.door.analysed import analysed, check_method
 from toolkit.door.outcome import Outcome, outcomes
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.loads.gravity import UniformGravity
-from toolkit.responses.vibrations.flutter import UNSTABLE
+from toolkit.responses.flutter import UNSTABLE
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.basis_errors import cautions_of_frozen, frequency_errors
-from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
+from toolkit.sensitivity.preparation import Kind, Progress, check_kind, check_names, solve
 from toolkit.sensitivity.run import Run
-from toolkit.studies.engine.executor import Executor
+from toolkit.studies.executor import Executor
 from toolkit.system.model_files import refuse_changed
 from toolkit.system.solution import Solution
 

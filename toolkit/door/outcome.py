@@ -10,13 +10,11 @@ from toolkit.door.analysed import analysed
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.preparation import Kind
+from toolkit.sensitivity.preparation import Kind, Progress
 from toolkit.sensitivity.run import Run
-from toolkit.studies.designs.carried_verdicts import Answers, CarriedVerdicts, Measured, answers, apart, measured
-from toolkit.studies.designs.indicators import written_numbers
-from toolkit.studies.engine.executor import Executor, completed
+from toolkit.studies.carried_verdicts import Answers, CarriedVerdicts, Measured, answers, apart, measured, written_numbers
+from toolkit.studies.executor import Executor, completed
 
 
 @dataclass(frozen=True)

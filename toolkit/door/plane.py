@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from toolkit.curves.catalogue import Curve
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.responses.catalogue import Response
 from toolkit.scene.kinds import kinds_of
 

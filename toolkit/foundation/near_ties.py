@@ -1,7 +1,17 @@
-"""Which one is the largest, where several are so but for the last digits: the first of them, so that every processor names the
-same one."""
+"""Choices that round-off does not decide: the largest of near equals, the bases of modes, a few of many instants.
+
+Which of all bases of the same modes is told: a rule that does not see the last digits.
+
+Modes of equal frequency (bending of a square beam in two planes) are told apart by round-off alone: every turn of them within
+their space is as good, and another processor finds another one. So they are turned, one after the other, until a coordinate that
+moves strongly in their space moves in one mode only, and there to the positive side. Which coordinate that is depends on the
+space and not on the modes that happened to be found.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
@@ -27,3 +37,68 @@ def first_largest(sizes: np.ndarray, band: float = BAND) -> int:
 def first_smallest(sizes: np.ndarray, band: float = BAND) -> int:
     """Number of the first size (n,), not negative, that is the smallest but for a part `band` of the largest."""
     return int(np.argmax(sizes <= sizes.min() + band * sizes.max()))
+
+
+EQUAL = 1e-6
+"""Relative distance below which two eigenvalues count as equal. The round-off of the stiffness matrix moves the eigenvalues of
+the wing's skin by 1e-10 (30 elements) to 1e-8 (200); at this distance it turns single vectors by 1e-4 to 1e-2, which then mean nothing."""
+STRONG = 0.45
+"""Part of the strongest motion from which a coordinate counts as strong, and the first such one is taken: not 1/2, which regular
+meshes meet exactly."""
+
+
+def clusters(eigenvalues: np.ndarray) -> Iterator[tuple[int, int]]:
+    """First mode, and first mode behind, of all runs of equal eigenvalues, which are in order."""
+    below, above = np.abs(eigenvalues[:-1]), np.abs(eigenvalues[1:])
+    apart = np.diff(eigenvalues) > EQUAL * np.maximum(below, above)
+    borders = [0, *(np.flatnonzero(apart) + 1).tolist(), len(eigenvalues)]
+    yield from pairwise(borders)
+
+
+def told_apart(eigenvalues: np.ndarray, shapes: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Modes (n, m) turned within each run of equal eigenvalues (m,), and with signs, as the rule says.
+
+    Parameters
+    ----------
+    sizes : (n,) by which coordinates are multiplied to be compared
+    """
+    found = shapes.copy()
+    for first, behind in clusters(eigenvalues):
+        found[:, first:behind] = _turned(shapes[:, first:behind], sizes)
+    return found
+
+
+def _turned(shapes: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    left, found = shapes, []
+    while left.shape[1]:
+        moves = sizes * np.linalg.norm(left, axis=1)
+        place = int(np.argmax(moves > STRONG * moves.max()))
+        along = left[place] / np.linalg.norm(left[place])
+        found.append(left @ along)
+        left = left @ _perpendicular(along)
+    return np.column_stack(found)
+
+
+def _perpendicular(unit: np.ndarray) -> np.ndarray:
+    """Orthonormal columns (m, m - 1) of all that is perpendicular to a unit vector (m,): those of a reflection."""
+    normal = unit.copy()
+    normal[0] += np.copysign(1.0, unit[0])
+    return (np.eye(len(unit)) - 2 * np.outer(normal, normal) / (normal @ normal))[:, 1:]
+
+
+def spread(last: int, most: int) -> list[int]:
+    """Numbers of instants spread evenly over a motion.
+
+    Parameters
+    ----------
+    last
+        Number of the last instant; the first is 0.
+    most
+        How many are wanted at most.
+
+    Returns
+    -------
+    chosen
+        Rising numbers from 0 to `last`, both among them.
+    """
+    return sorted({int(k) for k in np.linspace(0, last, min(most, last + 1)).round()})

@@ -1,5 +1,12 @@
 """Unit systems by name: the numbers are the user's, the labels come from here."""
 
+from __future__ import annotations
+
+from math import prod
+from typing import NamedTuple
+
+import numpy as np
+
 from toolkit.foundation.errors import InputError
 
 _LABELS = {
@@ -31,3 +38,83 @@ def unit(system: str, quantity: str) -> str:
     if system not in _LABELS:
         raise InputError(f"unknown unit system {system!r}; available: {', '.join(UNIT_SYSTEMS)}.")
     return _LABELS[system][quantity]
+
+
+class Dimension(NamedTuple):
+    """Exponents of mass, length and time; an angle has none."""
+
+    mass: int = 0
+    length: int = 0
+    time: int = 0
+
+    def power(self, exponent: int) -> Dimension:
+        """Dimension of a power of the quantity."""
+        return Dimension(*(exponent * each for each in self))
+
+    def times(self, other: Dimension) -> Dimension:
+        """Dimension of the product with another quantity."""
+        return Dimension(*(a + b for a, b in zip(self, other, strict=True)))
+
+
+NONE = Dimension()
+LABELLED = {
+    "none": NONE, "angle": NONE, "length": Dimension(0, 1, 0), "time": Dimension(0, 0, 1), "mass": Dimension(1, 0, 0),
+    "force": Dimension(1, 1, -2), "stress": Dimension(1, -1, -2), "density": Dimension(1, -3, 0), "torque": Dimension(1, 2, -2),
+    "energy": Dimension(1, 2, -2), "area": Dimension(0, 2, 0), "second_moment": Dimension(0, 4, 0),
+    "rate": Dimension(0, 0, -1), "velocity": Dimension(0, 1, -1), "acceleration": Dimension(0, 1, -2),
+    "angular_velocity": Dimension(0, 0, -1), "power": Dimension(1, 2, -3),
+}  # fmt: skip
+"""Dimensions of the quantities that `toolkit.foundation.units` has labels for."""
+
+_IN_KG_M_S = {"m-kg-s": (1.0, 1.0, 1.0), "mm-t-s": (1e3, 1e-3, 1.0)}
+"""Units of mass, length and time of each system, in kg, m and s."""
+
+
+def factor(dimension: Dimension, source: str, target: str) -> float:
+    """Factor that turns a number in the units of `source` into one in those of `target`.
+
+    Raises
+    ------
+    InputError
+        A unit system is unknown.
+    """
+    for system in (source, target):
+        if system not in _IN_KG_M_S:
+            raise InputError(f"unknown unit system {system!r}; available: {', '.join(UNIT_SYSTEMS)}.")
+    sizes = zip(dimension, _IN_KG_M_S[source], _IN_KG_M_S[target], strict=True)
+    return float(prod((old / new) ** exponent for exponent, old, new in sizes))
+
+
+def dimension_of_label(label: str, units: str) -> Dimension:
+    """Dimension that a unit's label such as "MPa" stands for.
+
+    Raises
+    ------
+    InputError
+        The unit system has no quantity with this label.
+    """
+    found = [dimension for quantity, dimension in LABELLED.items() if unit(units, quantity) == label]
+    if not found:
+        raise InputError(f"the unit {label!r} is none of {units}, so that numbers in it cannot be converted. Fix the label.")
+    return found[0]
+
+
+GIGABYTE = 1e9
+LARGE_PAGE = 1 << 21
+"""Bytes. The first touch of a page costs a processor about a microsecond, of a large one with 512 times the memory some hundred."""
+
+
+def zeros_in_large_pages(*shape: int) -> np.ndarray:
+    """Zeros that begin where a large page does, if they fill more than two: numpy asks for large pages from there on."""
+    count = int(np.prod(shape))
+    if 8 * count <= 2 * LARGE_PAGE:
+        return np.zeros(shape)
+    memory = np.zeros(count + LARGE_PAGE // 8)
+    first = -memory.ctypes.data % LARGE_PAGE // 8
+    return memory[first : first + count].reshape(shape)
+
+
+def in_gigabytes(count: float) -> str:
+    """Text of a number of bytes for messages, in gigabytes."""
+    size = count / GIGABYTE
+    return f"{size:.0f} GB" if size >= 1 else f"{size:.2g} GB"

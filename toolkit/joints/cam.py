@@ -8,8 +8,7 @@ import numpy as np
 from pydantic import field_validator
 
 from toolkit.curves.catalogue import Curve
-from toolkit.description.description import Scalar, Triple
-from toolkit.description.quantity import OverAngle, Quantity
+from toolkit.description.description import OverAngle, Quantity, Scalar, Triple
 from toolkit.foundation.errors import InputError
 from toolkit.joints.driver import smooth
 from toolkit.joints.joint import AtPoints, Directed, Joint, PlanarJoint, SpatialJoint

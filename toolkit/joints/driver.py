@@ -7,8 +7,7 @@ from typing import Annotated
 from pydantic import field_validator
 
 from toolkit.curves.catalogue import Curve
-from toolkit.description.description import Description
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Description, Quantity
 from toolkit.joints.joint import AxisJoint, DirectedAtPoint, Joint, PointJoint
 from toolkit.joints.rows import Row
 from toolkit.markers.component import Skeleton

@@ -8,8 +8,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from toolkit.description.description import Number, Pair, Scalar
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Number, Pair, Quantity, Scalar
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import AtPoints, Joint, PlanarJoint, SpatialJoint
 from toolkit.joints.kernels.laws import teeth_law, turn_law

@@ -9,13 +9,12 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.description.description import Description, Positive, Scalar
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Description, Positive, Quantity, Scalar
 from toolkit.foundation.errors import InputError
 from toolkit.joints.kernels.laws import FORMS
 from toolkit.joints.poses import PLANE, SPACE, PlanePoses, Poses, SpacePoses, plane_poses
 from toolkit.joints.rows import BETWEEN, Row, RowQuantity, forms_of, row_numbers
-from toolkit.kinematics.planar import unit_vector
+from toolkit.kinematics.orientation import unit_vector
 from toolkit.markers.component import AboutAxis, AlongAxis, Component, Place, Skeleton, on_both
 
 

@@ -7,8 +7,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.description.description import Positive, Scalar, Triple
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Positive, Quantity, Scalar, Triple
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import AtPoints, Directed, Joint, SpatialJoint
 from toolkit.joints.kernels.laws import turn_law

@@ -7,8 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import field_validator
 
-from toolkit.description.description import Number
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Number, Quantity
 from toolkit.joints.joint import AxisJoint
 from toolkit.joints.kernels.laws import turn_law
 from toolkit.joints.rows import Row

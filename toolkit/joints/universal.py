@@ -7,8 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.description.description import Triple
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Quantity, Triple
 from toolkit.joints.joint import SpatialPointJoint
 from toolkit.joints.rows import Row
 from toolkit.markers.component import Skeleton

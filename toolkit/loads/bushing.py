@@ -6,8 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from toolkit.description.description import NotNegative, Scalar
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import NotNegative, Quantity, Scalar
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.loads.load import Acting, BetweenBodies, PlanarLoad, SpatialLoad
 from toolkit.markers.component import Skeleton

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Annotated, ClassVar, Literal
 
 from toolkit.curves.curve import Curve
-from toolkit.description.description import NotNegative, Positive, Scalar
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import NotNegative, Positive, Quantity, Scalar
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.rows import RowQuantity
 from toolkit.loads.kernels.along import control_along

@@ -7,8 +7,7 @@ from typing import Annotated, ClassVar
 
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.polynomial import Constant
-from toolkit.description.description import NotNegative, Positive, Scalar
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import NotNegative, Positive, Quantity, Scalar
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.kernels.along import friction_along
 from toolkit.loads.kernels.measured import TILT, plane_angle, plane_offset, space_angle, space_offset

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar
 
-from toolkit.description.description import Description, Number, Pair, Triple
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Description, Number, Pair, Quantity, Triple
 from toolkit.loads.load import AnyPlanarLoad, AnySpatialLoad
 
 

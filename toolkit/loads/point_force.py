@@ -9,8 +9,7 @@ from pydantic import field_validator
 
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.polynomial import Constant
-from toolkit.description.description import Description, Number, Pair, Scalar, Triple
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Description, Number, Pair, Quantity, Scalar, Triple
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.kernels.load_kernel import CURVE, SPATIAL_CURVE
 from toolkit.loads.load import PlanarLoad, SpatialLoad

@@ -10,10 +10,8 @@ from toolkit.bodies.body import Placed
 from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.polynomial import Constant
-from toolkit.description.description import Number
-from toolkit.description.quantity import Quantity
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed, meant
+from toolkit.description.description import Number, Quantity
+from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.loads.load import AnySpatialLoad
 
 

@@ -6,8 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
-from toolkit.description.description import NotNegative, Number, Scalar
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import NotNegative, Number, Quantity, Scalar
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.rows import RowQuantity
 from toolkit.loads.kernels.along import counted_turns, spring_along

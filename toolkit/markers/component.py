@@ -10,9 +10,8 @@ import numpy as np
 from pydantic import field_validator
 
 from toolkit.curves.curve import Curve
-from toolkit.description.description import Description, InSpace, Pair, Scalar, Triple
-from toolkit.description.quantity import Quantity
-from toolkit.kinematics.spatial import axes_along
+from toolkit.description.description import Description, InSpace, Pair, Quantity, Scalar, Triple
+from toolkit.kinematics.orientation import axes_along
 
 Place = str | tuple[str, str]
 """A point that both bodies share, or each body's own point, where two flexible bodies meet."""

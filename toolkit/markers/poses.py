@@ -4,7 +4,7 @@ Of `plane` and `frames` (`markers.plane`, `markers.frames`) one is None, and num
 """
 
 from toolkit.foundation.kernel import inlined, inner, kernel
-from toolkit.kinematics.spatial import update_frames
+from toolkit.kinematics.orientation import update_frames
 from toolkit.markers.planar import (
     add_force,
     add_force_design,

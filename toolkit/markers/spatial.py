@@ -8,7 +8,7 @@ deformation turns by the rotation vector phi = T c. Its pose is four vectors, th
     y'' = B q'' + b,   b = W X_m + 2 V X_m' + A X_m'' [c'' = 0]
     B_w = d(B w)/dq at constant w = v or a,   b_q = db/dq
 
-with the matrices A, A_k, V, W, X of the body's frame (`toolkit.kinematics.spatial`). r0 is the fixed origin of a frame that only turns.
+with the matrices A, A_k, V, W, X of the body's frame (`toolkit.kinematics.orientation`). r0 is the fixed origin of a frame that only turns.
 A body that does not turn has A = I and no columns beta; the placement of such a body is part of z0, Z, T and e_m.
 
 A force F on a marker is conjugate to the pose: four vectors F_m, a force and what turns the axes. A torque M is F_m = M x y_m / 2 on the
@@ -30,7 +30,7 @@ import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner
 from toolkit.kinematics.nodal_rotation import TurnedVector, turn, turned_vector
-from toolkit.kinematics.spatial import Frames, FrameState, frame_state, second_products
+from toolkit.kinematics.orientation import Frames, FrameState, frame_state, second_products
 
 POSE = 12
 """Numbers of a pose: four vectors of three components."""

@@ -17,13 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.foundation.dimensions import LABELLED, NONE, Dimension, dimension_of_label, factor
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.units import unit
-from toolkit.reduced_model.checks.shapes import letters_of
+from toolkit.foundation.units import LABELLED, NONE, Dimension, dimension_of_label, factor, unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.frozen_basis import RICHER_PARTS, richer_model
 from toolkit.reduced_model.model import OWN_GROUPS, ReducedModel
-from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, richer_model
+from toolkit.reduced_model.shapes import letters_of
 
 LENGTH, MASS, TIME = LABELLED["length"], LABELLED["mass"], LABELLED["time"]
 ITEMS: dict[str, Dimension] = {

@@ -4,18 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from functools import cached_property, lru_cache
-from typing import Any
+from functools import cached_property, lru_cache, reduce
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.foundation.errors import InputError
+from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.foundation.itself import Itself
-from toolkit.foundation.listed_names import listed, meant
-from toolkit.reduced_model.dependence import SMALL, Together, Told, scattered, told_of
+from toolkit.reduced_model.dependence import (
+    SMALL,
+    Derivatives,
+    Polynomial,
+    Slopes,
+    Together,
+    Told,
+    places,
+    scattered,
+    sparing,
+    told_of,
+)
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
-from toolkit.reduced_model.parts.sections import BeamSections
-from toolkit.reduced_model.thin_arrays import places, sparing
+from toolkit.reduced_model.parts import BeamSections
 
 KEPT = 8
 """Design points that are kept with what was evaluated there: complex steps in other numbers of a scene ask for the same ones again."""
@@ -296,3 +305,91 @@ def design_at(model: ReducedModel, values: Mapping[str, Any], first_order: bool)
 @lru_cache(maxsize=KEPT)
 def _design_at(same: Itself[ReducedModel], values: tuple[tuple[str, Any], ...], first_order: bool) -> DesignPoint:
     return DesignPoint(same.item, dict(values), first_order)
+
+
+class ElasticMatrices(NamedTuple):
+    """Entries of several matrices of the elastic coordinates, row by row."""
+
+    row: np.ndarray
+    column: np.ndarray
+    values: tuple[np.ndarray, ...]
+
+
+def elastic_matrices(design: DesignPoint, *items: str) -> ElasticMatrices:
+    """Invariants of some names on the elastic coordinates; an axis for the undeformed shape before these is left out.
+
+    Raises
+    ------
+    InputError
+        As `DesignPoint.some_invariants`.
+    """
+    design.check_extrapolated(items)
+    found = [design.filled(item) for item in items]
+    known, key = design.model.told, ("elastic", design.kind, items)
+    if key not in known:
+        n_f, sizes = design.model.n_f, [design.model.item(item).shape[0] for item in items]
+        known[key] = _common(n_f, [_inside(here, n_f, size) for (here, _), size in zip(found, sizes, strict=True)])
+    row, column, places = known[key]
+    values = [_on(len(row), flat, *at) for (_, flat), at in zip(found, places, strict=True)]
+    filled = reduce(np.logical_or, (value != 0 for value in values))
+    if not filled.all():
+        row, column, values = row[filled], column[filled], [value[filled] for value in values]
+    return ElasticMatrices(row, column, tuple(values))
+
+
+def _inside(here: np.ndarray | slice, n_f: int, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Entries between elastic coordinates: places in the flattened (n_f, n_f) matrix, and which of the given places they are."""
+    row, column = (each - (size - n_f) for each in np.divmod(np.arange(size * size)[here], size))
+    elastic = np.flatnonzero((row >= 0) & (column >= 0))
+    return row[elastic] * n_f + column[elastic], elastic
+
+
+def _common(n_f: int, parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray, list[Any]]:
+    """Rows and columns of all matrices' entries, and for each matrix where its entries are among them and which they are."""
+    every = np.sort(np.concatenate([place for place, _ in parts]), kind="stable")  # of sorted runs, which `unique` would hash
+    union = every[np.diff(every, prepend=-1) > 0]
+    return union // n_f, union % n_f, [(np.searchsorted(union, place), own) for place, own in parts]
+
+
+def _on(size: int, flat: np.ndarray, to: np.ndarray, own: np.ndarray) -> np.ndarray:
+    found = np.zeros(size, flat.dtype)
+    found[to] = flat[own]
+    return found
+
+
+NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
+
+
+def rates_at(design: DesignPoint, item: str, numbers: Mapping[str, int]) -> Derivatives:
+    """Derivatives of an item by parameters: numbers of these, places in the flattened item, and values to be summed by place.
+
+    Parameters
+    ----------
+    numbers : the wanted parameters, and the number that each shall have in the result
+
+    Raises
+    ------
+    InputError
+        Nothing that was loaded tells a derivative at this design.
+    """
+    linear, polynomial, slopes = _told(design, item, tuple(numbers.items()))
+    if polynomial is None:
+        return linear
+    found = polynomial.rates(np.real(design.p), slopes)
+    return linear + found if len(linear.parameter) else found
+
+
+def _told(
+    design: DesignPoint, item: str, numbers: tuple[tuple[str, int], ...]
+) -> tuple[Derivatives, Polynomial | None, Slopes | None]:
+    """File's data on an item's derivatives; looked up once for all designs of a kind."""
+    known, key = design.model.told, (design.kind, item, numbers)
+    if key not in known:
+        by_name = dict(numbers)
+        wanted = np.array([by_name.get(name, -1) for name in design.model.parameters])
+        derivatives, polynomials = design.model.dependence(item)
+        polynomial, tangent = (polynomials or {}).get(item), (derivatives or {}).get(item, NONE)
+        design.check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
+        known[key] = tangent.renumbered(wanted), polynomial, polynomial and polynomial.slopes_by(wanted)
+    found: tuple[Derivatives, Polynomial | None, Slopes | None] = known[key]
+    return found

@@ -13,18 +13,23 @@ import numpy as np
 
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
-from toolkit.foundation.files.meant_path import meant_path
-from toolkit.foundation.files.regular_file import read_start
-from toolkit.reduced_model.checks.check import check
+from toolkit.foundation.files.safe_files import meant_path, read_start
+from toolkit.reduced_model.check import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
-from toolkit.reduced_model.parts.interior import Interior
-from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
-from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
-from toolkit.reduced_model.parts.sections import BeamSections
-from toolkit.reduced_model.parts.spin import Spin
-from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
+from toolkit.reduced_model.parts import (
+    BeamSections,
+    Elements,
+    Interior,
+    LeftOutShapes,
+    PieceLoads,
+    Pieces,
+    SpatialElements,
+    SpatialInvariants,
+    Spin,
+    Surface,
+    SurfaceLoad,
+)
 
 if TYPE_CHECKING:
     import h5py

@@ -5,19 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.elements import Elements, SpatialElements
-from toolkit.reduced_model.parts.interior import Interior
-from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
-from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
-from toolkit.reduced_model.parts.sections import BeamSections
-from toolkit.reduced_model.parts.spin import Spin
-from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
+from toolkit.reduced_model.parts import (
+    BeamSections,
+    Elements,
+    Interior,
+    LeftOutShapes,
+    PieceLoads,
+    Pieces,
+    SpatialElements,
+    SpatialInvariants,
+    Spin,
+    Surface,
+    SurfaceLoad,
+)
 
 MEAN_AXES = "mean axes (Buckens)"
 """The reference condition of a body whose frame is held by none of its points."""
@@ -172,7 +178,7 @@ class ReducedModel:
         soft. "least" and "largest" are those under all of them at once.
     composition
         What the body was made of. `nodes` and `volume` are numbers; `elements`, `interface_points`, `clamp`, `groups`, `masses`,
-        `left_out`, `remarks` and `not_listed` are JSON texts, see `toolkit.reduced_model.description.composition`. Any may be missing.
+        `left_out`, `remarks` and `not_listed` are JSON texts, see `toolkit.reduced_model.composition`. Any may be missing.
     plain
         Whether its file is plain HDF5 of another program, in which no checksum tells a flipped bit.
     bytes_read
@@ -334,3 +340,28 @@ def generalized_mass(inv: Invariants) -> np.ndarray:
 def generalized_lengths(inv: Invariants) -> np.ndarray:
     """RMS displacement of the whole body per unit of each elastic coordinate, sqrt(G_ii / m), shape (n_f,)."""
     return np.sqrt(np.diag(inv.inertia)[1:] / inv.mass)
+
+
+_BEGIN = "chord: the first point stays in its place in the frame and the second on the line through both, of "
+_BETWEEN = "/"
+"""No name of an interface point has it."""
+
+
+class Chord(NamedTuple):
+    """Two interface points that the frame of a body goes through."""
+
+    first: str
+    second: str
+
+    @property
+    def condition(self) -> str:
+        """Reference condition of the chord in words."""
+        return f"{_BEGIN}{self.first}{_BETWEEN}{self.second}"
+
+
+def chord_of(reference_condition: str) -> Chord | None:
+    """Interface points of a chord from its reference condition; None of any other reference condition."""
+    if not reference_condition.startswith(_BEGIN):
+        return None
+    first, _, second = reference_condition.removeprefix(_BEGIN).partition(_BETWEEN)
+    return Chord(first, second)

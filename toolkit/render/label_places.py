@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from toolkit.foundation.near_ties import first_largest
+from toolkit.render.moment import Moment
 
 _DIRECTIONS = np.deg2rad(np.arange(0, 360, 22.5))
 _ENOUGH = 0.4  # of a letter's height: more clearance than this is not better
@@ -181,3 +185,74 @@ def _clearance(centres: np.ndarray, half: np.ndarray, obstacles: np.ndarray) -> 
 
 def _outside(centres: np.ndarray, half: np.ndarray, size: np.ndarray) -> np.ndarray:
     return np.maximum(np.maximum(half - centres, centres + half - size), 0).sum(axis=1)
+
+
+_PLACES = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])
+"""Parts of a body's length at which its name may stand."""
+_FREE, _SEEN = 0.25, 200
+"""Distance to others from which on no place is better, in lengths of the body; points in the model size by which lines are seen."""
+
+
+def body_places(
+    moment: Moment, seen: Callable[[np.ndarray], np.ndarray] = lambda points: points, motion: Sequence[Moment] = ()
+) -> dict[str, np.ndarray]:
+    """Places (d,) for the names of bodies drawn as lines: far from other bodies and links, in the middle if that is as good.
+
+    Parameters
+    ----------
+    seen : callable
+        Points (n, d) -> where they are in the picture, (n, 2), in one scale.
+    motion : sequence of Moment
+        Those of a motion, in which the place is the same part of the body: the best on the mean.
+    """
+    every = [each.once("places on bodies", partial(_rated, each, seen)) for each in motion or (moment,)]
+    found = {}
+    for body in moment.scene.bodies:
+        if (piece := moment.longest_piece(body)) is not None:
+            best = first_largest(np.mean([rated[body] for rated in every], axis=0))
+            found[body] = piece[0] + _PLACES[best] * (piece[1] - piece[0])
+    return found
+
+
+def _rated(moment: Moment, seen: Callable[[np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
+    """Quality of possible places on each body, (n_places,): distance to others in lengths of the body, nearness to its middle."""
+    spacing = moment.scene.size / _SEEN
+    lines = {body: dense_lines(moment.segments(body), spacing) for body in moment.scene.bodies}
+    links = dense_lines([moment.ends(link) for link in moment.links()], spacing)
+    found = {}
+    for body in lines:
+        if (piece := moment.longest_piece(body)) is not None:
+            others = np.vstack(
+                [each for other, each in [("", links), *lines.items()] if other != body and len(each)] or [piece[:0]]
+            )
+            ends = seen(piece)
+            length = max(float(np.linalg.norm(ends[1] - ends[0])), np.finfo(float).tiny)
+            places = ends[0] + _PLACES[:, None] * (ends[1] - ends[0])
+            near = np.linalg.norm(places[:, None] - seen(others), axis=2).min(axis=1, initial=_FREE * length)
+            found[body] = near / length - _FREE / 4 * np.abs(_PLACES - 0.5)
+    return found
+
+
+class NamesOfMotion:
+    """Positions of names for all pictures of a motion, chosen after some of its moments were drawn.
+
+    Parameters
+    ----------
+    moments : sequence of Moment
+        Those that are looked at.
+    """
+
+    def __init__(self, moments: Sequence[Any]) -> None:
+        self.moments = moments
+        self._seen: dict[int, list[Panel]] = {}
+        self._sides: dict[int, list[Side]] = {}
+
+    def sides(self, number: int, panel: Panel, choose: Callable[[Sequence[Panel]], list[Side]]) -> list[Side]:
+        """Positions of the names of a numbered panel, chosen by `choose` from its states at the moments that were looked at."""
+        if number in self._sides:
+            return self._sides[number]
+        seen = self._seen.setdefault(number, [])
+        seen.append(panel)
+        if len(seen) == len(self.moments):
+            self._sides[number] = choose(seen)
+        return choose([panel])

@@ -5,23 +5,60 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import own_set, refuse_foreign
-from toolkit.foundation.files.replaced_file import write_whole
-from toolkit.foundation.spread import spread
-from toolkit.render.motion.animation import ENCODED, MOST_FRAMES, drawn_frames
-from toolkit.render.motion.instants import telling_steps
-from toolkit.render.packages import require
-from toolkit.render.space.probe import drawing, drawing_environment
-from toolkit.render.stress_told import largest_stress
-from toolkit.render.view import View
+from toolkit.foundation.files.safe_files import own_set, refuse_foreign, write_whole
+from toolkit.foundation.near_ties import spread
+from toolkit.render.animation import ENCODED, MOST_FRAMES, drawn_frames, telling_steps
+from toolkit.render.packages import RenderError, drawing, drawing_environment, require
+from toolkit.render.readable_units import View, largest_stress
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def figure_of(solution: Solution) -> Figure:
+    """Curves of a motion over time, or an equilibrium as a picture.
+
+    Parameters
+    ----------
+    solution
+        A motion or an equilibrium.
+
+    Raises
+    ------
+    RenderError
+        matplotlib is not installed; or it is an equilibrium in space, whose pictures are files.
+    """
+    require("matplotlib")
+    return _FIGURES[solution.system.scene.space](solution)
+
+
+def _planar(solution: Solution) -> Figure:
+    from toolkit.render.plane.configuration import Configuration
+    from toolkit.render.plane.look import choose_look
+    from toolkit.render.plane.scene_picture import curves_figure, instant_figure
+
+    return curves_figure(solution) if solution.steps else instant_figure(Configuration(solution, 0), choose_look(solution, [0]))
+
+
+def _spatial(solution: Solution) -> Figure:
+    if not solution.steps:
+        raise RenderError("an equilibrium in space is drawn into files: run.render(folder).")
+    from toolkit.render.space.configuration import spatial_curves_figure
+
+    return spatial_curves_figure(solution)
+
+
+_FIGURES: dict[object, Callable[[Solution], Figure]] = {PLANE: _planar, SPACE: _spatial}
+"""Figure of a solution in the plane, and in space."""
+
 
 INSTANTS = 4
 """Instants that are drawn if nobody asks for others, and most that fit into the overview."""
@@ -147,8 +184,7 @@ def _page(figure: Callable[..., Any]) -> Callable[..., None]:
 
 
 def _artist_of_space(solution: Solution, view: View) -> _Artist:
-    from toolkit.render.space.configuration import SpatialConfiguration
-    from toolkit.render.space.curves import spatial_curves_figure
+    from toolkit.render.space.configuration import SpatialConfiguration, spatial_curves_figure
     from toolkit.render.space.look import choose_spatial_look, seen_points
     from toolkit.render.space.scene_picture import draw_spatial_instant, draw_spatial_overview
 
@@ -164,9 +200,8 @@ def _artist_of_space(solution: Solution, view: View) -> _Artist:
 
 def _artist_of_the_plane(solution: Solution, _view: View) -> _Artist:
     from toolkit.render.plane.configuration import Configuration
-    from toolkit.render.plane.curves import curves_figure
     from toolkit.render.plane.look import choose_look, drawn_points
-    from toolkit.render.plane.scene_picture import instants_alike, overview_figure
+    from toolkit.render.plane.scene_picture import curves_figure, instants_alike, overview_figure
 
     return _Artist(
         lambda step: Configuration(solution, step),

@@ -137,7 +137,7 @@ def write(
 
 def write_json(path: Path, record: Record) -> Path:
     """Write a record as one JSON object, in one stroke."""
-    from toolkit.foundation.files.replaced_file import write_whole
+    from toolkit.foundation.files.safe_files import write_whole
 
     write_whole(path, (json.dumps(finite(record), indent=2, allow_nan=False) + "\n").encode())
     return path

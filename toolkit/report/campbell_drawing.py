@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.analyses.campbell import Campbell
+from toolkit.analyses.modes import Campbell
 from toolkit.render.sheet import COLORS, sheet
 from toolkit.report.drawing import Drawing
 

@@ -11,22 +11,17 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize, to_hex
 from matplotlib.lines import Line2D
 
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.foundation.units import unit
 from toolkit.joints.joint import Joint
 from toolkit.loads.torque import Torque
-from toolkit.render.colors import UNDEFORMED
-from toolkit.render.curves import merged
-from toolkit.render.curves import told as told_apart
-from toolkit.render.plane.names import write_names
+from toolkit.render.plane.configuration import drawn_model, fibre_values, skin_shape
+from toolkit.render.plane.look import open_windows, panel_height, window
 from toolkit.render.plane.parts import draw_band, draw_line, draw_mechanism, draw_outlines, draw_sections, draw_symbols
-from toolkit.render.plane.scene_picture import color_bar, contour_keys, overview_figure
-from toolkit.render.plane.skin_shape import drawn_model, fibre_values, skin_shape
-from toolkit.render.plane.window import open_windows, panel_height, window
-from toolkit.render.readable_units import readable
-from toolkit.render.round_numbers import MINUS, round_up
-from toolkit.render.sheet import COLORS, NARROW, SIGNED, sheet, style
-from toolkit.render.stress_told import round_off, told
+from toolkit.render.plane.scene_picture import color_bar, contour_keys, overview_figure, write_names
+from toolkit.render.readable_units import MINUS, UNDEFORMED, readable, round_off, round_up, told
+from toolkit.render.sheet import COLORS, NARROW, SIGNED, merged, sheet, style
+from toolkit.render.sheet import told as told_apart
 from toolkit.report.certificate_drawing import certificate_drawing
 from toolkit.report.drawing import Drawing
 from toolkit.report.material import Material

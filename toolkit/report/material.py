@@ -11,15 +11,15 @@ import numpy as np
 
 from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.spread import spread
-from toolkit.render.motion.animation import MOST_FRAMES
+from toolkit.foundation.near_ties import spread
+from toolkit.render.animation import MOST_FRAMES
 from toolkit.render.pictures import chosen_steps
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look, choose_look, drawn_points
 from toolkit.results.results import Results
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.sensitivity.certificate.certificate import Certificate, compare
-from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.direct import numerical
 from toolkit.sensitivity.preparation import Kind
 from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution

@@ -14,7 +14,7 @@ from pathlib import Path
 from string import Template
 from typing import Any, NamedTuple
 
-from toolkit.render.round_numbers import MINUS
+from toolkit.render.readable_units import MINUS
 from toolkit.report.answer import Table
 
 DASH = "\N{EN DASH}"

@@ -9,13 +9,11 @@ import numpy as np
 from matplotlib import colormaps
 
 from toolkit.foundation.units import unit
-from toolkit.render.colors import TARGET
 from toolkit.render.pictures import render_solution
-from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.configuration import POINTS, Configuration, skin_shape
+from toolkit.render.plane.look import window
 from toolkit.render.plane.parts import outlines
-from toolkit.render.plane.skin_shape import POINTS, skin_shape
-from toolkit.render.plane.window import window
-from toolkit.render.readable_units import readable_stress
+from toolkit.render.readable_units import TARGET, readable_stress
 from toolkit.render.sheet import SIGNED, symmetric
 from toolkit.report import page
 from toolkit.report.material import Material, Progress

@@ -9,13 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch, Rectangle
 
-from toolkit.render.round_numbers import MINUS
+from toolkit.render.readable_units import MINUS
 from toolkit.render.sheet import sheet
 from toolkit.report.drawing import Drawing
-from toolkit.studies.stability.classifier import CLASSES
-from toolkit.studies.stability.map import Axis
-from toolkit.studies.stability.map_limits import Of, verdicts
-from toolkit.studies.stability.map_result import MapResult, StabilityResult
+from toolkit.studies.stability.cells import CLASSES
+from toolkit.studies.stability.map_result import MapResult, Of, StabilityResult, verdicts
+from toolkit.studies.stability.maps import Axis
 
 COLORS = ("#5ab4ac", "#f6e8c3", "#e69f00", "#b2450f", "#bdbdbd", "#ffffff")
 """Colours from light and cool to dark and warm: told apart by all kinds of colour vision, and in grey."""

@@ -9,14 +9,13 @@ from matplotlib import colormaps
 
 from toolkit.render.sheet import COLORS, UNSIGNED, WIDE, sheet, style
 from toolkit.report.drawing import Drawing
-from toolkit.studies.distributions.sobol_points import scrambled
-from toolkit.studies.engine.outcome import DesignOutcome
+from toolkit.studies.optimization.explored import SearchResult
 from toolkit.studies.optimization.optimum import Optimum
-from toolkit.studies.optimization.prices import objective_of
-from toolkit.studies.optimization.search.search_result import SearchResult
-from toolkit.studies.sweep.swept import Swept
-from toolkit.studies.uncertainty.spread import limits_of
-from toolkit.studies.uncertainty.uncertain_result import UncertainResult
+from toolkit.studies.optimization.program import objective_of
+from toolkit.studies.orthonormal_basis import scrambled
+from toolkit.studies.store import DesignOutcome
+from toolkit.studies.sweep import Swept
+from toolkit.studies.uncertain_result import UncertainResult, limits_of
 
 TANGENT = 0.25
 """Length of a tangent in parts of the distance of two designs."""

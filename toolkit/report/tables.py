@@ -10,8 +10,7 @@ from toolkit.description.design import label
 from toolkit.foundation.units import unit
 from toolkit.report.answer import Table
 from toolkit.report.material import Material
-from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
-from toolkit.responses.stress.stress import KSStress
+from toolkit.responses.stress import KSStress, gap_bound, kreisselmeier_steinhauser
 from toolkit.scene_file.gradient_units import per, variable_unit
 
 AGGREGATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)

@@ -9,9 +9,8 @@ from matplotlib.axes import Axes
 
 from toolkit.render.sheet import COLORS, sheet
 from toolkit.report.drawing import Drawing
-from toolkit.studies.tradeoff.judgement import JudgedSetting, pareto
 from toolkit.studies.tradeoff.setting import Setting
-from toolkit.studies.tradeoff.tradeoff import Tradeoff
+from toolkit.studies.tradeoff.tradeoff import JudgedSetting, Tradeoff, pareto
 
 LEAST = 1e-15
 """Errors below are drawn here."""

@@ -10,8 +10,7 @@ from itertools import chain
 from pathlib import Path
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import list_own, refuse_foreign
-from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.files.safe_files import list_own, refuse_foreign, write_whole
 from toolkit.joints.rigid_joint import Tie
 from toolkit.render.pictures import file_names
 from toolkit.report import page

@@ -1,6 +1,6 @@
 """All built-in responses; importing this file makes them known to scene files."""
 
-from toolkit.description.registration import import_room
+from toolkit.description.description import import_room
 from toolkit.responses.response import Response
 
 __all__ = ["Response"]

@@ -8,16 +8,12 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from toolkit.description.description import Triple
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Quantity, Triple
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
 from toolkit.joints.kernels.laws import angle_of
-from toolkit.kinematics.spatial import axes_along
-from toolkit.responses.instant import magnitude
-from toolkit.responses.one_point import OnePoint
-from toolkit.responses.response import Partials
-from toolkit.responses.rotation_axis import refuse_axis
+from toolkit.kinematics.orientation import axes_along
+from toolkit.responses.response import OnePoint, Partials, magnitude, refuse_axis
 from toolkit.system.marker_states import MarkerStates
 from toolkit.system.solution import Solution
 

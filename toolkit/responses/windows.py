@@ -16,12 +16,10 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import SAME, first_largest
-from toolkit.responses.instant import Instant
-from toolkit.responses.over_time.over_time import OverTime
-from toolkit.responses.response import Response
-from toolkit.responses.stress.aggregation import kreisselmeier_steinhauser
-from toolkit.responses.stress.stress import KSStress, MaxStress, StressResponse
-from toolkit.responses.vibrations.vibration import OfVibration
+from toolkit.responses.over_time import OverTime
+from toolkit.responses.response import Instant, Response
+from toolkit.responses.stress import KSStress, MaxStress, StressResponse, kreisselmeier_steinhauser
+from toolkit.responses.vibration import OfVibration
 
 
 @singledispatch

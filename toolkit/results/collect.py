@@ -13,11 +13,11 @@ import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import Description
-from toolkit.description.point import Point
+from toolkit.description.design import Point
 from toolkit.foundation.errors import InputError
 from toolkit.kept_run.layout import ResultsFileError, SceneRecord
 from toolkit.responses.shape_error import shape_error_history
-from toolkit.responses.stress.stress import stress_field
+from toolkit.responses.stress import stress_field
 from toolkit.results.results import BodyResults, Results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import scene_from_table

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.foundation.files.own_files import own_set, refuse_foreign
-from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.files.safe_files import own_set, refuse_foreign, write_whole
 from toolkit.results.results import BodyResults, Results
 
 STATES = {"coordinates": "q", "velocities": "v", "accelerations": "a"}

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toolkit.description.option_checks import STARTS
+from toolkit.description.run_options import STARTS
+from toolkit.foundation.errors import meant
 from toolkit.foundation.files.hdf5 import Content, reading, schema_of, write_array, writing
-from toolkit.foundation.listed_names import meant
 from toolkit.kept_run import layout
 from toolkit.kept_run.end_state import about_of, check_schema
 from toolkit.kept_run.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged

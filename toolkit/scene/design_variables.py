@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from typing import Any
 
-from toolkit.description.design import Design, DesignVariable
-from toolkit.description.point import BodyPoint
-from toolkit.description.vector_paths import AXES
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed, meant
+from toolkit.description.design import AXES, BodyPoint, Design, DesignVariable
+from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.scene.measures import number_measure
 
 NOT_DESIGN = {

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from toolkit.description.description import Registered
-from toolkit.description.registration import import_room
+from toolkit.description.description import Registered, import_room
 from toolkit.scene.space import SPACES
 
 DIMENSIONS = tuple(SPACES)

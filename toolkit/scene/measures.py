@@ -6,10 +6,9 @@ from typing import Any
 
 from toolkit.bodies.model_body import ModelBody, refuse_unknown_keys
 from toolkit.curves.curve import Curve
-from toolkit.description.description import Description
-from toolkit.description.quantity import Measure, OverAngle, Quantity
-from toolkit.foundation.dimensions import Dimension, dimension_of_label
+from toolkit.description.description import Description, Measure, OverAngle, Quantity
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import Dimension, dimension_of_label
 
 _AXES = "xyz"
 
@@ -76,14 +75,14 @@ def _place(keys: list[str]) -> int:
 def _refuse(item: Description, field: str) -> Measure:
     raise InputError(
         f"nobody has said what the number {field!r} of a {type(item).__name__} is, so it cannot be given in other units. "
-        f'Say it beside the field: `{field}: Annotated[Number, Quantity("length")]`, see toolkit.description.quantity.'
+        f'Say it beside the field: `{field}: Annotated[Number, Quantity("length")]`, see toolkit.description.description.'
     )
 
 
 def _refuse_curve(owner: Description, field: str) -> Measure:
     raise InputError(
         f"nobody has said what the values of the time curve of a {type(owner).__name__} are, so they cannot be given in other "
-        f'units. Say it beside the field: `{field}: Annotated[Curve, Quantity("length")]`, see toolkit.description.quantity.'
+        f'units. Say it beside the field: `{field}: Annotated[Curve, Quantity("length")]`, see toolkit.description.description.'
     )
 
 

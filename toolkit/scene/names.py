@@ -6,10 +6,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.description.design import DesignEntry
-from toolkit.description.point import BodyPoint
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import SHORT, meant
+from toolkit.description.design import BodyPoint, DesignEntry
+from toolkit.foundation.errors import SHORT, InputError, meant
 from toolkit.loads.pressure import Pressure
 from toolkit.markers.component import Component
 

@@ -14,7 +14,7 @@ from toolkit.bodies.cut.cut_body import CutBody, part_name, part_number
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import NODE, place_on
 from toolkit.bodies.model_body import FRAME, ModelBody, refuse_unknown
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
 from toolkit.joints.rigid_joint import Tie

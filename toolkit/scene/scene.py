@@ -14,18 +14,15 @@ from pydantic import Field, model_validator
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import Description, Registered, number_at, numbers_below
-from toolkit.description.design import Design, DesignEntry, DesignVariable
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Design, DesignEntry, DesignVariable, Point, lettered, numbered
 from toolkit.description.run_options import RunOptions
-from toolkit.description.vector_paths import lettered, numbered
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed, meant
+from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import AnyLoad
 from toolkit.reduced_model.file import load
+from toolkit.reduced_model.frozen_basis import RICHER_PARTS, RicherModel, richer_model
 from toolkit.reduced_model.model import ReducedModel, place_parameter
-from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, RicherModel, richer_model
 from toolkit.scene.design_variables import variables_of
 from toolkit.scene.names import check_design_names, check_dimension, check_names
 from toolkit.scene.space import SPACES, Space

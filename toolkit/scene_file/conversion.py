@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.foundation.dimensions import factor
+from toolkit.foundation.units import factor
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.response import Response

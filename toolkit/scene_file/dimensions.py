@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from toolkit.description.description import Description
-from toolkit.foundation.dimensions import Dimension
+from toolkit.foundation.units import Dimension
 from toolkit.responses.response import Response
 from toolkit.scene.measures import measure_in, number_measure
 from toolkit.scene.names import GROUPS

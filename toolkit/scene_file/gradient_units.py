@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.description.quantity import Measure
-from toolkit.foundation.dimensions import LABELLED, NONE, Dimension
+from toolkit.description.description import Measure
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.units import unit
+from toolkit.foundation.units import LABELLED, NONE, Dimension, unit
 from toolkit.responses.response import Response
 from toolkit.scene.measures import number_measure
 from toolkit.scene.scene import Scene
@@ -19,7 +18,7 @@ _BASE = ("mass", "length", "time")
 def variable_unit(scene: Scene, path: str) -> str:
     """Label of the unit of the number at a path, for example "N/mm"; empty for a number without one.
 
-    A number of a component of which nobody has said what it measures (see `toolkit.description.quantity`) has the label "?".
+    A number of a component of which nobody has said what it measures (see `toolkit.description.description`) has the label "?".
     """
     group, name, *keys = path.split(".")
     item = getattr(scene, group)[name]

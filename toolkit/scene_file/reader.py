@@ -10,16 +10,13 @@ from pydantic import ValidationError
 
 from toolkit.curves.catalogue import Curve
 from toolkit.description.description import Description, Registered
-from toolkit.description.point import BodyPoint, Point
+from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.description.validation_messages import messages
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.toml_file import parse_toml, read_toml
-from toolkit.foundation.files.toml_kinds import refuse_other
-from toolkit.foundation.files.toml_lines import naming_lines
-from toolkit.foundation.listed_names import SHORT, meant
+from toolkit.foundation.errors import SHORT, InputError, meant
+from toolkit.foundation.files.toml_file import naming_lines, parse_toml, read_toml, refuse_other
 from toolkit.responses.catalogue import Response
-from toolkit.responses.instant import Instant
+from toolkit.responses.response import Instant
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.design_variables import refuse_wrong_variables
 from toolkit.scene.kinds import DIMENSIONS, kinds_of

@@ -8,13 +8,12 @@ from typing import Any
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.curve import PLACEHOLDER
 from toolkit.description.description import Description
-from toolkit.description.design import CommonVariable
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint, CommonVariable
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.responses.catalogue import Response
-from toolkit.responses.instant import Instant
-from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.over_time import OverTime
+from toolkit.responses.response import Instant
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene_file.reader import Scene
 

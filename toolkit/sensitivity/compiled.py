@@ -10,7 +10,7 @@ from typing import Any
 from toolkit.description.design import Design
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.frames.chosen_frames import Choices, Frames, automatic, chosen_frames, with_choices, with_frames
+from toolkit.sensitivity.chosen_frames import Choices, Frames, automatic, chosen_frames, with_choices, with_frames
 from toolkit.sensitivity.preparation import Kind, prepare
 from toolkit.system.model_files import FileStates, file_states
 from toolkit.system.renewal import renewed

@@ -2,19 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from typing import Literal, get_args
+import time as clock
+from collections.abc import Callable, Collection, Iterable, Mapping
+from enum import StrEnum
+from statistics import median
+from typing import Any, Literal, Protocol, get_args
+
+import numpy as np
 
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
+from toolkit.description.design import Design, DesignVariable
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.compiled.compile_watch import CompileWatch
 from toolkit.foundation.errors import InputError
 from toolkit.responses.response import Response
-from toolkit.scene.resolution import resolve
+from toolkit.scene.resolution import loaded, resolve
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.clock import Progress
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
+
+Progress = Callable[[int, int], None]
+
+REPEATS, WORTH_REPEATING = 5, 1.0
+"""A run is repeated so often, as long as all together take less than this, in s."""
+
+
+def price(watch: CompileWatch, timed: bool, work: Callable[[], object]) -> float:
+    """Time of work that was watched once, in s, without the compilation of formulas.
+
+    The first time also loads compiled code; if the work is `timed`, a short one is repeated and the median of the repetitions taken.
+    """
+    if not timed:
+        return watch.rest
+    first, times = watch.rest + watch.seconds, list[float]()
+    while (watch.functions and not times) or (len(times) < REPEATS and first + sum(times) < WORTH_REPEATING):
+        begun = clock.perf_counter()
+        work()
+        times.append(clock.perf_counter() - begun)
+    return median(times or [first])
+
 
 Kind = Literal["transient", "static"]
 ANALYSES: dict[Kind, Callable[..., Solution]] = {"transient": simulate, "static": solve_statics}
@@ -81,3 +108,106 @@ def check_names(design: Collection[str]) -> None:
         raise InputError(f"design variables are a list of names, not the text {design!r}. Write [{design!r}].")
     if not all(isinstance(name, str) for name in design):
         raise InputError("design variables are names: short names of the scene, or paths of its numbers.")
+
+
+def evaluate_responses(solution: Solution) -> dict[str, Any]:
+    """Values of all responses of the scene."""
+    return {name: response.value(solution) for name, response in responses_of(solution.system.scene, moving(solution)).items()}
+
+
+def evaluate_with_gradients(solution: Solution) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+    """Values of all responses of the scene, and their gradients by the derivatives that the solution holds."""
+    found = {
+        name: response.evaluate(solution) for name, response in responses_of(solution.system.scene, moving(solution)).items()
+    }
+    gradients = by_name(solution.system.design, found, (slopes for _, slopes in found.values()))
+    return {name: value for name, (value, _) in found.items()}, gradients
+
+
+def values_of(scene: Scene, kind: Kind) -> dict[str, Any]:
+    """Values of all responses after one run, without derivatives."""
+    return evaluate_responses(solve(prepare(scene), kind))
+
+
+def by_name(design: Design, responses: Iterable[str], slopes: Iterable[np.ndarray]) -> dict[str, dict[str, float]]:
+    """Derivatives (n_x,) of each response as response -> variable -> derivative."""
+    pairs = zip(responses, slopes, strict=True)
+    return {name: dict(zip(design.names, map(float, each), strict=True)) for name, each in pairs}
+
+
+EPS = float(np.finfo(float).eps)
+
+
+class Differentiated(Protocol):
+    """What knows values and gradients of responses."""
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """Response -> value."""
+
+    @property
+    def gradients(self) -> dict[str, dict[str, float]]:
+        """Response -> variable -> derivative."""
+
+
+def typical_size(scene: Scene, variable: DesignVariable) -> float:
+    """What a relative step refers to: the value, or for a zero the model size (points) or one."""
+    if variable.value != 0:
+        return abs(variable.value)
+    return loaded(scene).size if variable.path.startswith("points.") else 1.0
+
+
+def variable_sizes(scene: Scene, exact: Differentiated) -> dict[str, float]:
+    """What a relative step of each variable refers to.
+
+    It is the value; for a zero of a point the model size; for another zero the change that moves no response further than the others
+    can, or than its value (one in the scene's units could be anything, as 1 mm/s, or 1 s of damping), and no body further than the
+    model size or by more than 1 rad.
+    """
+    variables = list(scene.design_variables(list(next(iter(exact.gradients.values()), {}))))
+    known = {v.name: typical_size(scene, v) for v in variables if v.value != 0 or v.path.startswith("points.")}
+    scales = response_scales(exact, known)
+    sizes = {}
+    for variable in variables:
+        slopes = {f: abs(slopes[variable.name]) for f, slopes in exact.gradients.items()}
+        allowed = [scales[f] / slope for f, slope in slopes.items() if slope > EPS * scales[f]]
+        sizes[variable.name] = known.get(variable.name, min([*allowed, _reach(scene, variable.path)]))
+    return sizes
+
+
+def _reach(scene: Scene, path: str) -> float:
+    """Largest sensible change of a place, angle, velocity or time; 1 in the scene's units for what is none of these."""
+    group, owner, *name = path.split(".")
+    time = scene.solver.end_time
+    if name[:1] in (["velocity"], ["angular_velocity"]):
+        said = getattr(scene, group)[owner].quantity_of(name[0])
+        place = int(name[1]) if name[1:] else 0
+        return (1.0 if said is not None and said.measure(place).angle else loaded(scene).size) / time
+    if name[:1] in (["position"], ["deflection"]):
+        return loaded(scene).size
+    if name[:1] == ["elastic_velocity"]:
+        return loaded(scene).size / time
+    return time if name[-1] in ("start", "duration") else 1.0
+
+
+def response_scales(exact: Differentiated, sizes: Mapping[str, float]) -> dict[str, float]:
+    """Response -> the largest of its value and of its changes by the variables that have a size."""
+    return {
+        f: max([abs(exact.values[f]), *(abs(slopes[x]) * size for x, size in sizes.items())], default=0.0)
+        for f, slopes in exact.gradients.items()
+    }
+
+
+class Method(StrEnum):
+    """How gradients are computed; `auto` takes the cheaper of the exact ones, direct and adjoint."""
+
+    auto = "auto"
+    direct = "direct"
+    adjoint = "adjoint"
+    complex_step = "complex-step"
+    forward_difference = "forward-difference"
+    central_difference = "central-difference"
+
+
+METHODS = tuple(method.value for method in Method)
+NUMERICAL = tuple(method.value for method in (Method.complex_step, Method.forward_difference, Method.central_difference))

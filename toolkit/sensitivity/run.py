@@ -13,23 +13,25 @@ import numpy as np
 
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.kept_run.layout import STATES, ResultsFileError
-from toolkit.responses.folded_rotations import folded_equilibria, folded_rotations
-from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
-from toolkit.responses.over_time.loose_maxima import loose_maxima
-from toolkit.responses.over_time.missed_peaks import missed_peaks
-from toolkit.responses.over_time.tied_extremes import tied_extremes
-from toolkit.responses.over_time.tied_stresses import tied_stresses
-from toolkit.responses.vibrations.flutter import unstable_vibrations
-from toolkit.responses.vibrations.growing import growing_vibrations
-from toolkit.responses.vibrations.vibration import Frequency
+from toolkit.responses.energy import Largest, largest_in, magnitude_that_counts
+from toolkit.responses.extremes import loose_maxima, missed_peaks, tied_extremes, tied_stresses
+from toolkit.responses.flutter import growing_vibrations, unstable_vibrations
+from toolkit.responses.relative_angle import folded_equilibria, folded_rotations
+from toolkit.responses.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.basis_errors import BasisErrors, Enriched, basis_errors, cautions_of_frozen
 from toolkit.sensitivity.errors.lost_vibrations import lost_vibrations
-from toolkit.sensitivity.errors.step_cautions import step_cautions
+from toolkit.sensitivity.errors.step_cautions import (
+    Answers,
+    step_cautions,
+    turned_displacements,
+    unfelt_variables,
+    unless_it_converges,
+    unless_unfelt,
+    without_false_zeros,
+)
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
-from toolkit.sensitivity.errors.unfelt_variables import unfelt_variables, without_false_zeros
-from toolkit.sensitivity.errors.weighed_doubts import Answers, turned_displacements, unless_it_converges, unless_unfelt
-from toolkit.sensitivity.frames.gradient_errors import (
+from toolkit.sensitivity.gradient_errors import (
     NONE,
     FrameErrors,
     Reframed,
@@ -40,8 +42,7 @@ from toolkit.sensitivity.frames.gradient_errors import (
     framed_doubts,
     unless_frames_deny,
 )
-from toolkit.sensitivity.preparation import moving, prepare, responses_of
-from toolkit.sensitivity.sizes import variable_sizes
+from toolkit.sensitivity.preparation import moving, prepare, responses_of, variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.merging_vibrations import merging_vibrations
 from toolkit.validity.bodies.frequencies import cautions_of_frequencies
@@ -338,7 +339,7 @@ class Run:
         ModelFileError
             Its reduced model holds no stress.
         """
-        from toolkit.responses.stress.stress import stress_field
+        from toolkit.responses.stress import stress_field
 
         self.solution.system.scene.body(body)
         self.solution.system.refuse_changed_files()
@@ -357,7 +358,7 @@ class Run:
         RenderError
             matplotlib is not installed; or the run is an equilibrium in space, which `render` draws.
         """
-        from toolkit.render.figures import figure_of
+        from toolkit.render.pictures import figure_of
 
         self.solution.system.refuse_changed_files()
         return figure_of(self.solution)
@@ -391,7 +392,7 @@ class Run:
             An instant lies outside of the run, or there are no such files.
         """
         from toolkit.render.pictures import render_solution
-        from toolkit.render.view import View
+        from toolkit.render.readable_units import View
 
         self.solution.system.refuse_changed_files()
         return render_solution(self.solution, directory, instants, width, View(format=format))

@@ -6,9 +6,18 @@ import numpy as np
 import scipy
 
 from toolkit.compilation.frame_hints import hint_of_floating, hint_of_grounded
-from toolkit.foundation.errors import SingularSystemError
-from toolkit.linear.dense_lu import SWEEPS
-from toolkit.linear.linear_solver import DENSE_TOLERANCE, TRUSTED_REFINEMENT, LinearSolver, cleared, linear_solver, solve_once
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError, SingularSystemError
+from toolkit.foundation.units import GIGABYTE, in_gigabytes
+from toolkit.linear.linear_solver import (
+    DENSE_TOLERANCE,
+    SWEEPS,
+    TRUSTED_REFINEMENT,
+    LinearSolver,
+    cleared,
+    linear_solver,
+    solve_once,
+)
 from toolkit.system.system import System
 
 NULL, ALIKE = 1e-12, 10.0
@@ -137,3 +146,24 @@ def _null_space(matrix: np.ndarray) -> np.ndarray:
 def _largest(size: np.ndarray, axis: int) -> np.ndarray:
     largest = size.max(axis=axis)
     return np.where(largest > 0, largest, 1.0)
+
+
+COPIES = 4
+"""Copies of the matrix of an equilibrium: itself, scaled, its factors, and what LAPACK works in."""
+
+
+def check_dense(system: System, options: RunOptions) -> None:
+    """Refuse an equilibrium whose matrices do not fit into memory.
+
+    Raises
+    ------
+    InputError
+        They need more than `solver.memory`.
+    """
+    needed = 8 * COPIES * system.n**2
+    if needed > GIGABYTE * options.memory:
+        raise InputError(
+            f"the equilibrium of {system.n} unknowns takes dense matrices of {in_gigabytes(needed)}, more than solver.memory = "
+            f"{options.memory:g} GB. Describe it by fewer bodies, let a damped transient run find it, whose matrices are sparse, or raise "
+            "solver.memory on a larger machine."
+        )

@@ -1,10 +1,21 @@
-"""Motions that the joints allow, and the stiffness against them: how large its terms are, and whether it is symmetric."""
+"""Motions that the joints allow, the stiffness against them, and the roots and shapes of their free vibrations.
+
+Squares of rates and shapes of motions without dampers, K y = omega^2 M y, where K need not be symmetric.
+
+A pair of complex squares is a pair of modes that flutter, if its imaginary parts are larger than what round-off makes of them,
+
+    e (|w|^T |K| |u| + |omega^2| |w|^T |M| |u|) / |w^T M u|
+
+with the right and left vectors u and w of this pair: the largest square of the scene says nothing about a slow one, and where two real
+squares are about to merge w^T M u vanishes and so does what is known of them.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import scipy
 
+from toolkit.foundation.errors import SingularSystemError
 from toolkit.system.system import System
 
 ROUND_OFF = 1e-14
@@ -67,3 +78,166 @@ def is_symmetric_everywhere(matrix: np.ndarray | scipy.sparse.csr_array) -> bool
     both = np.asarray(scipy.sparse.csr_array(abs(matrix))[off.row, off.col]).ravel()
     allowed = UNSYMMETRIC * (size[off.row] * size[off.col] + both) + ROUND_OFF * largest
     return bool(np.all(off.data <= allowed))
+
+
+VIBRATES = 1e-6
+"""Imaginary part of a root, in parts of its size, above which it vibrates."""
+REFINED = 2
+"""Steps of Rayleigh's quotient, whose error falls to its third power."""
+
+
+def all_roots(K: np.ndarray, C: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All finite s, and their left and right vectors as columns, in units of time in which stiffness and mass are alike.
+
+    States of loads have no mass: each has one s, and another one that is infinite.
+    """
+    unit = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0
+    one, none = np.eye(len(K)), np.zeros(K.shape)
+    first = np.block([[none, one], [-K / unit**2, -C / unit]])
+    values, left, right = scipy.linalg.eig(first, np.block([[one, none], [none, M]]), left=True, right=True)
+    finite = np.isfinite(values)
+    return unit * values[finite], left[len(K) :, finite].conj(), right[: len(K), finite]
+
+
+def refined(
+    K: np.ndarray, C: np.ndarray, M: np.ndarray, s: complex, u: np.ndarray, w: np.ndarray
+) -> tuple[complex, np.ndarray, np.ndarray]:
+    """Root s and its right and left vectors, refined by Rayleigh's quotient."""
+    for _ in range(REFINED):
+        s = s - (w @ (s * s * M + s * C + K) @ u) / (w @ (2 * s * M + C) @ u)
+        matrix = s * s * M + s * C + K
+        try:
+            u, w = np.linalg.solve(matrix, M @ u), np.linalg.solve(matrix.T, M.T @ w)
+        except np.linalg.LinAlgError:  # s is a root to the last digit
+            break
+        u, w = u / np.abs(u).max(), w / np.abs(w).max()
+    return s, u, w
+
+
+def is_zero(s: complex, largest: float) -> bool:
+    """Whether a root is zero beside the largest one, as it is for a motion that nothing holds."""
+    return bool(abs(s) ** 2 <= 10 * ROUND_OFF * largest**2)
+
+
+def counts(s: complex, largest: float) -> bool:
+    """Whether a root counts as a mode: one of each pair does, and none that neither vibrates nor grows."""
+    return not is_zero(s, largest) and bool(s.imag > VIBRATES * abs(s) or (abs(s.imag) <= VIBRATES * abs(s) and s.real > 0))
+
+
+def frequency_of(s: complex) -> float:
+    """Frequency Im s / 2 pi of a root; - Re s / 2 pi of a motion that grows without vibrating."""
+    return float((s.imag if s.imag > VIBRATES * abs(s) else -s.real) / (2 * np.pi))
+
+
+def count_of_zeros(values: np.ndarray, largest: float) -> int:
+    """Number of motions that nothing holds, by all roots: each has two."""
+    return sum(is_zero(each, largest) for each in values) // 2
+
+
+def all_frequencies(values: np.ndarray) -> np.ndarray:
+    """Frequencies of all roots, ascending, with zero for each motion that nothing holds."""
+    largest = float(np.abs(values).max(initial=0))
+    zeros = [0.0] * count_of_zeros(values, largest)
+    return np.sort([*(frequency_of(each) for each in values if counts(each, largest)), *zeros])
+
+
+def undamped_rates(K: np.ndarray, M: np.ndarray) -> np.ndarray:
+    """Angular frequencies of all vibrations without dampers, in rad/time, ascending.
+
+    They are zero for what does not vibrate, and alike for two that flutter.
+    """
+    return np.sort(np.abs(np.imag(np.sqrt(-scipy.linalg.eigvals(K, M) + 0j))))
+
+
+SLOW = 1e-11
+"""Part of the largest squared frequency below which another may be hidden by its round-off."""
+
+
+STEPS = 2
+"""Steps of Rayleigh's quotient, whose error falls to its third power."""
+
+
+def undamped_modes(stiffness: np.ndarray, mass: np.ndarray, motions: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:
+    """Squares (n,) and shapes (n_q, n) among motions (n_q, n); complex if some flutter.
+
+    Parameters
+    ----------
+    terms
+        The largest of what entries of the stiffness against the motions are sums of.
+
+    Raises
+    ------
+    SingularSystemError
+        The mass matrix is not positive definite.
+    """
+    return _slow_ones_again(stiffness, mass, *_eigen(stiffness, mass, motions, terms), terms)
+
+
+def _eigen(stiffness: np.ndarray, mass: np.ndarray, motions: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:
+    """Squares of rates and their shapes among motions (n_q, n).
+
+    Complex are those pairs alone that flutter by more than round-off.
+    """
+    K, M = motions.T @ stiffness @ motions, motions.T @ mass @ motions
+    if is_symmetric(K, terms) and is_symmetric_everywhere(stiffness):
+        try:
+            squares, vectors = scipy.linalg.eigh((K + K.T) / 2, (M + M.T) / 2)
+        except scipy.linalg.LinAlgError as error:
+            raise SingularSystemError(
+                f"the mass matrix is not positive definite ({error}), so there are no modes. Give every body a mass that its stiffness "
+                "does not dwarf beyond round-off."
+            ) from error
+        return squares, motions @ vectors
+    squares, left, right = scipy.linalg.eig(K, M, left=True, right=True)
+    real, vectors, pairs = squares.real.copy(), right.real.copy(), []
+    for k in np.flatnonzero(squares.imag > 0):
+        square, u, w = _refined(K, M, squares[k], right[:, k], left[:, k].conj())
+        if abs(square.imag) > _round_off(stiffness, mass, square, motions @ u, motions @ w):
+            pairs.append((k, square, u))
+        else:
+            vectors[:, k + 1] = right[:, k].imag
+    if not pairs:
+        return real, motions @ vectors
+    squares, vectors = real.astype(complex), vectors.astype(complex)
+    for k, square, u in pairs:
+        squares[k : k + 2], vectors[:, k], vectors[:, k + 1] = (square, square.conjugate()), u, u.conj()
+    return squares, motions @ vectors
+
+
+def _round_off(stiffness: np.ndarray, mass: np.ndarray, square: complex, u: np.ndarray, w: np.ndarray) -> float:
+    """Round-off of a square of a rate, by its own condition.
+
+    Where two are about to merge w^T M u vanishes, and round-off makes them complex.
+    """
+    u, w, inert = np.abs(u), np.abs(w), abs(w @ mass @ u)
+    return (
+        10 * ROUND_OFF * float(w @ (np.abs(stiffness) + abs(square) * np.abs(mass)) @ u) / max(float(inert), np.finfo(float).tiny)
+    )
+
+
+def _slow_ones_again(
+    stiffness: np.ndarray, mass: np.ndarray, squares: np.ndarray, shapes: np.ndarray, terms: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Slowest modes, found anew among themselves (Rayleigh and Ritz), as round-off of the fastest may make free ones unstable."""
+    slow = np.flatnonzero(np.abs(squares) < SLOW * np.abs(squares).max())
+    if slow.size:
+        own = shapes[:, slow]
+        below = squares[slow].imag < 0
+        found, motions = _eigen(stiffness, mass, np.where(below, own.imag, own.real), terms)
+        squares, shapes = (each.astype(np.result_type(each, found)) for each in (squares, shapes))
+        squares[slow], shapes[:, slow] = found, motions
+    return squares, shapes
+
+
+def _refined(
+    K: np.ndarray, M: np.ndarray, square: complex, u: np.ndarray, w: np.ndarray
+) -> tuple[complex, np.ndarray, np.ndarray]:
+    """Square omega^2 of K u = omega^2 M u, and its right and left vectors, by Rayleigh's quotient."""
+    for _ in range(STEPS):
+        square = (w @ K @ u) / (w @ M @ u)
+        try:
+            u, w = np.linalg.solve(K - square * M, M @ u), np.linalg.solve((K - square * M).T, M.T @ w)
+        except np.linalg.LinAlgError:  # it is a root to the last digit
+            break
+        u, w = u / np.abs(u).max(), w / np.abs(w).max()
+    return (w @ K @ u) / (w @ M @ u), u, w

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import ModelBody
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.scene.resolution import ResolvedScene

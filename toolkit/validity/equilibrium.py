@@ -8,8 +8,8 @@ import numpy as np
 
 from toolkit.foundation.errors import BifurcationError
 from toolkit.foundation.verdict import REST, SPIN, Caution, check
-from toolkit.responses.vibrations.flutter import REMEDY, UNSTABLE, growth_of, may_grow
-from toolkit.responses.vibrations.pencil import pencil_of, real_pencil
+from toolkit.responses.flutter import REMEDY, UNSTABLE, growth_of, may_grow
+from toolkit.responses.pencil import pencil_of, real_pencil
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.critical_load import compression
 from toolkit.validity.bodies.cut.more_frames import divided

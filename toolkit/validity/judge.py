@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from toolkit.foundation.processes.one_thread import one_thread
+from toolkit.foundation.processes import one_thread
 from toolkit.foundation.verdict import MOTION, REST, SPIN, Caution, Check, Verdict, check, checks
-from toolkit.responses.vibrations.flutter import UNSTABLE, unstable_vibrations
-from toolkit.responses.vibrations.growing import growing_vibrations
+from toolkit.responses.flutter import UNSTABLE, growing_vibrations, unstable_vibrations
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured
 from toolkit.validity.description.frame_number import frames_chosen

@@ -21,7 +21,7 @@ import numpy as np
 from preprocessing.foreign_files.child import LARGEST_FILE
 from preprocessing.foreign_files.contents import included_file
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.regular_file import read_whole
+from toolkit.foundation.files.safe_files import read_whole
 
 STATEMENT = re.compile(rb"[ \t]*include(?=[\s='\"]|$)[ \t]*=?", re.IGNORECASE)
 ANY_STATEMENT = re.compile(rb"^[ \t]*include", re.IGNORECASE | re.MULTILINE)

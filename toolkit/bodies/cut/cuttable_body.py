@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from toolkit.bodies.model_body import DEPENDENCE, ModelBody
-from toolkit.description.quantity import Quantity
+from toolkit.description.description import Quantity
 
 
 class ChosenFrames(NamedTuple):

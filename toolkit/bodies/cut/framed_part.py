@@ -18,9 +18,8 @@ from toolkit.reduced_model.cut.craig_bampton import PartShapes, part_shapes
 from toolkit.reduced_model.cut.part import Part
 from toolkit.reduced_model.cut.part_model import part_model
 from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.spatial_model import SURFACE_POSITION
+from toolkit.reduced_model.parts import SURFACE_POSITION, Elements
 
 MANY = 1000
 """Parts whose shapes are remembered: every complex step asks for them again."""

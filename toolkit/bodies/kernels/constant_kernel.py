@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.foundation.kernel import copy, inlined, inner
-from toolkit.linear.factored_matrix import Factored, FactoredChanges, add_factored, add_factored_changes
+from toolkit.linear.linear_solver import Factored, FactoredChanges, add_factored, add_factored_changes
 
 HALVES = 134217729.0
 """2^27 + 1: splits a number into two of 26 bits, whose products are exact."""

@@ -1,7 +1,7 @@
 """The spatial floating frame of reference in the compiled loop: rigid and flexible bodies whose frame turns, theory section 1.
 
 With z^ = [1; c], z' = [0; c'], a^ = [0; c''], the invariants m, N, Q[a, b], the frame's matrices A, A_k, V, W, X
-(`toolkit.kinematics.spatial`), S(x, y)_ab = x^T Q[a, b] y and <P, S> = sum_ab P_ab S_ab:
+(`toolkit.kinematics.orientation`), S(x, y)_ab = x^T Q[a, b] y and <P, S> = sum_ab P_ab S_ab:
 
     inertial   t: m r'' + A N a^ + X N z^
                k: (A_k N z^) . r'' + <A_k^T A, S(z^, a^)> + <A_k^T X, S(z^, z^)>
@@ -38,7 +38,7 @@ from toolkit.bodies.kernels.spatial_products import (
 )
 from toolkit.foundation.compiled.rows import add_to_each, filled_up
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.kinematics.spatial import second_products
+from toolkit.kinematics.orientation import second_products
 
 
 class SpatialFloating(NamedTuple):

@@ -18,7 +18,7 @@ from toolkit.foundation.terminal import AsJson, Quiet
 from toolkit.report.answer import Answer, Record, Table
 
 if TYPE_CHECKING:
-    from toolkit.analyses.campbell import Campbell
+    from toolkit.analyses.modes import Campbell
     from toolkit.report.drawing import Drawing
 
 
@@ -58,7 +58,7 @@ def speeds_of(text: str) -> list[float]:
     InputError
         There are more than a diagram has.
     """
-    from toolkit.analyses.campbell import refuse_too_many
+    from toolkit.analyses.modes import refuse_too_many
 
     try:
         if ":" in text:

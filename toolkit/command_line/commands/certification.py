@@ -45,7 +45,7 @@ def certify(
     if output is not None:
         refuse_no_picture(output)
     from toolkit.sensitivity.certificate.certificate import certify as compare
-    from toolkit.sensitivity.frames_for_gradients import with_frames_for_gradients
+    from toolkit.sensitivity.methods import with_frames_for_gradients
     from toolkit.sensitivity.preparation import frozen
 
     kind: Kind = "static" if static else "transient"
@@ -197,7 +197,7 @@ def refuse_no_picture(path: Path) -> None:
 
 def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> FreshGradients | None:
     """Gradients by fresh models; None where there is no preprocessing to build them."""
-    from toolkit.foundation.processes.preprocessing_process import is_installed
+    from toolkit.foundation.processes import is_installed
     from toolkit.sensitivity.certificate.fresh_models import fresh_gradients
 
     if not is_installed():

@@ -45,7 +45,7 @@ def _export_paraview(results: Results, folder: Path, models: Path | None) -> Pat
     from toolkit.render.packages import require
 
     require("pyvista", "matplotlib")
-    from toolkit.render.paraview.export import export_paraview
+    from toolkit.render.paraview import export_paraview
     from toolkit.sensitivity.run import restored
 
     return export_paraview(restored(results, models).solution, folder)

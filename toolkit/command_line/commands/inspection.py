@@ -14,7 +14,7 @@ from toolkit.command_line.arguments import Changes, KeepAll, Variables, design_o
 from toolkit.command_line.printing import print_tables, verdict_text
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.terminal import AsJson, Quiet, print_json
-from toolkit.reduced_model.description.told_body import body_lines
+from toolkit.reduced_model.told_body import body_lines
 from toolkit.report.answer import Answer, Record, Table
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def _described(
     file: Path, variables: str | None, keep_all: bool, measure: bool, changes: list[str] | None, quiet: bool
 ) -> tuple[Record, Record]:
     """Record and cost summary of a scene."""
-    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+    from toolkit.sensitivity.chosen_frames import with_chosen_frames
 
     scene = with_chosen_frames(read(file, changes, quiet), "transient")
     names = list(scene.design) if variables is None else design_of(scene, variables)
@@ -113,7 +113,7 @@ def describe_results(results: Results) -> Record:
 
 def describe_scene(scene: Scene) -> Record:
     """Record of a scene: names and kinds of all parts, design variables, numbers that could be one, and questions."""
-    from toolkit.foundation.files.outside_files import outside_files
+    from toolkit.foundation.files.safe_files import outside_files
     from toolkit.scene.resolution import loaded
     from toolkit.sensitivity.preparation import responses_of
     from toolkit.validity.description.frame_choice import frame_choices

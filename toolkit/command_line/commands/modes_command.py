@@ -14,7 +14,7 @@ from toolkit.foundation.terminal import AsJson, Quiet
 from toolkit.report.answer import Answer, Record, Table
 
 if TYPE_CHECKING:
-    from toolkit.analyses.modes_found import Modes
+    from toolkit.analyses.modes import Modes
 
 
 def modes(

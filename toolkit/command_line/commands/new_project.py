@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from toolkit.foundation.processes.preprocessing_process import run
+from toolkit.foundation.processes import run
 from toolkit.foundation.terminal import AsJson
 
 PROGRAM = "preprocessing.projects.command"

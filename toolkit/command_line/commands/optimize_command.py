@@ -15,8 +15,8 @@ from toolkit.foundation.terminal import AsJson, Quiet, answered
 from toolkit.report.answer import Answer, Picture, Table
 
 if TYPE_CHECKING:
+    from toolkit.studies.optimization.explored import SearchResult
     from toolkit.studies.optimization.optimum import Optimum
-    from toolkit.studies.optimization.search.search_result import SearchResult
     from toolkit.system.solution import Solution
 
 
@@ -35,9 +35,8 @@ def optimize(
 ) -> None:
     """Find the best design of a study; exit with an error if none can be called an optimum. Interrupted studies resume."""
     from toolkit.studies.optimization.optimize import optimized
-    from toolkit.studies.study.checked_problem import problem_of
-    from toolkit.studies.study.search_options import Search
-    from toolkit.studies.study.study_reader import naming_study_lines, read_study
+    from toolkit.studies.problem import problem_of
+    from toolkit.studies.study_file import Search, naming_study_lines, read_study
 
     described = read_study(study)
     given = {"method": method, "starts": starts, "evaluations": evaluations}
@@ -57,7 +56,7 @@ def optimize(
 
 
 def _checked(changed: dict[str, Any]) -> dict[str, Any]:
-    from toolkit.studies.optimization.methods.catalogue import METHODS
+    from toolkit.studies.optimization.methods import METHODS
 
     if changed.get("method", "slsqp") not in METHODS:
         raise typer.BadParameter(

@@ -69,7 +69,7 @@ def title_of(file: Path) -> str:
 def _refuse_undrawn(scene: Scene) -> None:
     """Refuse a scene that cannot be drawn on this machine, before anything long is computed."""
     from toolkit.render.pictures import refuse_what_cannot_be_drawn
-    from toolkit.render.view import View
+    from toolkit.render.readable_units import View
 
     refuse_what_cannot_be_drawn(scene, View())
 
@@ -88,8 +88,7 @@ def _from_results(file: Path, models: Path | None) -> Material:
 def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.report.material import Material
     from toolkit.results.collect import collect
-    from toolkit.sensitivity.frames_for_gradients import with_frames_for_gradients
-    from toolkit.sensitivity.methods import gradients_by
+    from toolkit.sensitivity.methods import gradients_by, with_frames_for_gradients
 
     scene, text = read(file, changes, quiet), text_of(file)
     _refuse_undrawn(scene)

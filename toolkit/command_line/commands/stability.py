@@ -52,7 +52,7 @@ def stability(
     quiet: Quiet = False,
 ) -> None:
     """Map where the scene and its gradient are stable, drift or fail, over settings of the solver and numbers of the scene."""
-    from toolkit.studies.stability.classifier import Limits
+    from toolkit.studies.stability.cells import Limits
     from toolkit.studies.stability.study import stability as study
 
     if output is not None:
@@ -61,7 +61,7 @@ def stability(
         require("matplotlib")
         prepare_folder(output, "stability.json", "stability.png", "stability.svg")
     from toolkit.scene.resolution import resolve
-    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+    from toolkit.sensitivity.chosen_frames import with_chosen_frames
 
     described = resolve(with_chosen_frames(read(scene, changes, quiet), "transient")).written
     names = design_of(described, variables) if variables or described.design else []
@@ -85,14 +85,13 @@ class StabilityAnswer(Answer):
 
     def record(self) -> Record:
         """JSON object of all cells."""
-        from toolkit.studies.stability.record import record_of
+        from toolkit.studies.stability.map_result import record_of
 
         return record_of(self.result)
 
     def tables(self) -> Iterator[Table | str]:
         """Limits of every map, what happens beyond them, and what the names mean."""
-        from toolkit.studies.stability.map_limits import breakdowns, mapped_range, stable_where
-        from toolkit.studies.stability.record import criteria
+        from toolkit.studies.stability.map_result import breakdowns, criteria, mapped_range, stable_where
 
         maps, best = self.result.maps, self.result.reference
         rows = [(each.map.title, mapped_range(each), stable_where(each, "run"), stable_where(each, "gradient")) for each in maps]

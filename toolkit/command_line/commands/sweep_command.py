@@ -16,8 +16,8 @@ from toolkit.report.answer import Answer, Table
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing
-    from toolkit.studies.study.study_file import Study
-    from toolkit.studies.sweep.swept import Swept
+    from toolkit.studies.study_file import Study
+    from toolkit.studies.sweep import Swept
 
 Points = Annotated[str | None, typer.Option(help="grid, latin-hypercube or sobol, instead of the study's.")]
 
@@ -40,9 +40,9 @@ def sweep(
     quiet: Quiet = False,
 ) -> None:
     """Solve many designs of a study, and write values and gradients into tables. Interrupted studies resume."""
-    from toolkit.studies.engine.executor import Executor
-    from toolkit.studies.study.study_reader import naming_study_lines, read_study
-    from toolkit.studies.sweep.sweep import run_sweep, sweep_problem
+    from toolkit.studies.executor import Executor
+    from toolkit.studies.study_file import naming_study_lines, read_study
+    from toolkit.studies.sweep import run_sweep, sweep_problem
 
     executor = Executor(processes=jobs, dask=dask)
     file = None if designs is None else str(designs.resolve())
@@ -65,7 +65,7 @@ def _changed(study: Study, given: dict[str, Any]) -> Study:
     InputError
         They contradict each other.
     """
-    from toolkit.studies.study.sweep_options import Sweep
+    from toolkit.studies.study_file import Sweep
 
     changed = {key: value for key, value in given.items() if value is not None}
     if not changed:
@@ -81,7 +81,7 @@ def _parquet(columns: dict[str, list[Any]], path: Path, quiet: bool) -> list[Pat
     from importlib.util import find_spec
     from io import BytesIO
 
-    from toolkit.foundation.files.replaced_file import write_whole
+    from toolkit.foundation.files.safe_files import write_whole
 
     if find_spec("pyarrow") is None:
         note("no Parquet file: pyarrow is not installed. Install: pip install 'ffrf-toolkit[studies]'.", quiet)

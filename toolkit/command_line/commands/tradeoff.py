@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict
     from toolkit.report.drawing import Drawing
     from toolkit.scene.scene import Scene
-    from toolkit.studies.tradeoff.judgement import JudgedSetting
-    from toolkit.studies.tradeoff.tradeoff import Tradeoff
+    from toolkit.studies.tradeoff.tradeoff import JudgedSetting, Tradeoff
 
 Budgets = Annotated[
     list[str] | None,
@@ -114,7 +113,7 @@ class TradeoffAnswer(Answer):
 
     def record(self) -> Record:
         """JSON object."""
-        from toolkit.studies.tradeoff.recommendation import changes, skin_fragments, solver_fragment
+        from toolkit.studies.tradeoff.tradeoff import changes, skin_fragments, solver_fragment
 
         found, reference, best, case = self.result, self.result.reference, self.result.recommended, self.result.plan.case
         recommended = None if best is None else {
@@ -212,7 +211,7 @@ def _cells(each: JudgedSetting, axes: list[str], reduced: bool) -> list[Any]:
 
 def _recommendation(found: Tradeoff, best: JudgedSetting) -> Iterator[str]:
     """What to write into the scene's files, and what to do next."""
-    from toolkit.studies.tradeoff.recommendation import frames, next_steps, skin_fragments, solver_fragment
+    from toolkit.studies.tradeoff.tradeoff import frames, next_steps, skin_fragments, solver_fragment
 
     case, own = found.plan.case, next((each for each in found.settings if each.setting.own and not each.outcome.failed), None)
     gain = f", {own.price / best.price:.2g} times the speed of the scene as it stands" if own and own is not best else ""

@@ -16,8 +16,7 @@ from toolkit.report.answer import Answer, Table
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing
-    from toolkit.studies.uncertainty.spread import Spread
-    from toolkit.studies.uncertainty.uncertain_result import UncertainResult
+    from toolkit.studies.uncertain_result import Spread, UncertainResult
 
 
 def uncertainty(
@@ -36,11 +35,11 @@ def uncertainty(
     quiet: Quiet = False,
 ) -> None:
     """Find mean, spread, shares of variables, quantiles and probabilities of uncertain responses. Interrupted studies resume."""
-    from toolkit.studies.distributions.uncertain_numbers import Uncertainty
-    from toolkit.studies.engine.executor import Executor
-    from toolkit.studies.study.study_reader import naming_study_lines, read_study
-    from toolkit.studies.uncertainty.find_uncertainty import find_uncertainty
-    from toolkit.studies.uncertainty.uncertain_study import uncertain_study
+    from toolkit.studies.distributions import Uncertainty
+    from toolkit.studies.executor import Executor
+    from toolkit.studies.find_uncertainty import find_uncertainty
+    from toolkit.studies.study_file import naming_study_lines, read_study
+    from toolkit.studies.uncertain_study import uncertain_study
 
     executor, described = Executor(processes=jobs, dask=dask), read_study(study)
     given = {key: value for key, value in {"runs": runs, "monte_carlo": monte_carlo}.items() if value is not None}

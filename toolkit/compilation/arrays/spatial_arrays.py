@@ -14,7 +14,7 @@ from toolkit.compilation.numbering import Numbering, grips_of
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities, named_loads, pressures_of, pressures_on_pieces
 from toolkit.foundation.errors import InputError
-from toolkit.kinematics.spatial import Frames
+from toolkit.kinematics.orientation import Frames
 from toolkit.loads.kernels.pressure_kernel import Pressures
 from toolkit.markers.component import Component
 from toolkit.markers.spatial import POSE, SpatialMarkers

@@ -8,7 +8,7 @@ from toolkit.bodies.chain_strains import Strains, no_strains
 from toolkit.compilation.conversions import ints
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.quantities import Quantities
-from toolkit.linear.factored_matrix import Factored, FactoredChanges
+from toolkit.linear.linear_solver import Factored, FactoredChanges
 
 
 def factored_bodies(values: Quantities, derivatives: list[Quantities]) -> set[int]:

@@ -23,7 +23,7 @@ import numba
 import numpy as np
 
 from toolkit.foundation.compiled.formula_stamp import Kernel, UnknownNameError, formula_stamp, layout
-from toolkit.foundation.files.replaced_file import in_one_stroke
+from toolkit.foundation.files.safe_files import in_one_stroke
 
 VARIABLE = "NUMBA_CACHE_DIR"
 """Environment variable that names a folder for compiled code. numba also takes it from a file in the current folder, this program not:

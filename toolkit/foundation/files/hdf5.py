@@ -16,12 +16,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.files.hdf5_reader.objects import FORMAT, MOST_BYTES, SIGNATURE, SQUEEZED, File, Group
-from toolkit.foundation.files.hdf5_reader.source import OtherForm, Source
-from toolkit.foundation.files.hdf5_reader.storage import Array
+from toolkit.foundation.files.hdf5_objects import FORMAT, MOST_BYTES, SIGNATURE, SQUEEZED, File, Group
+from toolkit.foundation.files.hdf5_source import OtherForm, Source
+from toolkit.foundation.files.hdf5_storage import Array
 from toolkit.foundation.files.plain_hdf5 import in_own_form
-from toolkit.foundation.files.regular_file import opened
-from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.files.safe_files import opened, write_whole
 
 if TYPE_CHECKING:
     import h5py

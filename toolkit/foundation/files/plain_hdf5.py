@@ -17,10 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toolkit.foundation.files.hdf5_reader.objects import FORMAT, MOST_BYTES, SQUEEZED
-from toolkit.foundation.files.regular_file import size_of
-from toolkit.foundation.processes.limits import ONE_THREAD, limit_process, memory_of_machine
-from toolkit.foundation.processes.own_process import command, environment, refuse_namesakes
+from toolkit.foundation.files.hdf5_objects import FORMAT, MOST_BYTES, SQUEEZED
+from toolkit.foundation.files.safe_files import size_of
+from toolkit.foundation.processes import ONE_THREAD, command, environment, limit_process, memory_of_machine, refuse_namesakes
 
 if TYPE_CHECKING:
     import h5py

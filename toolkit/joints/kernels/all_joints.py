@@ -13,7 +13,7 @@ from toolkit.joints.kernels.spatial_joint import (
     spatial_joint_jacobian,
     spatial_joint_residual,
 )
-from toolkit.kinematics.spatial import lengths_jacobian, lengths_residual
+from toolkit.kinematics.orientation import lengths_jacobian, lengths_residual
 
 
 @inlined

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.kinematics.spatial import second_products
+from toolkit.kinematics.orientation import second_products
 
 
 class Pressures(NamedTuple):

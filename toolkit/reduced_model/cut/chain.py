@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.elements import Elements, SpatialElements
+from toolkit.reduced_model.parts import Elements, SpatialElements
 
 ON_NODE = 1e-9
 """A point closer to a node than this part of its element is on the node."""

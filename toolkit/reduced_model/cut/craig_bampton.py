@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from toolkit.foundation.mode_shapes import clusters, told_apart
+from toolkit.foundation.near_ties import clusters, told_apart
 
 NONE = 1e-9
 """Part of the strongest motion of a mode below which that of a coordinate is round-off: beams that bend do not stretch."""

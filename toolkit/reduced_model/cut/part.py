@@ -23,7 +23,7 @@ import scipy
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.cut.chain import Place, nodes_of_part
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
-from toolkit.reduced_model.thin_arrays import is_sparse, sparing
+from toolkit.reduced_model.dependence import is_sparse, sparing
 
 SHORT = 1e-3
 """Distance of the ends of a part in parts of its length, below which no chord leads from one to the other."""

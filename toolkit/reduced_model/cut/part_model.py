@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.cut.chain import Place
 from toolkit.reduced_model.cut.part import Part
-from toolkit.reduced_model.model import InterfacePoint, ReducedModel, StressPoints
+from toolkit.reduced_model.model import Chord, InterfacePoint, ReducedModel, StressPoints
 
 FIRST, LAST = "first node", "last node"
 """Names of the interface points at the ends of a part."""

@@ -13,8 +13,8 @@ import numpy as np
 from toolkit.kinematics.beam_elements import BeamElements, at_place
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, part_nodes, symmetric
-from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import Invariants, Mesh
+from toolkit.reduced_model.parts import Elements
 
 
 class PlanarPart(Part):

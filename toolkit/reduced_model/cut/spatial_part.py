@@ -12,12 +12,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from toolkit.kinematics.beam_elements import BeamElements, at_place
-from toolkit.kinematics.spatial import axes_along
+from toolkit.kinematics.orientation import axes_along
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, part_nodes, symmetric
-from toolkit.reduced_model.elements import SpatialElements
-from toolkit.reduced_model.parts.pieces import PieceLoads, Pieces
-from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface, SurfaceLoad
+from toolkit.reduced_model.parts import PAIRS, PieceLoads, Pieces, SpatialElements, SpatialInvariants, Surface, SurfaceLoad
 
 
 class SpatialPart(Part):

@@ -3,30 +3,179 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection, TriMesh
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.flexible import Flexible
 from toolkit.foundation.units import unit
-from toolkit.render.colors import FRAME, INK
-from toolkit.render.motion.names import NamesOfMotion
-from toolkit.render.plane.configuration import Configuration
-from toolkit.render.plane.curves import shape_errors
-from toolkit.render.plane.look import Look, shown_stress
-from toolkit.render.plane.names import write_names
-from toolkit.render.plane.parts import draw_band, draw_mechanism, draw_outlines, draw_solid, draw_symbols, outlines
-from toolkit.render.plane.skin_shape import skin_shape
-from toolkit.render.plane.solid_shape import solid_shape
-from toolkit.render.plane.window import aspect, drawn_thickness, open_windows, panel_height, shown, window
-from toolkit.render.readable_units import readable, readable_stress
-from toolkit.render.round_numbers import MINUS, even
-from toolkit.render.sheet import SIGNED, WIDE, sheet
-from toolkit.render.stress_told import round_off, told
+from toolkit.render.label_places import Name, NamesOfMotion, body_places, panel_of, placed, sides
+from toolkit.render.moment import names_by_place
+from toolkit.render.plane.configuration import Configuration, skin_shape, solid_shape
+from toolkit.render.plane.look import (
+    Look,
+    aspect,
+    drawn_thickness,
+    figure_of,
+    open_windows,
+    panel_height,
+    shown,
+    shown_stress,
+    window,
+)
+from toolkit.render.plane.parts import clamps, draw_band, draw_mechanism, draw_outlines, draw_solid, draw_symbols, outlines
+from toolkit.render.readable_units import (
+    BODY,
+    FRAME,
+    INK,
+    MINUS,
+    UNDEFORMED,
+    even,
+    readable,
+    readable_stress,
+    round_off,
+    stress_range,
+    told,
+)
+from toolkit.render.sheet import SEEN, SIGNED, WIDE, Panels, draw_panels, merged, motion_panels, sheet
+from toolkit.responses.shape_error import gaps
+from toolkit.system.flexible_bodies import flexible_body
+from toolkit.system.solution import Solution
+
+_SIZE = 10
+"""Size of letters, in points."""
+_NAME = 4.0
+"""Above everything else."""
+_CLEAR = {"boxstyle": "square,pad=0.05", "facecolor": "white", "edgecolor": "none", "alpha": 0.7}
+_APART = 3e-3
+"""Points nearer to each other share a label, relative to the window."""
+
+
+def write_names(
+    axes: Axes, moment: Configuration, bodies: bool = False, motion: NamesOfMotion | None = None, number: int = 0
+) -> None:
+    """Name the points, and on request the bodies, that the axes of a figure that is settled show.
+
+    A light ground keeps a name readable where no place is free; a line leads to one that is not beside its point. In all pictures of a
+    motion the axes of the same number have the same names on the same side of their points.
+    """
+    dots, tolerance = figure_of(axes).dpi / 72, _APART * float(np.ptp(shown(axes), axis=0).max())
+    low, high = axes.bbox.get_points() / dots
+    told = [(text, place, INK, "normal") for place, text in _labels(moment, tolerance, motion)]
+    told += [(name, place, BODY, "italic") for name, place in _middles(moment, motion)] if bodies else []
+    names, texts = [], []
+    for text, place, color, slant in told:
+        written: Any = axes.annotate(
+            text, (0, 0), xycoords="axes points", fontsize=_SIZE, color=color, fontstyle=slant, ha="center", va="center",
+            parse_math=False, zorder=_NAME, bbox=_CLEAR, in_layout=False,
+        )  # fmt: skip
+        names.append(Name(text, axes.transData.transform(place) / dots - low, written.get_window_extent().size / dots / 2))
+        texts.append(written)
+    panel = panel_of(names, [line / dots - low for line in drawn_lines(axes)], _SIZE, high - low)
+    chosen = sides([panel], _SIZE) if motion is None else motion.sides(number, panel, lambda panels: sides(panels, _SIZE))
+    leads = []
+    for written, each in zip(texts, placed(panel, chosen), strict=True):
+        if each is None:
+            written.remove()
+            continue
+        written.set_position(each.place)
+        if each.led:
+            leads.append(axes.transData.inverted().transform((each.line + low) * dots))
+    axes.add_collection(LineCollection(leads, colors=UNDEFORMED, linewidths=0.7, zorder=_NAME, gid="leads"), autolim=False)
+
+
+def drawn_lines(axes: Axes) -> list[np.ndarray]:
+    """All drawn contents of axes as polylines (n, 2), in pixels of the figure."""
+    found = [line.get_transform().transform(line.get_xydata()) for line in axes.lines]
+    for patch in axes.patches:
+        found += map(np.asarray, patch.get_transform().transform_path(patch.get_path()).to_polygons())
+    for each in axes.collections:
+        if isinstance(each, TriMesh):  # its edges are drawn as well
+            continue
+        (offset,) = each.get_offset_transform().transform(np.reshape(each.get_offsets(), (-1, 2)))
+        found += [each.get_transform().transform(path.vertices) + offset for path in each.get_paths()]
+    return found
+
+
+def _labels(moment: Configuration, tolerance: float, motion: NamesOfMotion | None) -> list[tuple[np.ndarray, str]]:
+    """Names of points with their places, and a label for a clamped body where no named point is."""
+    named = names_by_place(moment, tolerance, motion.moments if motion else ())
+    for body, points in clamps(moment).items():
+        if not any(np.hypot(*(points[0] - place)) < tolerance for place, _ in named):
+            named.append((points[0], f"{body} clamped"))
+    return named
+
+
+def _middles(moment: Configuration, motion: NamesOfMotion | None) -> list[tuple[str, np.ndarray]]:
+    """Names of bodies, each with a place near its middle; a body that is drawn as a point is named by that point."""
+    found, places = [], body_places(moment, motion=motion.moments if motion else ())
+    for body in moment.scene.bodies:
+        if (skin := skin_shape(moment, body) if body in moment.flexible() else None) is not None:
+            points = skin.line.reshape(-1, 2)
+            found.append((body, points[len(points) // 2]))
+        elif (solid := solid_shape(moment, body)) is not None:
+            found.append((body, solid.deepest))
+        elif body in places:
+            found.append((body, places[body]))
+    return found
+
+
+def shape_errors(solution: Solution, body: str, steps: slice = slice(None)) -> np.ndarray | None:
+    """Distance of every node to its target at every time, shape (n_t, n_k); None if the body has no target."""
+    scene = solution.system.scene
+    shape = scene.model(flexible_body(scene, body).model, "shape").shape
+    if shape is None:
+        return None
+    return np.linalg.norm(np.real(gaps(solution, body, steps)[0]), axis=2)
+
+
+def curves_figure(solution: Solution) -> Figure:
+    """The curves, a panel per quantity."""
+    return draw_panels(solution, _stress_panels(solution) + _shape_panels(solution) + _rotation_panels(solution))
+
+
+def _flexible(solution: Solution) -> list[str]:
+    return [name for name, body in solution.system.scene.bodies.items() if isinstance(body, Flexible)]
+
+
+def _stress_panels(solution: Solution) -> Panels:
+    curves: dict[str, Any] = {}
+    for body in _flexible(solution):
+        low, high = stress_range(solution, body).T
+        curves |= {f"{body}, largest": high, f"{body}, smallest": low}
+    return [("stress", "stress", curves)] if curves else []
+
+
+def _shape_panels(solution: Solution) -> Panels:
+    curves: dict[str, Any] = {}
+    for body in _flexible(solution):
+        errors = shape_errors(solution, body)
+        if errors is not None:
+            curves |= {f"{body}, largest": errors.max(axis=1), f"{body}, RMS": np.sqrt((errors**2).mean(axis=1))}
+    return [("distance to target", "length", curves)] if curves else []
+
+
+def _rotation_panels(solution: Solution) -> Panels:
+    scene = solution.system.scene
+    framed = [name for name, body in scene.bodies.items() if body.has_frame and not isinstance(body, CutBody)]
+    curves = {name: np.real(solution.q[:, solution.coordinates(name).start + 2]) for name in framed}
+    rotations: Panels = [("rotation", "angle", merged(curves))] if curves else []
+    turned = any(np.abs(angle).max() > SEEN for angle in curves.values())
+    return rotations if turned or not curves else _motion_panels(solution) or rotations
+
+
+def _motion_panels(solution: Solution) -> Panels:
+    moments = [Configuration(solution, step) for step in range(len(solution.times))]
+    scene, points = solution.system.scene, moments[0].named_points()
+    return motion_panels({point: np.real(scene.position(point)) for point in points}, moments)
 
 
 def draw_scene(axes: Axes, moment: Configuration, look: Look) -> None:

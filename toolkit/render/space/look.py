@@ -4,22 +4,195 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.bodies.flexible import SpatialFlexible
 from toolkit.bodies.rigid import SpatialRod
-from toolkit.foundation.spread import spread
+from toolkit.curves.curve import Curve
+from toolkit.foundation.near_ties import spread
 from toolkit.joints.joint import SpatialJoint
-from toolkit.render.readable_units import Readable, readable_stress
-from toolkit.render.round_numbers import round_up
-from toolkit.render.space.arrows import Arrow, arrows
-from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
-from toolkit.render.space.camera import ISOMETRIC
-from toolkit.render.space.configuration import SpatialConfiguration
-from toolkit.render.stress_told import round_off, told
-from toolkit.render.view import View
-from toolkit.responses.stress.von_mises import point_stress
+from toolkit.loads.point_force import SpatialPointForce
+from toolkit.loads.pressure import Pressure
+from toolkit.loads.torque import SpatialTorque
+from toolkit.markers.component import Component
+from toolkit.render.readable_units import Readable, View, readable_stress, round_off, round_up, told
+from toolkit.render.space.configuration import BodyShape, SpatialConfiguration, body_shape, has_shape
+from toolkit.responses.stress import point_stress
 from toolkit.system.solution import Solution
+
+ANGLE = np.deg2rad(25.0)
+"""Angle of view from the lower to the upper edge of a picture in perspective."""
+ISOMETRIC = np.array([[1.0, 1.0, 0.0], [-1.0, 1.0, 2.0], [1.0, -1.0, 1.0]]) / np.sqrt([[2.0], [6.0], [3.0]])
+"""Directions to the right, up and towards the eye: x comes to the front on the right, y goes to the back on the right, z is up."""
+_LEAST = 0.25
+"""Half of what is seen at least, relative to the reach: of a rod along the line of sight."""
+_CLEAR = 2.2
+"""Distance by which things are moved before or behind all others, relative to the reach; these are at most two apart."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """An isometric view of a box of points.
+
+    Attributes
+    ----------
+    focus
+        What it looks at, (3,).
+    size
+        Width and height of what it sees at the focus, (2,), in the scene's unit of length.
+    distance
+        From the eye to the focus.
+    reach
+        How far things are from the focus at most.
+    perspective
+        Whether what is nearer is larger.
+    """
+
+    focus: np.ndarray
+    size: np.ndarray
+    distance: float
+    reach: float
+    perspective: bool
+
+    @classmethod
+    def framing(cls, points: np.ndarray, aspect: float, margin: float, perspective: bool) -> Camera:
+        """Nearest view of an aspect (width over height) that shows all points (n, 3), with a margin relative to their extent."""
+        seen = points @ ISOMETRIC.T
+        reach = 0.6 * float(np.linalg.norm(np.ptp(seen, axis=0))) or 0.5
+        middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
+        seen = np.vstack([seen, middle + _LEAST * reach * np.vstack([np.eye(3), -np.eye(3)])])
+        size = _framed(np.ptp(seen[:, :2], axis=0), aspect, margin)
+        if not perspective:
+            return cls(middle @ ISOMETRIC, size, 5 * reach, reach, False)
+        beside, height = np.abs(seen - middle), np.tan(ANGLE / 2)
+        need = np.maximum(beside[:, 0] / aspect, beside[:, 1]) * (1 + 2 * margin) / height
+        distance = max(float(np.max(seen[:, 2] - middle[2] + need)), 1.5 * reach)
+        return cls(middle @ ISOMETRIC, 2 * distance * height * np.array([aspect, 1.0]), distance, reach, True)
+
+    @property
+    def eye(self) -> np.ndarray:
+        """Position of the camera, (3,)."""
+        return self.focus + self.distance * ISOMETRIC[2]
+
+    def seen(self, points: np.ndarray) -> np.ndarray:
+        """Places (..., 2) of points (..., 3) on the plane through the focus, from the lower left corner of the view."""
+        local = (points - self.focus) @ ISOMETRIC.T
+        nearness = self.distance / (self.distance - local[..., 2:]) if self.perspective else 1.0
+        return local[..., :2] * nearness + self.size / 2
+
+    def nearer(self, points: np.ndarray, shift: float) -> np.ndarray:
+        """Points (n, 3) moved towards the eye by about a length, without a change of where they are seen."""
+        return self._along_sight(points, shift, 1 - shift / self.distance)
+
+    def before_all(self, points: np.ndarray) -> np.ndarray:
+        """Points (n, 3) moved before everything else, without a change of where they are seen."""
+        return self._along_sight(points, _CLEAR * self.reach, self._nearest / self._farthest)
+
+    def behind_all(self, points: np.ndarray) -> np.ndarray:
+        """Points (n, 3) moved behind everything else, without a change of where they are seen."""
+        return self._along_sight(points, -_CLEAR * self.reach, self._farthest / self._nearest)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Distances from the eye that contain everything, also what was moved before and behind all else."""
+        if self.perspective:
+            return 0.9 * self._nearest**2 / self._farthest, 1.1 * self._farthest**2 / self._nearest
+        return self._nearest - _CLEAR * self.reach, self._farthest + _CLEAR * self.reach
+
+    @property
+    def _nearest(self) -> float:
+        return self.distance - self.reach
+
+    @property
+    def _farthest(self) -> float:
+        return self.distance + self.reach
+
+    def _along_sight(self, points: np.ndarray, shift: float, factor: float) -> np.ndarray:
+        """Points moved by a length in parallel projection, in perspective to a multiple of their distance from the eye."""
+        return self.eye + (points - self.eye) * factor if self.perspective else points + shift * ISOMETRIC[2]
+
+
+def natural_aspect(points: np.ndarray, least: float, largest: float) -> float:
+    """Width over height of the view of points (n, 3), within bounds, so that a panel is empty at no side."""
+    width, height = np.ptp(points @ ISOMETRIC[:2].T, axis=0)
+    return float(np.clip(width / height if height else largest, least, largest))
+
+
+def _framed(extent: np.ndarray, aspect: float, margin: float) -> np.ndarray:
+    """Width and height (2,) of the smallest rectangle of an aspect round an extent (2,), with a margin relative to that."""
+    size = extent + 2 * margin * max(extent.max(), 1e-12)
+    return np.maximum(size, [size[1] * aspect, size[0] / aspect])
+
+
+_CLOSED = 1e-12
+"""Square of a pressure's resultant that is round-off, relative to that of its moments over the model size."""
+
+
+class Arrow(NamedTuple):
+    """Vector at a point, in the scene's units of force or torque."""
+
+    kind: str  # "force" or "torque"
+    point: np.ndarray  # (3,)
+    vector: np.ndarray  # (3,)
+
+
+def arrows(moment: SpatialConfiguration) -> list[Arrow]:
+    """Arrows of all loads that are forces or torques, the reaction of a torque and the resultant of a pressure included."""
+    found = []
+    for load in moment.scene.loads.values():
+        if isinstance(load, SpatialPointForce):
+            found.append(Arrow("force", moment.ends(load)[0], _turned(moment, load, load.force, load.frame)))
+        elif isinstance(load, SpatialTorque):
+            torque = _turned(moment, load, load.torque, load.frame)
+            one, other = moment.ends(load)
+            found.append(Arrow("torque", one, torque))
+            if load.reaction != "ground":
+                found.append(Arrow("torque", other, -torque))
+        elif isinstance(load, Pressure):
+            found += _resultant(moment, load)
+    return found
+
+
+def _resultant(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
+    """Resultant force of a pressure; on a cut body the sum over its parts, at their weighted mean point."""
+    found = [
+        arrow
+        for piece in moment.scene.pieces([load.body])
+        for arrow in _on_piece(moment, load.model_copy(update={"body": piece}))
+    ]
+    if len(found) < 2:
+        return found
+    weights = [float(np.linalg.norm(each.vector)) for each in found]
+    point = np.average([each.point for each in found], axis=0, weights=weights) if any(weights) else found[0].point
+    return [Arrow("force", point, np.sum([each.vector for each in found], axis=0))]
+
+
+def _on_piece(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
+    """Force f of a pressure on a flat surface, at c_b = f_a L[a, b] [1; q_f] / (f . f); empty if closed."""
+    body = moment.spatial_body(load.body)
+    assert isinstance(body, SpatialFlexible)
+    numbers = load.numbers_on(moment.scene, body)
+    f, shares = np.real(numbers.force), np.real(numbers.moment).reshape(-1, 3, 3)
+    if f @ f <= _CLOSED * np.abs(shares[0]).max() ** 2 / moment.scene.size**2:
+        return []
+    centre = np.einsum("a,jab,j->b", f, shares, np.append(1.0, moment.elastic(load.body))) / (f @ f)
+    local = centre if body.frame == "moving" else body.placement.T @ centre
+    return [
+        Arrow("force", moment.place(load.body, local[None])[0], _factor(load.curve, moment.time) * moment.rotation(load.body) @ f)
+    ]
+
+
+def _turned(moment: SpatialConfiguration, load: Component, vector: tuple, frame: str) -> np.ndarray:
+    """Vector of a load at the time of the moment, in global axes."""
+    axes = moment.turned(*load.grips[0], np.eye(3)) if frame == "body" else np.eye(3)
+    return _factor(load.time_curve, moment.time) * axes @ np.real(np.array(vector))
+
+
+def _factor(curve: Curve | None, time: float) -> float:
+    return 1.0 if curve is None else float(np.real(curve.evaluate(np.array([time]))[0, 0]))
+
 
 MOST_MOMENTS = 60
 """Number of moments of the whole motion that are looked at for the view and for the largest stress."""

@@ -10,26 +10,25 @@ from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
+from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.certificate.differences import (
     NEGLIGIBLE,
     SETTLED,
+    UNFELT,
+    Gradients,
     Quotient,
     best_quotients,
     curve_of,
     difference_quotients,
     direction,
     jumping,
+    round_off,
     slopes_along,
     taylor_rates,
 )
-from toolkit.sensitivity.certificate.round_off import UNSEEN, Gradients, round_off
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.evaluation import by_name
-from toolkit.sensitivity.numerical import numerical
-from toolkit.sensitivity.preparation import Kind, Progress, frozen
+from toolkit.sensitivity.direct import direct, numerical
+from toolkit.sensitivity.preparation import Kind, Progress, by_name, frozen, response_scales, variable_sizes
 from toolkit.sensitivity.run import Run
-from toolkit.sensitivity.sizes import response_scales, variable_sizes
 
 MOST_DIGITS = 16.0
 TINY = float(np.finfo(float).tiny)
@@ -170,7 +169,7 @@ class Certificate:
 
 
 def certify(
-    scene: Scene, design: list[str], kind: Kind, progress: Progress = lambda *_: None, unseen: float = UNSEEN
+    scene: Scene, design: list[str], kind: Kind, progress: Progress = lambda *_: None, unseen: float = UNFELT
 ) -> Certificate:
     """Compare direct differentiation with the adjoint, a complex step, Taylor's remainder and central differences.
 
@@ -192,7 +191,7 @@ def certify(
 
 
 def compare(
-    exact: Run, kind: Kind, stepped: Gradients, progress: Progress = lambda *_: None, unseen: float = UNSEEN
+    exact: Run, kind: Kind, stepped: Gradients, progress: Progress = lambda *_: None, unseen: float = UNFELT
 ) -> Certificate:
     """The certificate of a result of direct differentiation, whose gradients by a complex step are at hand."""
     system = exact.solution.system

@@ -10,6 +10,7 @@ The second term is what round-off of the four values, eps |f| each, makes of the
 
 from __future__ import annotations
 
+import json
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -19,17 +20,79 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.description.design import DesignVariable
+from toolkit.description.design import BodyPoint, DesignVariable
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.processes import run
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.stress.stress import model_parameter
+from toolkit.responses.stress import model_parameter
+from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.certificate.rebuilt_bodies import build_all, given_values, is_built_from, source, with_model
 from toolkit.sensitivity.errors.basis_errors import UNIMPORTANT
-from toolkit.sensitivity.evaluation import values_of
-from toolkit.sensitivity.preparation import Kind
+from toolkit.sensitivity.preparation import Kind, typical_size, values_of, variable_sizes
 from toolkit.sensitivity.run import Run
-from toolkit.sensitivity.sizes import typical_size, variable_sizes
 from toolkit.validity.bodies.deformation import LIMIT
+
+PROGRAM = "preprocessing.commands.designs_command"
+
+
+def source(scene: Scene, body: str) -> Path:
+    """The skin file that a body's model would be built from; it may not exist."""
+    flexible: Any = scene.bodies[body]
+    return (scene.directory / flexible.model).with_suffix(".toml")
+
+
+def rebuildable(scene: Scene) -> dict[str, Path]:
+    """Flexible body -> its skin file, where there is one."""
+    found = {name: source(scene, name) for name, body in scene.bodies.items() if isinstance(body, ModelBody)}
+    return {name: path for name, path in found.items() if path.is_file() and is_built_from(scene, name, path)}
+
+
+def is_built_from(scene: Scene, body: str, skin: Path) -> bool:
+    """Whether a body's model was built from a file of that name, and not one of another purpose lies beside it."""
+    flexible: Any = scene.bodies[body]
+    return skin.name in {Path(name).name for name in scene.model(flexible.model).inputs}
+
+
+def given_values(scene: Scene, body: str) -> dict[str, Any]:
+    """Parameters to which the scene gives values of its own, by their names for the preprocessing."""
+    flexible: Any = scene.bodies[body]
+    places = {f"interface_points.{name}.arc_length": s for name, s in loaded(scene).arc_lengths(flexible).items()}
+    return {**flexible.model_values(), **places}
+
+
+def with_model(scene: Scene, body: str, file: Path) -> Scene:
+    """The scene with another reduced model of a body, and nothing given that is in the model already."""
+    flexible: Any = scene.bodies[body]
+    plain = type(flexible)(**{key: value for key, value in flexible if key in type(flexible).model_fields} | {"model": str(file)})
+    points = {
+        name: point.model_copy(update={"arc_length": None}) if isinstance(point, BodyPoint) and point.body == body else point
+        for name, point in scene.points.items()
+    }
+    return scene.model_copy(update={"bodies": {**scene.bodies, body: plain}, "points": points})
+
+
+def build_all(skin: Path, wanted: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Reduced models of one skin file in one process of the preprocessing.
+
+    Parameters
+    ----------
+    wanted : tables {"file": where it goes, "values": {parameter: value}, "keys": {key of skin.toml: value}}, the last two optional
+
+    Returns
+    -------
+    built : list
+        Tables {"file": ..., "tables": the tables of skin.toml that other keys changed}.
+
+    Raises
+    ------
+    InputError
+        The preprocessing is not installed, or refuses one of them.
+    """
+    done = run(PROGRAM, [str(skin)], "\n".join(map(json.dumps, wanted)))
+    if done.returncode:
+        raise InputError(f"preprocessing afresh failed: {done.stderr.strip()}")
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
 
 RELATIVE_STEP = 1e-3
 """Errors of fourth order are 1e-12 of a smooth response, and the round-off of fresh eigenmodes is magnified to 1.5e-6 at most."""

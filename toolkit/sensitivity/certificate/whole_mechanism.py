@@ -16,9 +16,8 @@ from toolkit.foundation.verdict import Caution
 from toolkit.scene.resolution import cuttable, most_frames
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import evaluated, values_alone
+from toolkit.sensitivity.direct import derivative, evaluated, values_alone
 from toolkit.sensitivity.methods import by_method
-from toolkit.sensitivity.numerical import derivative
 from toolkit.sensitivity.preparation import Kind, frozen, moving
 from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution

@@ -6,6 +6,14 @@ A force that grows by dg at once leaves in the mode i, of the angular frequency 
 
 and one that grows slowly the sum of these, with their phases. Of each the scheme keeps the part (z exp(-i w h))^n after n
 steps, z being the largest eigenvalue of its amplification matrix at w h.
+
+How vibrations that steps take out depend on the design: mostly by their frequency, which the whole time multiplies.
+
+In the basis of the modes a change of the design changes stiffness, mass and jump, whose eigenvalues and motion are found again:
+
+    (M + d M_p) y'' + (K + d K_p) y = F + d F_p,   M = 1, K = diag(w^2),   F = M a
+
+with the partial derivatives of the residual along every mode.
 """
 
 from __future__ import annotations
@@ -14,10 +22,10 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
-from toolkit.sensitivity.errors.excited_modes import ExcitedModes, excited_modes
-from toolkit.sensitivity.errors.kicks import FORCES, Kick, padded
-from toolkit.sensitivity.errors.lost_parts import lost_parts
+from toolkit.equations.equations import Inputs
+from toolkit.sensitivity.errors.excited_vibrations import FORCES, ExcitedModes, Kick, excited_modes, lost_parts, padded
 from toolkit.system.solution import Solution
 
 SLOW = 0.5
@@ -106,3 +114,88 @@ def _groups(solution: Solution) -> Iterator[tuple[int, np.ndarray | slice]]:
                 yield 1, place
     if system.n > system.n_q:
         yield 2, slice(None)
+
+
+FAR = 1e-4
+"""Part of the model size (or rad) by which a mode is moved for the change of its stiffness."""
+TURNED = 1e-3
+"""Change of any phase, in rad, or of any size, by a change of the design: small, but far above round-off."""
+
+
+class Reduced(NamedTuple):
+    """Stiffness and mass (m, m) in the basis of the modes, and modal accelerations by the jumps (2, m)."""
+
+    stiffness: np.ndarray
+    mass: np.ndarray
+    pushes: np.ndarray
+
+    def moved(self, change: Reduced, by: float) -> Reduced:
+        """Another design."""
+        return Reduced(*(own + by * each for own, each in zip(self, change, strict=True)))
+
+    def motion(self, lost: Lost, rates: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What vibrates, its velocities and its accelerations, each (n_t, m) in the basis; with the phases of other `rates` (m,) if there
+        are some."""
+        squares, turned = scipy.linalg.eigh(self.stiffness, self.mass)
+        w = np.sqrt(squares)
+        phases = np.exp(1j * np.outer(lost.passed, w if rates is None else rates))
+        swung = lost.history * swing(w, *(self.pushes @ turned)) * phases
+        q, v = np.real(swung), np.real(1j * w * swung)
+        return q @ turned.T, v @ turned.T, -(q * w**2) @ turned.T
+
+
+def derivatives_of_modes(solution: Solution, lost: Lost, at_peaks: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Derivatives of the modal coordinates, velocities and accelerations of what a kick excites, each (n_t, m, n_x).
+
+    Parameters
+    ----------
+    at_peaks : bool
+        Whether phases stay what they are: a peak, at whatever time it is, does not feel them.
+    """
+    modes, n_x = lost.modes, solution.system.n_x
+    own = Reduced(np.diag(modes.rates**2), np.eye(len(modes.rates)), modes.pushes)
+    changes, found = _changes(solution, lost.kick, modes), np.zeros((3, *lost.swings.shape, n_x))
+    for x in range(n_x):
+        change = Reduced(*(each[..., x] for each in changes))
+        step = _step(own, change, float(np.abs(lost.passed).max(initial=0.0)))
+        if step > 0:
+            rates = modes.rates if at_peaks else None
+            there, back = (own.moved(change, side * step).motion(lost, rates) for side in (1, -1))
+            found[..., x] = (np.array(there) - np.array(back)) / (2 * step)
+    return found[0], found[1], found[2]
+
+
+def _step(own: Reduced, change: Reduced, time: float) -> float:
+    """Change of the design that turns no phase, and changes no size, by more than `TURNED`; 0 where it does nothing."""
+    w = np.sqrt(np.diag(own.stiffness))
+    rates = np.abs(np.diag(change.stiffness) - w**2 * np.diag(change.mass)) / (2 * w)
+    largest = np.abs(own.pushes).max()
+    sizes = np.abs(change.pushes).max() / largest if largest > 0 else 0.0
+    most = max(float((rates * time).max()), float((rates / w).max()), float(np.abs(change.mass).max()), float(sizes))
+    return TURNED / most if most > 0 else 0.0
+
+
+def _changes(solution: Solution, kick: Kick, modes: ExcitedModes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Derivatives of stiffness and mass (m, m, n_x), and of the modal accelerations (2, m, n_x), all in the basis of the modes."""
+    system, shapes = solution.system, modes.shapes
+    q = padded(solution, kick.state)[0]
+    inputs, rest, n_q = system.inputs(solution.times[kick.state], FORCES), np.zeros(system.n), system.n_q
+    at_rest = _by_design(solution, inputs, q, rest)
+    stiffness, mass = [], []
+    for shape in shapes.T:
+        move = np.append(shape, np.zeros(system.n - n_q))
+        far = FAR / float((system.weights[: system.n_b] * np.abs(shape[: system.n_b])).max())
+        there, back = (_by_design(solution, inputs, q + side * far * move, rest) for side in (1, -1))
+        stiffness.append((there - back)[:n_q] / (2 * far))
+        mass.append((_by_design(solution, inputs, q, far * move) - at_rest)[:n_q] / far)
+    by_stiffness, by_mass = (np.einsum("qi,jqx->ijx", shapes, np.array(each)) for each in (stiffness, mass))
+    pushed = np.einsum("qi,kqx->kix", modes.resisted, kick.changes[:, :n_q]) / modes.rates[:, None] ** 2
+    return by_stiffness, by_mass, pushed + np.einsum("ijx,kj->kix", by_mass, modes.pushes)
+
+
+def _by_design(solution: Solution, inputs: Inputs, q: np.ndarray, acc: np.ndarray) -> np.ndarray:
+    """Partial derivatives of the residual (n, n_x)."""
+    system = solution.system
+    terms = system.evaluate(inputs, q, np.zeros(system.n), acc, design=True)
+    found: np.ndarray = terms.I_x + terms.A_x
+    return found

@@ -16,16 +16,14 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.processes.one_thread import one_thread
-from toolkit.foundation.spread import spread
-from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.foundation.near_ties import spread
+from toolkit.foundation.processes import one_thread
+from toolkit.responses.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.response import Response
-from toolkit.responses.stress.stress import StressResponse
+from toolkit.responses.stress import StressResponse
 from toolkit.responses.windows import steps_seen
-from toolkit.sensitivity.errors.kicks import kicks
-from toolkit.sensitivity.errors.lost_derivatives import derivatives_of_modes
-from toolkit.sensitivity.errors.lost_motion import Lost, lost_motion, sizes_in_motion
-from toolkit.sensitivity.errors.numerical_damping import error_after
+from toolkit.sensitivity.errors.excited_vibrations import error_after, kicks
+from toolkit.sensitivity.errors.lost_motion import Lost, derivatives_of_modes, lost_motion, sizes_in_motion
 from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.system.solution import Solution
 

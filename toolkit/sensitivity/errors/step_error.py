@@ -22,7 +22,7 @@ import numpy as np
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.units import unit
-from toolkit.responses.stress.stress import StressResponse, stress_rows
+from toolkit.responses.stress import StressResponse, stress_rows
 from toolkit.sensitivity.errors.lost_vibrations import LostVibrations, steps_that_keep
 from toolkit.system.solution import Solution
 

@@ -8,12 +8,16 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Terms
-from toolkit.foundation.errors import InputError, NoDerivativeError
-from toolkit.solvers.closing.openings import told
+from toolkit.foundation.errors import ConvergenceError, InputError, NoDerivativeError
 from toolkit.solvers.direct_solve import solve_linear
-from toolkit.solvers.start.assembly import assemble
-from toolkit.solvers.start.start_velocities import carried_along, project_velocities
-from toolkit.solvers.start.written_velocities import refuse_own_velocities, written_velocities
+from toolkit.solvers.start.rigid_bodies import told
+from toolkit.solvers.start.start_velocities import (
+    assemble,
+    carried_along,
+    project_velocities,
+    refuse_own_velocities,
+    written_velocities,
+)
 from toolkit.system.system import System
 
 POSITION_TOLERANCE = 1e-8
@@ -33,7 +37,7 @@ class State(NamedTuple):
     dacc: np.ndarray
 
 
-class Motion(NamedTuple):
+class ConsistentMotion(NamedTuple):
     """Coordinates and velocities that satisfy every joint, (n,), and their total design derivatives (n, n_x)."""
 
     q: np.ndarray
@@ -71,7 +75,7 @@ def consistent_start(
 
 def consistent_motion(
     system: System, q: np.ndarray | None, v: np.ndarray | None, time: float, options: RunOptions | None = None
-) -> Motion:
+) -> ConsistentMotion:
     """Coordinates and velocities of `consistent_start`, with their design derivatives."""
     position, _, dq, _ = system.start()
     if q is not None:
@@ -80,10 +84,12 @@ def consistent_motion(
     return moving(system, position, dq, v, time)
 
 
-def moving(system: System, position: np.ndarray, dq: np.ndarray, v: np.ndarray | None = None, time: float = 0.0) -> Motion:
+def moving(
+    system: System, position: np.ndarray, dq: np.ndarray, v: np.ndarray | None = None, time: float = 0.0
+) -> ConsistentMotion:
     """Motion in positions (n,) where every joint is closed, from these and their design derivatives (n, n_x)."""
     velocity, dv = _velocities(system, position, dq, v, time)
-    return Motion(position, velocity, dq, dv)
+    return ConsistentMotion(position, velocity, dq, dv)
 
 
 def with_accelerations(
@@ -219,3 +225,62 @@ def total_change(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -
     if np.any(dv):
         change = system.times(terms.A_v, dv) + change
     return system.times(terms.I_q + terms.A_q, dq) + change if np.any(dq) else change
+
+
+MOVED = 10.0
+"""Times `solver.drift_tolerance` that coordinates may move: closing a joint by a little can take a larger motion."""
+CHANGED = 0.05
+"""Part of the largest velocity by which one may be off those that the joints allow: what coarse steps leave."""
+AGAIN = (
+    "A motion with a start begins at t = 0 again, and so do its time curves: give the drivers curves that begin where the start is, and "
+    "the same geometry."
+)
+
+
+def continued_start(system: System, q: np.ndarray, v: np.ndarray, options: RunOptions) -> tuple[np.ndarray, np.ndarray, float]:
+    """Coordinates and velocities (n_q,) next to given ones that satisfy every joint at t = 0, and how far coordinates moved for it.
+
+    Raises
+    ------
+    InputError
+        As `closed_start`.
+    """
+    still = np.zeros((system.n, system.n_x))
+    found = closed_start(system, q, v, still, still, options)
+    return found.q[: system.n_q], found.v[: system.n_q], moved_by(system, q, found.q)
+
+
+def moved_by(system: System, q: np.ndarray, found: np.ndarray) -> float:
+    """Largest move of coordinates (n_q,) to where they were found, (n_q,) or padded, in parts of the model size or in rad."""
+    n_q = system.n_q
+    return float(np.max(system.weights[:n_q] * np.abs(np.real(found[:n_q] - q)), initial=0.0))
+
+
+def closed_start(
+    system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, options: RunOptions
+) -> ConsistentMotion:
+    """Motion that satisfies every joint at t = 0 next to given coordinates and velocities (n_q,) with derivatives (n, n_x).
+
+    Raises
+    ------
+    InputError
+        The joints are not where the state is, by more than ten times `solver.drift_tolerance`: it belongs to other numbers, or
+        a driver begins elsewhere than it has led to.
+    """
+    n_q, free = system.n_q, np.zeros(system.n - system.n_q)
+    try:
+        given: np.ndarray = np.concatenate([q, free]).astype(system.dtype)
+        position, dposition = closed(system, given, dq, 0.0, options.model_copy(update={"assemble": True}))
+    except ConvergenceError as error:
+        raise InputError(f"the start is off the joints of this scene at t = 0: {error} {AGAIN}") from error
+    velocity, dvelocity = project_velocities(system, position, np.concatenate([v, free]).astype(system.dtype), dposition, dv, 0.0)
+    weights, moved = system.weights[:n_q], moved_by(system, q, position)
+    largest = float(np.max(weights * np.abs(v), initial=0.0))
+    changed = float(np.max(weights * np.abs(velocity[:n_q] - v), initial=0.0))
+    slow = options.drift_tolerance / options.end_time  # of a scene that rests, whose velocities are round-off
+    if moved > MOVED * options.drift_tolerance or changed > CHANGED * max(largest, slow):
+        raise InputError(
+            f"the start is off the joints of this scene at t = 0: by {moved:.1e} of the model size in position, by {changed:.1e} of "
+            f"it per unit of time in velocity, of at most {largest:.1e}. {AGAIN}"
+        )
+    return ConsistentMotion(position, velocity, dposition, dvelocity)

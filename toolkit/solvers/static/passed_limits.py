@@ -13,15 +13,19 @@ from itertools import islice
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import ConvergenceError, SingularSystemError
-from toolkit.solvers.static.acting import PassingTime
-from toolkit.solvers.static.equilibrium import LEVELS
-from toolkit.solvers.static.path.corrector import first_point
-from toolkit.solvers.static.path.limit_points import FULL, limit_point
-from toolkit.solvers.static.path.path_box import parts
-from toolkit.solvers.static.path.path_equations import PathEquations
-from toolkit.solvers.static.path.path_steps import PREDICTED, Arc, arcs
-from toolkit.solvers.static.stability.critical_state import has_negative_stiffness
+from toolkit.foundation.errors import (
+    ConvergenceError,
+    CriticalPointError,
+    LimitPointError,
+    LimitPositionError,
+    SingularSystemError,
+)
+from toolkit.solvers.start.open_joints import limit_of_drivers, told_limit
+from toolkit.solvers.static.continuation import FULL, limit_point
+from toolkit.solvers.static.critical_state import has_negative_stiffness
+from toolkit.solvers.static.equilibrium import LEVELS, inputs_at
+from toolkit.solvers.static.path_equations import PassingTime, PathEquations, parts
+from toolkit.solvers.static.path_steps import PREDICTED, Arc, arcs, first_point
 from toolkit.system.system import System
 
 LOOKED_AT = 50
@@ -140,3 +144,25 @@ def _passed(time: float, coordinate: str) -> ConvergenceError:
         f"the quasi-static motion jumps at t = {time:.6g}: at a limit point (snap-through) the path of equilibria turns back, and "
         f"{coordinate} runs away. Only a run with inertia can follow; statics names the point."
     )
+
+
+NEARBY = 0.01
+"""Part of the way of the drivers within which a limit position is the limit point that the path of equilibria has met."""
+
+
+def at_limit_position(
+    system: System, options: RunOptions, q: np.ndarray, factor: float, error: ConvergenceError | SingularSystemError
+) -> ConvergenceError | SingularSystemError:
+    """Error of a path from coordinates q (n,) at a factor on, or one that tells of the limit position to which drivers lead."""
+
+    def acting(place: float):
+        return inputs_at(system, options, place)
+
+    limit = limit_of_drivers(system, acting, q, (0.0, factor, 1.0))
+    met = error.load_factor if isinstance(error, CriticalPointError) else 1.0
+    if limit is None or limit.place > met + NEARBY:
+        return error
+    text = told_limit(system, acting, limit, 1.0, f"at {100 * limit.place:.4g} % of the way of its drivers")
+    if isinstance(error, CriticalPointError):
+        return LimitPointError(text, error.load_factor, error.coordinate)
+    return LimitPositionError(text)

@@ -8,23 +8,27 @@ from toolkit.bodies.kernels.constant_kernel import EXACT, LEFT_OUT
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.kernel import inlined, loop
 from toolkit.linear.linear_solver import cheaper_anew
-from toolkit.solvers.transient.extrapolation import AWAY, BEND, FITTED, ORDER, forget_trend, guess, learn_trend
-from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
+from toolkit.solvers.transient.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton
-from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
-from toolkit.solvers.transient.scheme import with_step
-from toolkit.solvers.transient.staggered import carries, carry_over, sensitivity_step
-from toolkit.solvers.transient.step_matrix import newton_matrix
+from toolkit.solvers.transient.scheme import advance_auxiliary, newton_matrix, predict, rescale_auxiliary, step_ratio, with_step
+from toolkit.solvers.transient.step_gradients import carries, carry_over, sensitivity_step
 from toolkit.solvers.transient.step_memory import (
     ALL_ITERATIONS,
+    AWAY,
+    BEND,
+    FITTED,
     ITERATIONS,
     LARGEST,
     LARGEST_ERROR,
     LAST_ERROR,
     LATE_ERROR,
+    ORDER,
     REST,
     STATUS,
     STEP,
+    forget_trend,
+    guess,
+    learn_trend,
 )
 
 CLOSE, SHARP = 1e-10, 1e-6

@@ -9,21 +9,22 @@ from toolkit.bodies.kernels.spatial_floating import is_mixed
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import UNREFINED as UNREFINED_BLOCK
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
-from toolkit.solvers.transient.extrapolation import (
+from toolkit.solvers.transient.ggl_step import correct_ggl, factorize_ggl, solve_ggl
+from toolkit.solvers.transient.scheme import by_acceleration, mix, newton_matrix, step_ratio
+from toolkit.solvers.transient.step_memory import (
+    AT_FAULT,
     AWAY,
     BEND,
     BEST,
     EXPECTED,
+    ITERATIONS,
+    LAST,
     NEGLIGIBLE,
     QUALITY,
+    REST,
     UNCHECKED,
     UNREFINED,
 )
-from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
-from toolkit.solvers.transient.prediction import step_ratio
-from toolkit.solvers.transient.scheme import by_acceleration
-from toolkit.solvers.transient.step_matrix import mix, newton_matrix
-from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST, REST
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
 """Status of a step. Three belong to runs with error control or without inertia: too large a local error; so small a one that the

@@ -10,19 +10,15 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
-from toolkit.studies.designs.evaluator import Evaluator
-from toolkit.studies.designs.judged_runs import cut_off
-from toolkit.studies.engine.outcome import DesignOutcome
-from toolkit.studies.engine.store import DesignStore, opened_store
-from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
-from toolkit.studies.optimization.prices import Price, dependent, objective_of, prices
-from toolkit.studies.optimization.program import Program
-from toolkit.studies.optimization.robustness import RobustnessCheck, compared
-from toolkit.studies.optimization.search.search import Search, starts_of
-from toolkit.studies.optimization.search.search_result import SearchResult
+from toolkit.studies.design_work import Evaluator, cut_off
+from toolkit.studies.optimization.explored import SearchResult
+from toolkit.studies.optimization.optimum import NoOptimumError, Optimum, RobustnessCheck, compared
+from toolkit.studies.optimization.program import Price, Program, dependent, objective_of, prices
+from toolkit.studies.optimization.search import Search, starts_of
 from toolkit.studies.optimization.verification import Verification, certified, said_of_norms, said_of_runs, solved_again
-from toolkit.studies.study.problem import ONLY, Problem
-from toolkit.studies.study.study_file import LOAD_MARGIN
+from toolkit.studies.problem import ONLY, Problem
+from toolkit.studies.store import DesignOutcome, DesignStore, opened_store
+from toolkit.studies.study_file import LOAD_MARGIN
 
 Progress = Callable[[int, int], None]
 STORE = "study.h5"

@@ -10,19 +10,17 @@ from typing import Any
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NoLimitPointError, ToolkitError
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.load_margin import LoadMargin
+from toolkit.responses.least_frequency import LoadMargin
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import direct, values_alone
 from toolkit.sensitivity.run import Run
-from toolkit.studies.designs.case_run import CaseRun
-from toolkit.studies.designs.gradient_norms import norms
-from toolkit.studies.designs.solved_design import load_margin, scene_at, solve_design
-from toolkit.studies.engine.outcome import DesignOutcome
-from toolkit.studies.study.problem import FAR, Problem, by_case
-from toolkit.studies.study.study_file import LOAD_MARGIN
-from toolkit.studies.study.wanted import norm_of
+from toolkit.studies.problem import FAR, Problem, by_case
+from toolkit.studies.solved_design import CaseRun, load_margin, norms, scene_at, solve_design
+from toolkit.studies.store import DesignOutcome
+from toolkit.studies.study_file import LOAD_MARGIN
+from toolkit.studies.wanted import norm_of
 from toolkit.validity.bodies.physics import critical_loads
 
 ANOTHER = 1e-5

@@ -7,23 +7,26 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import meant
+from toolkit.foundation.errors import InputError, meant
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import converted, number_factor, response_factor
-from toolkit.sensitivity.numerical import typical_size
-from toolkit.studies.engine.executor import Executor, Progress
-from toolkit.studies.engine.jobs import run_jobs
-from toolkit.studies.engine.store import RunFolder
-from toolkit.studies.stability.cell_outcome import CellOutcome, slope_difference, value_difference
-from toolkit.studies.stability.cell_run import CellJob
-from toolkit.studies.stability.classifier import CellClass, Limits, gradient_class, run_class
-from toolkit.studies.stability.map import Axis, Map
+from toolkit.sensitivity.direct import typical_size
+from toolkit.studies.executor import Executor, Progress, run_jobs
+from toolkit.studies.stability.cells import (
+    CellClass,
+    CellJob,
+    CellOutcome,
+    Limits,
+    gradient_class,
+    run_class,
+    slope_difference,
+    value_difference,
+)
 from toolkit.studies.stability.map_result import Cell, FineReference, MapResult, StabilityResult
-from toolkit.studies.stability.physics_maps import PHYSICS
-from toolkit.studies.stability.solver_maps import baumgarte_map, finest_first, refined, step_map, steps_needed
+from toolkit.studies.stability.maps import PHYSICS, Axis, Map, baumgarte_map, finest_first, refined, step_map, steps_needed
+from toolkit.studies.store import RunFolder
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 
 MAPS = ("step", "baumgarte", *PHYSICS, "units")

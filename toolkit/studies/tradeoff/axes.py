@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from typing import Any, get_args
 
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import InputError
+from toolkit.foundation.errors import InputError, meant
 from toolkit.foundation.files.toml_file import parse_toml
-from toolkit.foundation.listed_names import meant
 from toolkit.scene.scene import Scene
 from toolkit.studies.tradeoff import frame_axes, skin_axes
 from toolkit.studies.tradeoff.setting import Choice

@@ -8,7 +8,7 @@ from typing import Any
 from toolkit.foundation.errors import InputError
 from toolkit.scene.resolution import cuttable, fewest_cut, most_frames
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.frames.chosen_frames import with_frames
+from toolkit.sensitivity.chosen_frames import with_frames
 from toolkit.studies.tradeoff.setting import ALL_SHAPES, EVERY_ELEMENT, Choice
 
 AXES = {

@@ -18,9 +18,7 @@ from typing import Any
 
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.scene.scene import Scene
-from toolkit.studies.tradeoff.budget import ErrorQuantity
-from toolkit.studies.tradeoff.setting import ALL_SHAPES, EVERY_ELEMENT, Choice, Setting
-from toolkit.studies.tradeoff.setting_outcome import SettingOutcome
+from toolkit.studies.tradeoff.setting import ALL_SHAPES, EVERY_ELEMENT, Choice, ErrorQuantity, Setting, SettingOutcome
 
 ORDER = 2
 """Of the scheme of the reference."""

@@ -8,9 +8,9 @@ from typing import Any
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import read_toml
-from toolkit.foundation.processes.preprocessing_process import is_installed
+from toolkit.foundation.processes import is_installed
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.certificate.rebuilt_bodies import rebuildable
+from toolkit.sensitivity.certificate.fresh_models import rebuildable
 from toolkit.studies.tradeoff.setting import Choice
 
 AXES = {

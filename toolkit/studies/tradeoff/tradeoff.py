@@ -1,26 +1,194 @@
-"""Speed against accuracy, measured: a grid of settings against a reference, and the cheapest one that keeps a budget."""
+"""Speed against accuracy, measured: a grid of settings against a reference, and the cheapest one that keeps a budget.
+
+Settings judged by their errors and their price.
+
+Errors of a setting relative to the reference, of responses and of their gradients.
+
+With the reference R, g and the size s_x of what a relative change of the variable x refers to
+
+    error of a response R_k:    |R_k - R| / |R|
+    error of its gradient g_k:  max_x |g_k,x - g_x| s_x / max_x |g_x| s_x
+
+so that a derivative which happens to be near zero is compared with those that matter. Where the denominator is less than
+`reference.NEGLIGIBLE` of the other one, as that of a response which is zero, this part of the other one takes its place.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
+from typing import Any
 
+from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.frames.chosen_frames import automatic
+from toolkit.sensitivity.chosen_frames import automatic
 from toolkit.sensitivity.preparation import responses_of
-from toolkit.studies.engine.executor import Progress
+from toolkit.studies.executor import Progress
 from toolkit.studies.tradeoff.axes import read_axes
-from toolkit.studies.tradeoff.budget import BudgetError, ErrorQuantity, read_budget
-from toolkit.studies.tradeoff.case import Case, fingerprint
-from toolkit.studies.tradeoff.judgement import JudgedSetting, cheapest, judge, pareto
+from toolkit.studies.tradeoff.frame_axes import framed
 from toolkit.studies.tradeoff.reference import Reference, find_reference
-from toolkit.studies.tradeoff.setting import Choice, Setting, grid
-from toolkit.studies.tradeoff.setting_run import run_settings, time_settings
+from toolkit.studies.tradeoff.setting import (
+    BudgetError,
+    Choice,
+    ErrorQuantity,
+    Setting,
+    SettingOutcome,
+    grid,
+    options_with,
+    read_budget,
+)
+from toolkit.studies.tradeoff.setting_run import Case, fingerprint, model_bodies, run_settings, tables_file, time_settings
+
+NOISE = 1.05
+"""Times that differ by less than this factor are equal: medians of a few runs say no more."""
+
+
+@dataclass(frozen=True)
+class JudgedSetting:
+    """A setting, its outcome, its errors, and the largest part of any budget that an error takes.
+
+    `ratio` counts the estimated error of the reference on top of that of the setting, so that 1 or less keeps the budget for sure.
+    A setting that failed has no errors and an infinite ratio.
+    """
+
+    setting: Setting
+    outcome: SettingOutcome
+    errors: dict[ErrorQuantity, float]
+    ratio: float
+    worst: ErrorQuantity | None
+    budgeted: frozenset[ErrorQuantity] = frozenset()
+
+    @property
+    def price(self) -> float:
+        """Time in s of a run with gradients, or of one without if there are no design variables."""
+        return self.outcome.medians[1]
+
+    @property
+    def kept(self) -> bool:
+        """Whether it keeps the budget."""
+        return self.ratio <= 1
+
+    def largest(self, derived: bool) -> float:
+        """Largest error of all responses that have a budget, or of all such gradients."""
+        return max((self.errors[quantity] for quantity in self.budgeted if quantity.derived == derived), default=math.nan)
+
+
+def judge(setting: Setting, outcome: SettingOutcome, reference: Reference, budget: dict[ErrorQuantity, float]) -> JudgedSetting:
+    """Errors of an outcome against the reference and the budget."""
+    if outcome.failed:
+        return JudgedSetting(setting, outcome, {}, math.inf, None)
+    found = errors(reference, outcome)
+    ratios = {quantity: (found[quantity] + reference.error(quantity)) / limit for quantity, limit in budget.items()}
+    worst = max(ratios, key=lambda quantity: ratios[quantity])
+    return JudgedSetting(setting, outcome, found, ratios[worst], worst, frozenset(budget))
+
+
+def cheapest(settings: Sequence[JudgedSetting]) -> JudgedSetting | None:
+    """The fastest setting that keeps the budget; of those as fast within noise, the most exact."""
+    kept = [each for each in settings if each.kept]
+    if not kept:
+        return None
+    fastest = min(each.price for each in kept)
+    return min((each for each in kept if each.price <= NOISE * fastest), key=lambda each: each.ratio)
+
+
+def errors(reference: Reference, outcome: SettingOutcome) -> dict[ErrorQuantity, float]:
+    """Quantity -> relative error; infinite for a number that does not exist."""
+    found = {}
+    for name, each in reference.limits.items():
+        found[ErrorQuantity(name, False)] = abs(outcome.value(name) - each.value) / reference.scale(ErrorQuantity(name, False))
+    for name, slopes in reference.slopes.items():
+        worst = max((abs(outcome.slope(name, x) - each.value) * reference.sizes[x] for x, each in slopes.items()), default=0.0)
+        found[ErrorQuantity(name, True)] = worst / reference.scale(ErrorQuantity(name, True))
+    return {quantity: math.inf if math.isnan(error) else error for quantity, error in found.items()}
+
+
+def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
+    """Numbers of the points (time, error) that no other dominates, by rising time; of equal points the first.
+
+    A point dominates another if it is not larger in either and smaller in one. Points that are not finite belong to no set.
+    """
+    finite = [k for k, point in enumerate(points) if all(map(math.isfinite, point))]
+    found, least = [], math.inf
+    for k in sorted(finite, key=lambda k: points[k]):
+        if points[k][1] < least:
+            found.append(k)
+            least = points[k][1]
+    return found
+
+
+EVERY_SHAPE = 10_000
+"""Modes of a part that no part has: it keeps all its coordinates."""
+
+
+def solver_fragment(case: Case, setting: Setting) -> str:
+    """The table [solver] that takes the place of the scene's; what is the default anyway stands in it only if it did before."""
+    scene, plain = case.scene(), RunOptions().model_dump()
+    options = options_with(scene, setting.solver).model_dump(exclude_unset=True)
+    kept = {key: value for key, value in options.items() if key in scene.solver.model_fields_set or value != plain[key]}
+    return toml_table("solver", kept)
+
+
+def changes(case: Case, setting: Setting) -> dict[str, str]:
+    """The same as changes of single values, `ffrf ... --set PATH=VALUE`, of those that differ from the scene's."""
+    scene = case.scene()
+    mine, theirs = scene.solver.model_dump(), options_with(scene, setting.solver).model_dump(exclude_unset=True)
+    solver = {f"solver.{key}": toml_value(value) for key, value in theirs.items() if mine.get(key) != value}
+    return {
+        **solver,
+        **{f"bodies.{name}.{key}": str(n) for name, keys in frames(case, setting).items() for key, n in keys.items()},
+    }
+
+
+def frames(case: Case, setting: Setting) -> dict[str, dict[str, int]]:
+    """Body -> its number of floating frames, and of modes in each part, as far as the scene has others."""
+    scene, found = case.scene(), {}
+    for name, body in framed(scene, setting.frames, setting.modes).bodies.items():
+        if body is not scene.bodies[name] and body != scene.bodies[name]:
+            new, old = ({key: getattr(each, key) for key in ("frames", "modes_per_frame")} for each in (body, scene.bodies[name]))
+            found[name] = {key: EVERY_SHAPE if n is None else n for key, n in new.items() if n != old[key]}
+    return found
+
+
+def skin_fragments(case: Case, setting: Setting) -> dict[str, str]:
+    """Body -> the tables of its skin file that take the place of those that are there."""
+    found = {}
+    for body in model_bodies(case.scene(), setting):
+        tables = json.loads(tables_file(case.model_file(body, setting.skin)).read_text(encoding="utf-8"))
+        if tables:
+            found[body] = "\n\n".join(toml_table(name, table) for name, table in tables.items())
+    return found
+
+
+def next_steps(case: Case, setting: Setting) -> Iterator[str]:
+    """What to do with a fragment, in words."""
+    if chosen := changes(case, setting):
+        yield "To try it: " + " ".join(f"--set '{path}={text}'" for path, text in chosen.items())
+
+
+def toml_table(name: str, content: Mapping[str, Any]) -> str:
+    """A table under its header; tables in it are written inline."""
+    return "\n".join([f"[{name}]", *(f"{key} = {toml_value(value)}" for key, value in content.items())])
+
+
+def toml_value(value: Any) -> str:
+    """One value, exactly."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        inside = ", ".join(f"{key} = {toml_value(each)}" for key, each in value.items())
+        return f"{{ {inside} }}" if inside else "{}"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(toml_value, value))}]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
+
 
 Stage = Callable[[str], AbstractContextManager[Progress]]
 REPEATS = 5

@@ -21,11 +21,11 @@ import numpy as np
 from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.compilation.quantities import pressures_of
-from toolkit.foundation.spread import spread
+from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.energy import StrainEnergy
-from toolkit.responses.over_time.over_time import OverTime
-from toolkit.responses.stress.local_stress import LocalStress
+from toolkit.responses.local_stress import LocalStress
+from toolkit.responses.over_time import OverTime
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates, elements_of
 from toolkit.system.solution import Solution

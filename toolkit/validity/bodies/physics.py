@@ -9,9 +9,8 @@ import numpy as np
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import MOTION, SPIN, STATES, Caution, check
-from toolkit.responses.load_margin import LoadMargin
-from toolkit.responses.vibrations.least_frequency import LeastFrequency
-from toolkit.responses.vibrations.vibration import OfVibration
+from toolkit.responses.least_frequency import LeastFrequency, LoadMargin
+from toolkit.responses.vibration import OfVibration
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain

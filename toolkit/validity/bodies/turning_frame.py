@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.reduced_model.chord_condition import Chord
-from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
+from toolkit.reduced_model.model import Chord
+from toolkit.responses.least_squares_forces import wrenches_of_joints
 from toolkit.system.flexible_bodies import design_point
 from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution

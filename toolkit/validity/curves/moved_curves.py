@@ -13,7 +13,7 @@ import numpy as np
 
 from toolkit.compilation.quantities import STEP, curves_of
 from toolkit.curves.curve import Curve
-from toolkit.foundation.dimensions import LABELLED
+from toolkit.foundation.units import LABELLED
 from toolkit.foundation.verdict import Caution, check
 from toolkit.scene.measures import number_measure
 from toolkit.scene.resolution import ResolvedScene

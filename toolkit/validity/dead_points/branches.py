@@ -17,9 +17,9 @@ from itertools import pairwise
 import numpy as np
 
 from toolkit.equations.equations import Terms
-from toolkit.foundation.spread import spread
+from toolkit.foundation.near_ties import spread
+from toolkit.solvers.static.critical_state import StaticEntries
 from toolkit.solvers.static.equilibrium import LEVELS
-from toolkit.solvers.static.stability.many_states import StaticEntries
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 

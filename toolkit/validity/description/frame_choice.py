@@ -16,11 +16,10 @@ import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import ModelBody
-from toolkit.foundation.listed_names import quoted
+from toolkit.foundation.errors import quoted
 from toolkit.foundation.near_ties import first_largest
 from toolkit.joints.joint import Joint
-from toolkit.reduced_model.chord_condition import Chord, chord_of
-from toolkit.reduced_model.model import MEAN_AXES
+from toolkit.reduced_model.model import MEAN_AXES, Chord, chord_of
 from toolkit.scene.scene import Scene
 
 

@@ -7,11 +7,10 @@ from collections.abc import Iterator
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.verdict import SCENE, Caution, check
-from toolkit.reduced_model.questions.face_questions import face_questions
-from toolkit.reduced_model.questions.mesh_questions import COARSE, TOO_STIFF, mesh_questions
-from toolkit.responses.over_time.over_time import OverTime
-from toolkit.responses.stress.local_stress import LocalStress
-from toolkit.responses.stress.stress import StressResponse
+from toolkit.reduced_model.questions import COARSE, TOO_STIFF, face_questions, mesh_questions
+from toolkit.responses.local_stress import LocalStress
+from toolkit.responses.over_time import OverTime
+from toolkit.responses.stress import StressResponse
 from toolkit.scene.scene import Scene
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.foundation.files.regular_file import read_whole
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.errors import listed
+from toolkit.foundation.files.safe_files import read_whole
 from toolkit.foundation.verdict import SCENE, Caution, check
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene

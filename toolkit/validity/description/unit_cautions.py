@@ -12,7 +12,7 @@ from toolkit.bodies.rigid import GivenMass, UniformRod
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import SCENE, Caution, check
 from toolkit.markers.component import Component
-from toolkit.reduced_model.questions.material_questions import IN_SI, material_questions
+from toolkit.reduced_model.questions import IN_SI, material_questions
 from toolkit.scene.resolution import ResolvedScene
 
 THICK, THIN = 3.0, 2e-5

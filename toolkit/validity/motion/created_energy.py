@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from toolkit.compilation.quantities import named_loads
-from toolkit.foundation.spread import spread
-from toolkit.responses.balance.power_of_load import power_of_load
+from toolkit.foundation.near_ties import spread
+from toolkit.responses.balance import power_of_load
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance, energy_balances
 

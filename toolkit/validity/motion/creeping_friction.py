@@ -9,11 +9,11 @@ import numpy as np
 from toolkit.compilation.numbering import grips_of
 from toolkit.compilation.quantities import named_loads
 from toolkit.foundation.kernel import plain
-from toolkit.foundation.spread import spread
+from toolkit.foundation.near_ties import spread
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import MOTION, REST, Caution, check
 from toolkit.loads.friction import Friction
-from toolkit.responses.kinematics.marker_motion import MarkerMotion
+from toolkit.responses.marker_formula import MarkerMotion
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
 

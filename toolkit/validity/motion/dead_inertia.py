@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.bodies.body import QUATERNION
-from toolkit.kinematics.planar import rotation
-from toolkit.kinematics.spatial import partials_of_quaternion
+from toolkit.kinematics.orientation import partials_of_quaternion, rotation
 from toolkit.system.flexible_bodies import deforming
 from toolkit.system.system import System
 

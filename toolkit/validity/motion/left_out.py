@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from toolkit.foundation.listed_names import quoted
+from toolkit.foundation.errors import quoted
 from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.responses.response import Response
 from toolkit.system.solution import Solution

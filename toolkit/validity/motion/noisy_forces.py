@@ -9,10 +9,10 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.verdict import Caution, check
-from toolkit.responses.balance.power import Power
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
-from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.balance import Power
+from toolkit.responses.extremes import TimeKS, TimeMax, TimeMin
+from toolkit.responses.joint_force import JointForce
+from toolkit.responses.over_time import OverTime
 from toolkit.system.solution import Solution
 
 NOISY = 0.03

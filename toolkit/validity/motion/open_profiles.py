@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.foundation.spread import spread
+from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.joints.cam import OnCam
 from toolkit.joints.kernels.profile import SEAM

@@ -15,11 +15,18 @@ from toolkit.foundation.kernel import kernel
 from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.linear.linear_solver import TRUSTED_REFINEMENT
 from toolkit.solvers.direct_solve import MANY
+from toolkit.solvers.static.critical_state import StaticEntries, are_positive, has_negative_stiffness, softest_motion
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
-from toolkit.solvers.static.stability.critical_state import has_negative_stiffness, softest_motion
-from toolkit.solvers.static.stability.many_states import StaticEntries, are_positive
-from toolkit.solvers.static.stability.saddle import balance, balanced, factorised, free_count
-from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, scaled_by, whole_array
+from toolkit.solvers.static.static_matrix import (
+    StaticArray,
+    balance,
+    balanced,
+    factorised,
+    free_count,
+    largest_entry,
+    scaled_by,
+    whole_array,
+)
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.motion.dead_inertia import dead_inertia

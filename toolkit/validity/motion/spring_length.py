@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.foundation.spread import spread
+from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.loads.controllers import DistanceControlled
 from toolkit.loads.springs import PointSpring

@@ -16,7 +16,7 @@ import numpy as np
 from toolkit.bodies.body import QUATERNION
 from toolkit.bodies.rigid import SpatialRigidBody
 from toolkit.foundation.verdict import Caution, check
-from toolkit.kinematics.spatial import angular_velocity
+from toolkit.kinematics.orientation import angular_velocity
 from toolkit.system.solution import Solution
 
 MEANT = 1e-6

@@ -11,13 +11,12 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.kinematics.spatial import angular_velocity
+from toolkit.kinematics.orientation import angular_velocity
 from toolkit.scene.scene import Scene
-from toolkit.solvers.closing.openings import told
-from toolkit.solvers.start.continued import moved_by
-from toolkit.solvers.start.initial_conditions import POSITION_TOLERANCE
+from toolkit.solvers.start.initial_conditions import POSITION_TOLERANCE, moved_by
 from toolkit.solvers.start.kept_start import kept_state, other_numbers
-from toolkit.solvers.start.written_velocities import writes_shape
+from toolkit.solvers.start.rigid_bodies import told
+from toolkit.solvers.start.start_velocities import writes_shape
 from toolkit.solvers.static.equilibrium import inputs_at
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.solvers.start.written_velocities import writes_shape
+from toolkit.solvers.start.start_velocities import writes_shape
 from toolkit.system.solution import Solution
 
 Numbers = tuple[float, ...]

@@ -19,10 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.body import Body
-from toolkit.foundation.near_ties import first_largest
-from toolkit.foundation.spread import spread
+from toolkit.foundation.near_ties import first_largest, spread
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.vibrations.flutter import UNSTABLE
+from toolkit.responses.flutter import UNSTABLE
 from toolkit.solvers.free_motions import free_motions
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
 from toolkit.system.flexible_bodies import deforming

@@ -15,8 +15,7 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part
 from toolkit.reduced_model.cut.spatial_part import SpatialPart, pressed, spatial_part
-from toolkit.reduced_model.parts.pieces import PieceLoads
-from toolkit.reduced_model.spatial_model import SurfaceLoad
+from toolkit.reduced_model.parts import PieceLoads, SurfaceLoad
 
 
 class SpatialFramedPart(FramedPart, SpatialFlexible):

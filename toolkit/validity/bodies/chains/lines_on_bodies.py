@@ -12,17 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.foundation.spread import spread
+from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.responses.instant import Instant
-from toolkit.responses.load_margin import LoadMargin
-from toolkit.responses.response import Response
-from toolkit.responses.stress.stress import StressResponse
-from toolkit.responses.vibrations.least_frequency import LeastFrequency
-from toolkit.responses.vibrations.pencil import Pencil, pencil_of, real_pencil
-from toolkit.responses.vibrations.roots import free_pencil
-from toolkit.responses.vibrations.vibration import Frequency, OfVibration
-from toolkit.solvers.roots import undamped_rates
+from toolkit.responses.least_frequency import LeastFrequency, LoadMargin
+from toolkit.responses.pencil import Pencil, free_pencil, pencil_of, real_pencil
+from toolkit.responses.response import Instant, Response
+from toolkit.responses.stress import StressResponse
+from toolkit.responses.vibration import Frequency, OfVibration
+from toolkit.solvers.free_motions import undamped_rates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.led_points import Beside, Line, beside, lines
 

@@ -21,10 +21,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from toolkit.kinematics.beam_elements import IN_PLANE
-from toolkit.reduced_model.chord_condition import chord_of
 from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.model import MEAN_AXES
-from toolkit.reduced_model.parts.sections import BeamSections
+from toolkit.reduced_model.model import MEAN_AXES, chord_of
+from toolkit.reduced_model.parts import BeamSections
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.chord_rows import chord_rows
 from toolkit.validity.bodies.chains.second_order import Forms, clamped_rows, mean_rows

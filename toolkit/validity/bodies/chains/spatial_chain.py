@@ -19,7 +19,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from toolkit.kinematics.spatial import axes_along
+from toolkit.kinematics.orientation import axes_along
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.planar_chain import SHORTENING
 from toolkit.validity.bodies.chains.second_order import Forms

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.kinematics.spatial import skew
+from toolkit.kinematics.orientation import skew
 from toolkit.validity.bodies.chains.second_order import Forms
 
 DEFORMATIONS = 7

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.reduced_model.chord_condition import chord_of
+from toolkit.reduced_model.model import chord_of
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body, used_interfaces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.forces_at_points import forces_at_points

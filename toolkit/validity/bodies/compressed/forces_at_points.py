@@ -9,10 +9,10 @@ import numpy as np
 
 from toolkit.compilation.numbering import grips_of
 from toolkit.compilation.quantities import named_loads
-from toolkit.description.point import BodyPoint
-from toolkit.responses.balance.power_of_load import law_of_load
-from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
-from toolkit.responses.kinematics.marker_motion import MarkerMotion
+from toolkit.description.design import BodyPoint
+from toolkit.responses.balance import law_of_load
+from toolkit.responses.least_squares_forces import wrenches_of_joints
+from toolkit.responses.marker_formula import MarkerMotion
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
 

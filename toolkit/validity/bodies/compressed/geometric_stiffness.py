@@ -15,7 +15,7 @@ import scipy
 
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.solvers.direct_solve import MANY
-from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, scaled_by
+from toolkit.solvers.static.static_matrix import StaticArray, as_dense, scaled_by
 from toolkit.system.flexible_bodies import design_point
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain

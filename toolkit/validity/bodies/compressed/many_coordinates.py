@@ -12,9 +12,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy
 
-from toolkit.solvers.static.stability.saddle import balance, balanced
-from toolkit.solvers.static.stability.sparse_saddle import sparse_factors
-from toolkit.solvers.static.stability.static_array import StaticArray
+from toolkit.solvers.static.static_matrix import StaticArray, balance, balanced, sparse_factors
 from toolkit.system.system import System
 
 ACCURACY = 1e-8

@@ -22,9 +22,8 @@ import scipy
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.responses.vibrations.flutter import REMEDY, UNSTABLE, fastest_growth, growth_of, may_grow
-from toolkit.responses.vibrations.pencil import Pencil, pencil_of, real_pencil
-from toolkit.responses.vibrations.roots import free_pencil
+from toolkit.responses.flutter import REMEDY, UNSTABLE, fastest_growth, growth_of, may_grow
+from toolkit.responses.pencil import Pencil, free_pencil, pencil_of, real_pencil
 from toolkit.solvers.free_motions import is_symmetric_everywhere
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.flexible_bodies import elastic_coordinates

@@ -28,8 +28,7 @@ import scipy
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.free_motions import UNSYMMETRIC, free_motions, is_symmetric
 from toolkit.solvers.static.equilibrium import LEVELS
-from toolkit.solvers.static.stability.saddle import is_positive
-from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, static_array, whole_array
+from toolkit.solvers.static.static_matrix import StaticArray, as_dense, is_positive, static_array, whole_array
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.system.system import System

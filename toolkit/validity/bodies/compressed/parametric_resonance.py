@@ -21,8 +21,7 @@ import scipy
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of, real_pencil
-from toolkit.responses.vibrations.roots import free_pencil
+from toolkit.responses.pencil import Pencil, free_pencil, pencil_change, pencil_of, real_pencil
 from toolkit.solvers.free_motions import is_symmetric
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.flexible_bodies import elastic_coordinates

@@ -17,7 +17,7 @@ import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.verdict import Caution
-from toolkit.solvers.static.stability.static_array import as_dense
+from toolkit.solvers.static.static_matrix import as_dense
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.forces_at_points import forces_at_points

@@ -9,8 +9,7 @@ import numpy as np
 import scipy
 
 from toolkit.solvers.static.equilibrium import LEVELS
-from toolkit.solvers.static.stability.saddle import balance, balanced
-from toolkit.solvers.static.stability.static_array import StaticArray, static_array, whole_array
+from toolkit.solvers.static.static_matrix import StaticArray, balance, balanced, static_array, whole_array
 from toolkit.system.solution import Solution
 
 LONGER = 30.0

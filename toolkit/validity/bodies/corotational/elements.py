@@ -21,7 +21,7 @@ import numpy as np
 from scipy import sparse
 
 from toolkit.reduced_model.model import StressPoints
-from toolkit.reduced_model.parts.sections import BeamSections
+from toolkit.reduced_model.parts import BeamSections
 from toolkit.validity.bodies.chains.planar_chain import planar_law
 
 

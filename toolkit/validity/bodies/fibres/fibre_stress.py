@@ -17,7 +17,7 @@ import numpy as np
 
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.reduced_model.parts.sections import BeamSections
+from toolkit.reduced_model.parts import BeamSections
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.kinematics.beam_elements import BeamElements
-from toolkit.reduced_model.parts.sections import BeamSections
+from toolkit.reduced_model.parts import BeamSections
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.sides import sides_of
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.vibrations.vibration import DampingRatio, OfVibration, any_pencil_of
+from toolkit.responses.vibration import DampingRatio, OfVibration, any_pencil_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.reduced.full_scene import reduced_bodies
 from toolkit.validity.bodies.reduced.raised_frequencies import DOUBTFUL, TOLD

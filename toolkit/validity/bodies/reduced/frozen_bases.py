@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.reduced_model.frozen_basis import RICHER_PARTS, RicherModel, is_frozen, richer_model, turns
 from toolkit.reduced_model.model import ReducedModel, place_parameter
-from toolkit.reduced_model.questions.frozen_basis import RICHER_PARTS, RicherModel, is_frozen, richer_model, turns
-from toolkit.responses.stress.stress import model_parameter
+from toolkit.responses.stress import model_parameter
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 

@@ -19,8 +19,7 @@ import numpy as np
 import scipy
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.responses.vibrations.pencil import Pencil, pencil_of, real_pencil
-from toolkit.responses.vibrations.roots import free_pencil
+from toolkit.responses.pencil import Pencil, free_pencil, pencil_of, real_pencil
 from toolkit.solvers.free_motions import is_symmetric
 from toolkit.system.flexible_bodies import design_point
 from toolkit.system.solution import Solution

@@ -17,18 +17,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.description.point import BodyPoint
+from toolkit.description.design import BodyPoint
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.kinematics.spatial import axes_along
+from toolkit.kinematics.orientation import axes_along
 from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.parts.left_out_shapes import LeftOutShapes
+from toolkit.reduced_model.parts import LeftOutShapes
 from toolkit.responses.energy import StrainEnergy
-from toolkit.responses.instant import Instant
+from toolkit.responses.local_stress import LocalStress
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.over_time.over_time import OverTime
-from toolkit.responses.stress.local_stress import LocalStress
-from toolkit.responses.stress.stress import StressResponse
-from toolkit.responses.stress.von_mises import point_stress
+from toolkit.responses.over_time import OverTime
+from toolkit.responses.response import Instant
+from toolkit.responses.stress import StressResponse, point_stress
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution

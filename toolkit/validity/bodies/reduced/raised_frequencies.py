@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.vibrations.roots import free_pencil
-from toolkit.solvers.roots import all_frequencies, all_roots, undamped_rates
+from toolkit.responses.pencil import free_pencil
+from toolkit.solvers.free_motions import all_frequencies, all_roots, undamped_rates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.reduced.full_scene import reduced_bodies
 from toolkit.validity.bodies.reduced.richer_pencil import richer_pencil

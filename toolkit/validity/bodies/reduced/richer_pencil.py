@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from toolkit.responses.vibrations.pencil import Pencil
-from toolkit.responses.vibrations.vibration import any_pencil_of
+from toolkit.responses.pencil import Pencil
+from toolkit.responses.vibration import any_pencil_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.reduced.full_scene import full_scene_of
 

@@ -14,9 +14,8 @@ import scipy
 
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution, check
-from toolkit.responses.vibrations.pencil import real_pencil
-from toolkit.responses.vibrations.roots import free_pencil
-from toolkit.responses.vibrations.vibration import any_pencil_of
+from toolkit.responses.pencil import free_pencil, real_pencil
+from toolkit.responses.vibration import any_pencil_of
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, elastic_coordinates, flexible_body, is_in_pieces
 from toolkit.system.solution import Solution

@@ -17,7 +17,7 @@ import numpy as np
 import scipy
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.reduced_model.parts.spin import stiffness_of_spin
+from toolkit.reduced_model.parts import stiffness_of_spin
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.flexible_bodies import deforming, flexible_body, spins_of
 from toolkit.system.solution import Solution

@@ -31,11 +31,11 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.verdict import SPIN, Caution, check
 from toolkit.joints.joint import Joint
-from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.cut.part_model import FIRST, LAST
-from toolkit.responses.forces.joint_wrenches import wrenches_of_joints
+from toolkit.reduced_model.model import Chord
+from toolkit.responses.least_squares_forces import wrenches_of_joints
 from toolkit.scene.resolution import ResolvedScene
-from toolkit.solvers.spin.generator import angular_velocity
+from toolkit.solvers.spin_axis import angular_velocity
 from toolkit.system.flexible_bodies import deforming, design_point, flexible_body, spins_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed

@@ -8,8 +8,7 @@ import numpy as np
 
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution, check
-from toolkit.solvers.start.start_velocities import carried_along, project_velocities
-from toolkit.solvers.start.written_velocities import written_velocities
+from toolkit.solvers.start.start_velocities import carried_along, project_velocities, written_velocities
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 

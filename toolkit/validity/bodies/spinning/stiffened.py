@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.reduced_model.parts.spin import stiffness_of_spin
+from toolkit.reduced_model.parts import stiffness_of_spin
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body, spins_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.static_deflection import static_deflection

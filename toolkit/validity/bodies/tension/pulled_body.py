@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.solvers.static.stability.static_array import StaticArray
+from toolkit.solvers.static.static_matrix import StaticArray
 
 
 class Grown(NamedTuple):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.solvers.static.stability.static_array import StaticArray
+from toolkit.solvers.static.static_matrix import StaticArray
 from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening
 from toolkit.validity.bodies.tension.pulled_body import Grown, PulledBody
 

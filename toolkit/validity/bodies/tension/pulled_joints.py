@@ -15,8 +15,8 @@ import numpy as np
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution, check
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.joint_force import JointForce
+from toolkit.responses.over_time import OverTime
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import elastic_coordinates
 from toolkit.system.solution import Solution

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.solvers.static.stability.static_array import StaticArray
+from toolkit.solvers.static.static_matrix import StaticArray
 from toolkit.system.flexible_bodies import design_point, used_interfaces
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.compressed.carried_force import SEEN, lines_between, still_points

@@ -16,7 +16,7 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution, check
-from toolkit.responses.magnitude import largest_in
+from toolkit.responses.energy import largest_in
 from toolkit.responses.response import Response
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene

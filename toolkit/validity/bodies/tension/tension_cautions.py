@@ -7,10 +7,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.responses.vibrations.pencil import real_pencil
-from toolkit.responses.vibrations.roots import free_pencil
-from toolkit.responses.vibrations.vibration import any_pencil_of
-from toolkit.solvers.roots import undamped_rates
+from toolkit.responses.pencil import free_pencil, real_pencil
+from toolkit.responses.vibration import any_pencil_of
+from toolkit.solvers.free_motions import undamped_rates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.lines_on_bodies import asked_vibrations
 from toolkit.validity.bodies.cut.more_frames import divided

@@ -1,1 +1,0 @@
-"""Python and the preprocessing in processes of their own."""

@@ -1,1 +1,0 @@
-"""Refusal of reduced models that are incomplete or cannot be physical."""

@@ -1,1 +1,0 @@
-"""Matrices of a reduced model by those of their entries that are not zero."""

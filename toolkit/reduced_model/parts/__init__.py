@@ -1,1 +1,0 @@
-"""Parts of a reduced model that some bodies have and others do not."""

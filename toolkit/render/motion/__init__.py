@@ -1,1 +1,0 @@
-"""A motion in pictures: which instants are drawn, and moving pictures."""

@@ -1,1 +1,0 @@
-"""Time series for ParaView: deformed bodies with stress and its derivatives, and the mechanism; written by VTK without a screen."""

@@ -1,1 +1,0 @@
-"""The sheet of VTK that space is drawn on: panels, letters, layout."""

@@ -1,1 +1,0 @@
-"""Mass, centre of mass, power and work as responses."""

@@ -1,1 +1,0 @@
-"""Forces and torques of joints as responses."""

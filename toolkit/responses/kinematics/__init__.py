@@ -1,1 +1,0 @@
-"""Motion of points and bodies as responses: formulas of the poses, rates and accelerations of markers."""

@@ -1,1 +1,0 @@
-"""Stress of flexible bodies as a response."""

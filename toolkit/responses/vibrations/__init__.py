@@ -1,1 +1,0 @@
-"""Vibrations about an equilibrium as responses."""

@@ -1,1 +1,0 @@
-"""Gradients by the discrete adjoint: backwards through the steps of a run."""

@@ -1,1 +1,0 @@
-"""Paths of equilibria: steps along them, and the limit points on them."""

@@ -1,1 +1,0 @@
-"""Steps of stabilised index 2."""

@@ -1,1 +1,0 @@
-"""Designs of a study: each solved in all cases, many side by side, and judged."""

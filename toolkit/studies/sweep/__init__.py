@@ -1,1 +1,0 @@
-"""Sweeps: values and gradients at many designs of a study, as tables."""
