@@ -12,7 +12,7 @@ from typing import Any
 from preprocessing.builders.body_file import BodyFile
 from preprocessing.builders.frame_file import FrameFile
 from preprocessing.builders.skin_file import SkinFile
-from toolkit.door.plane import parts_of_scenes
+from toolkit.api.plane import parts_of_scenes
 from toolkit.foundation.files.safe_files import replaced
 from toolkit.scene_file.schema import DRAFT, scene_schema, tidy
 from toolkit.studies.study_file import Study

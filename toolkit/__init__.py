@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from toolkit import bridges
+    from toolkit.api import extend, plane, space
+    from toolkit.api.describe import describe
+    from toolkit.api.many_designs import optimize, sweep, uncertainty
+    from toolkit.api.model import Model
+    from toolkit.api.model import compile_model as compile
+    from toolkit.api.outcome import Outcome
     from toolkit.description.run_options import RunOptions
-    from toolkit.door import extend, plane, space
-    from toolkit.door.describe import describe
-    from toolkit.door.many_designs import optimize, sweep, uncertainty
-    from toolkit.door.model import Model
-    from toolkit.door.model import compile_model as compile
-    from toolkit.door.outcome import Outcome
     from toolkit.foundation.errors import ToolkitError
     from toolkit.foundation.verdict import Caution, Verdict
     from toolkit.scene.scene import Scene
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
 _PLACES = {
     "Caution": "toolkit.foundation.verdict:Caution",
-    "Model": "toolkit.door.model:Model",
+    "Model": "toolkit.api.model:Model",
     "Optimum": "toolkit.studies.optimization.optimum:Optimum",
-    "Outcome": "toolkit.door.outcome:Outcome",
+    "Outcome": "toolkit.api.outcome:Outcome",
     "Run": "toolkit.sensitivity.run:Run",
     "RunOptions": "toolkit.description.run_options:RunOptions",
     "Scene": "toolkit.scene.scene:Scene",
@@ -43,17 +43,17 @@ _PLACES = {
     "Verdict": "toolkit.foundation.verdict:Verdict",
     "bridges": "toolkit.bridges:",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
-    "compile": "toolkit.door.model:compile_model",
-    "describe": "toolkit.door.describe:describe",
-    "extend": "toolkit.door.extend:",
+    "compile": "toolkit.api.model:compile_model",
+    "describe": "toolkit.api.describe:describe",
+    "extend": "toolkit.api.extend:",
     "load": "toolkit.sensitivity.run:load",
-    "optimize": "toolkit.door.many_designs:optimize",
-    "plane": "toolkit.door.plane:",
+    "optimize": "toolkit.api.many_designs:optimize",
+    "plane": "toolkit.api.plane:",
     "read_scene": "toolkit.scene_file.reader:read_scene",
     "read_study": "toolkit.studies.study_file:read_study",
-    "space": "toolkit.door.space:",
-    "sweep": "toolkit.door.many_designs:sweep",
-    "uncertainty": "toolkit.door.many_designs:uncertainty",
+    "space": "toolkit.api.space:",
+    "sweep": "toolkit.api.many_designs:sweep",
+    "uncertainty": "toolkit.api.many_designs:uncertainty",
 }
 """Name -> module and what it is called there; without a name the module itself."""
 

@@ -14,7 +14,7 @@ import numpy as np
 import ffrf
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
-from toolkit.validity.bodies.cut.places import node_places
+from toolkit.validity.bodies.deformation import node_places
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing" / "scene.toml"
 VARIABLES = ["t_w", "M_t", "x_A", "y_A"]

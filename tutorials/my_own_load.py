@@ -19,7 +19,7 @@ import numpy as np
 
 import ffrf
 from ffrf import extend, plane
-from toolkit.door.extend import act_along, add_parameter, add_state, plane_angle, rate_along, scale_force
+from toolkit.api.extend import act_along, add_parameter, add_state, plane_angle, rate_along, scale_force
 
 
 @extend.kernel

@@ -18,7 +18,7 @@ from preprocessing.reduction.basis import BasisChoice
 from preprocessing.reduction.chosen_basis import clamped_in_tangent_frame
 from preprocessing.reduction.solid_basis import solid_shapes
 from preprocessing.reduction.ties import freedom
-from toolkit.reduced_model.cut.part import symmetric
+from toolkit.reduced_model.cut_part import symmetric
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.model import InterfacePoint, StressPoints
 from toolkit.reduced_model.parts import (

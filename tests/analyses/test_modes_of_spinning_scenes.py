@@ -24,7 +24,7 @@ from toolkit.loads.springs import RotationalSpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
-from toolkit.validity.start.start_cautions import cautions_of_start
+from toolkit.validity.start_cautions import cautions_of_start
 
 BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "scene.toml"
 

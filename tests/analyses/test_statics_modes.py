@@ -15,12 +15,12 @@ from tests.models.directions import combined
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
+from toolkit.api.model import compile_model
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.curves.rise import SmoothStep
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.door.model import compile_model
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError
 from toolkit.joints.distance import Distance
 from toolkit.joints.driver import AngleDriver
@@ -33,7 +33,7 @@ from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 MODELS = Path(__file__).parents[2] / "models"
 NEWTON = 1e-9

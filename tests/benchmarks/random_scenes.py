@@ -63,7 +63,7 @@ from toolkit.sensitivity.errors.step_cautions import VALUES
 from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 PROMISED = 0.1
 """Error of a gradient that verdicts allow: beyond it a doubt is no false alarm, whatever it names."""

@@ -20,7 +20,7 @@ from types import GeneratorType
 from typing import Any, NamedTuple
 
 import toolkit
-from toolkit.door.model import Model
+from toolkit.api.model import Model
 from toolkit.foundation.errors import ToolkitError
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity import run as run_checks

@@ -16,13 +16,13 @@ from typer.testing import CliRunner
 
 from preprocessing.builders.build_model import read_recipe
 from preprocessing.commands.cli import app as preprocess
+from toolkit.api.model import compile_model
 from toolkit.command_line import cli
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
 from toolkit.command_line.keeping import free_motions_of, solved
 from toolkit.command_line.printing import prepare_folder
 from toolkit.command_line.run_answer import RunAnswer
-from toolkit.door.model import compile_model
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import OWN, list_own, listed, own_set
 from toolkit.foundation.verdict import finite

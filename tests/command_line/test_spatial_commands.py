@@ -21,7 +21,7 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.run import restored
 from toolkit.studies.stability.maps import load_map, mass_map, speed_map, stiffness_map
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.spinning.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
+from toolkit.validity.bodies.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
 
 FLAG = """units = "m-kg-s"
 dimension = 3

@@ -15,10 +15,9 @@ from tests.models.every_number import SCENES as PLANAR
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.bodies.body import MarkerNumbers
-from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import number
-from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
-from toolkit.compilation.quantities import GROUPS, STEP, Quantities, evaluate_quantities, seen_quantities
+from toolkit.compilation.pattern import NewEntryError, renew
+from toolkit.compilation.quantities import GROUPS, STEP, Quantities, derivatives, evaluate_quantities, seen_quantities
 from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.loads.torque import Torque

@@ -28,10 +28,9 @@ from toolkit.joints.slider import Slider
 from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
-from toolkit.results.collect import table_of
+from toolkit.results.results import table_of
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.conversion import converted
-from toolkit.scene_file.gradient_units import variable_unit
+from toolkit.scene_file.gradient_units import converted, variable_unit
 from toolkit.scene_file.reader import read_scene, scene_from_table
 from toolkit.sensitivity.methods import gradients_by
 

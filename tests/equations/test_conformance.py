@@ -22,7 +22,7 @@ from tests.models.scenes import WING
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.body import Body
 from toolkit.bodies.rigid import Rigid
-from toolkit.compilation.arrays.joint_arrays import laws_of
+from toolkit.compilation.joint_arrays import laws_of
 from toolkit.conformance.check import check_joint, check_laws, check_load, check_load_formula, check_scene
 from toolkit.conformance.comparison import STEP, check_state_derivatives, inputs, plain_terms, random_state
 from toolkit.description.design import Point

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import HANGING_DESIGN, hanging_skin
-from toolkit.equations.design_sums import TOGETHER, add_up, design_sums, gather
-from toolkit.equations.equations import Plan, allocate_terms, allocate_work, evaluate_all
+from toolkit.equations.equations import TOGETHER, Plan, add_up, allocate_terms, allocate_work, design_sums, evaluate_all, gather
 from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import plain
 from toolkit.solvers.transient.scheme import scheme_of

@@ -13,8 +13,8 @@ from toolkit.description.run_options import RunOptions
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
 from toolkit.validity.bodies.deformation import deformation
-from toolkit.validity.bodies.spinning.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
 
 BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "scene.toml"
 CRITICAL = 1.875104068711961**2 * float(np.sqrt(210e9 * 0.02**2 / 12 / 7800.0))

@@ -17,9 +17,9 @@ from toolkit.joints.driver import AngleDriver
 from toolkit.joints.revolute import Revolute
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.system.flexible_bodies import flexible_body
+from toolkit.system.solution import flexible_body
 from toolkit.system.system import System, compile_scene
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "scene.toml"
 SPEED, MODULUS, DENSITY, AREA = 50.0, 210e9, 7800.0, 1e-3

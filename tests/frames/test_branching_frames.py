@@ -19,8 +19,8 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.corotational.equilibrium import solve_corotational
-from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
+from toolkit.validity.bodies.corotational_beams import solve_corotational
+from toolkit.validity.bodies.deformation import largest_displacement, largest_distance, node_places
 
 FORK = {"A": (0.0, 0.0), "B": (0.5, 0.0), "C": (0.9, 0.3), "D": (0.9, -0.3)}
 BEAMS = (("A", "B"), ("B", "C"), ("D", "B"))

@@ -22,8 +22,7 @@ from toolkit.studies.tradeoff.frame_axes import framed
 from toolkit.studies.tradeoff.setting import Setting
 from toolkit.studies.tradeoff.setting_run import Case
 from toolkit.studies.tradeoff.tradeoff import changes
-from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
-from toolkit.validity.bodies.deformation import LIMIT, deformations
+from toolkit.validity.bodies.deformation import LIMIT, deformations, largest_displacement, largest_distance, node_places
 
 
 def automatic(scene: Scene, body: str, **keys: object) -> Scene:

@@ -18,7 +18,7 @@ from toolkit.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
-from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
+from toolkit.validity.bodies.deformation import largest_displacement, largest_distance, node_places
 
 ARC = np.linspace(0, np.pi / 4, 13)
 BEND = 100 * np.column_stack([np.sin(ARC), 1 - np.cos(ARC), 0 * ARC])

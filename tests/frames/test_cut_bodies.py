@@ -16,8 +16,8 @@ from tests.models.beam_models import save_beam
 from tests.models.rectangular_beams import corotational, points_of
 from tests.validity.test_corotational import elastica
 from toolkit.analyses.statics import solve_statics
+from toolkit.api.model import Model
 from toolkit.description.run_options import RunOptions
-from toolkit.door.model import Model
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.shape_error import cut_positions
@@ -26,8 +26,8 @@ from toolkit.scene.resolution import resolve
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.differences import taylor_rates
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.corotational.equilibrium import solve_corotational
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.bodies.corotational_beams import solve_corotational
+from toolkit.validity.energy_balance import energy_balance
 
 SECTION = Section(youngs_modulus=1e9, density=1000.0, thickness=0.01, width=0.02, damping_stiffness=1e-3)
 EI = SECTION.youngs_modulus * SECTION.width * SECTION.thickness**3 / 12

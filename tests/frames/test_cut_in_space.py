@@ -12,7 +12,7 @@ from tests.frames.test_cut_bodies import agree
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
 from tests.spatial.momenta import kinetic_energy, momentum, strain_energy, turning
 from toolkit.analyses.statics import solve_statics
-from toolkit.door.model import Model
+from toolkit.api.model import Model
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.orientation import matrix_of, quaternion_of, skew
 from toolkit.reduced_model.conversion import converted_model

@@ -14,7 +14,7 @@ from tests.models.spatial_chains import save_chain
 from toolkit.command_line.cli import app
 from toolkit.results.results_file import load_results
 from toolkit.sensitivity.run import restored
-from toolkit.validity.bodies.cut.places import node_places
+from toolkit.validity.bodies.deformation import node_places
 
 SCENE = """units = "m-kg-s"
 [points]

@@ -17,7 +17,7 @@ from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.solvers import direct_solve
 from toolkit.solvers.static import static_matrix
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.cut.places import node_places
+from toolkit.validity.bodies.deformation import node_places
 
 
 def test_an_end_moment_rolls_a_cantilever_into_a_circle(tmp_path):

@@ -26,9 +26,9 @@ from toolkit.render.space.configuration import SpatialConfiguration, body_shape
 from toolkit.render.space.parts import spatial_symbols
 from toolkit.scene.resolution import resolve
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.bent_pieces import shortening
+from toolkit.validity.bodies.bent_surfaces import shortening
 from toolkit.validity.bodies.deformation import LIMIT
-from toolkit.validity.bodies.reduced.few_shapes import raised_at_most
+from toolkit.validity.bodies.few_shapes import raised_at_most
 
 pytestmark = pytest.mark.usefixtures("all_read_here")
 

@@ -18,10 +18,9 @@ from toolkit.responses.stress import stress_field
 from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.cut.places import largest_displacement, node_places
-from toolkit.validity.bodies.reduced.changed_vibrations import changed_vibrations
-from toolkit.validity.bodies.reduced.left_out_shapes import left_out_shapes
-from toolkit.validity.bodies.reduced.raised_frequencies import raised_frequencies
+from toolkit.validity.bodies.deformation import largest_displacement, node_places
+from toolkit.validity.bodies.full_scene import changed_vibrations, raised_frequencies
+from toolkit.validity.bodies.missed_statics import left_out_shapes
 
 EI = SECTION.youngs_modulus * SECTION.width * SECTION.thickness**3 / 12
 FINE = np.column_stack([np.linspace(0, 1, 25), np.zeros(25)])

@@ -11,11 +11,11 @@ import ffrf
 from preprocessing import build, save
 from tests.models.spatial_chains import chain_scene, save_chain
 from toolkit.scene.resolution import resolve
-from toolkit.validity.bodies.corotational.comparison import compare_with_corotational
-from toolkit.validity.bodies.cut.places import node_places
+from toolkit.validity.bodies.corotational_beams import compare_with_corotational
+from toolkit.validity.bodies.critical_speed import spinning_bodies
+from toolkit.validity.bodies.deformation import node_places
 from toolkit.validity.bodies.physics import speed_limits
-from toolkit.validity.bodies.spinning.critical_speed import spinning_bodies
-from toolkit.validity.motion.snap_through import snap_through
+from toolkit.validity.snap_through import snap_through
 
 LENGTH, EA, EI, MASS = 10.0, 2.8e7, 1.4e4, 1.2
 SPEED, UP = 6.0, 15.0

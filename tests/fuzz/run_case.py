@@ -41,7 +41,7 @@ LOADED = (
     *("preprocessing.foreign_files.child", "scipy.io"),
 )
 """What is loaded before the first case."""
-SCENES = ("toolkit.command_line.cli", "toolkit.door.model", "toolkit.scene_file.reader", "toolkit.compilation")
+SCENES = ("toolkit.command_line.cli", "toolkit.api.model", "toolkit.scene_file.reader", "toolkit.compilation")
 """What is loaded before cases that have scenes."""
 
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from toolkit.studies.optimization.explored import SearchResult
 from toolkit.studies.optimization.program import Values
-from toolkit.studies.optimization.search import Search
+from toolkit.studies.optimization.search import SearchRun
 from toolkit.studies.store import DesignOutcome
-from toolkit.studies.study_file import Search as SearchOptions
+from toolkit.studies.study_file import SearchRun as SearchOptions
 
 Residuals = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 """r of a z, and its derivatives (r, z)."""
@@ -56,7 +56,7 @@ def searched(
     return search_of(residuals, len(start), fails, **options).run(start, None)
 
 
-def search_of(residuals: Residuals, count: int = 2, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any) -> Search:
+def search_of(residuals: Residuals, count: int = 2, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any) -> SearchRun:
     """That search of so many variables, before it begins."""
 
     def solve(lane: int, design: np.ndarray, _: bool) -> DesignOutcome:
@@ -67,4 +67,4 @@ def search_of(residuals: Residuals, count: int = 2, fails: Callable[[np.ndarray]
 
     program: Any = Squares(np.ones(count), SearchOptions(**options))
     evaluator: Any = solve
-    return Search(program, evaluator, 0, False, lambda _: None)
+    return SearchRun(program, evaluator, 0, False, lambda _: None)

@@ -6,8 +6,8 @@ import numpy as np
 
 from toolkit.reduced_model.model import StressPoints
 from toolkit.reduced_model.parts import BeamSections
-from toolkit.validity.bodies.chains.planar_chain import PlanarChain
-from toolkit.validity.bodies.corotational.elements import Corotational
+from toolkit.validity.bodies.corotational_beams import Corotational
+from toolkit.validity.bodies.known_chain import PlanarChain
 
 
 def rectangles(count: int, modulus: float, thickness: float, width: float) -> BeamSections:

@@ -20,13 +20,13 @@ from preprocessing.elements.solid_elements import element_blocks
 from preprocessing.elements.stress import Elastic, stress_errors
 from preprocessing.mesh.solid_mesh import SolidMesh
 from tests.models.solid_bodies import box, cantilever, rectangle, write_body
+from toolkit.api.model import compile_model
 from toolkit.command_line.cli import app as runtime
-from toolkit.door.model import compile_model
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.questions import COARSE, TOO_STIFF, mesh_questions, told_mesh
 from toolkit.scene_file.reader import read_scene
-from toolkit.validity.description.scene_cautions import cautions_of_scene
+from toolkit.validity.scene_cautions import cautions_of_scene
 
 NU = 0.3
 

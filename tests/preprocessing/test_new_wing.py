@@ -19,8 +19,8 @@ from preprocessing.airfoil.skin import Skin
 from preprocessing.builders.build_model import read_recipe
 from preprocessing.builders.skin_geometry import drooped, read_geometry
 from preprocessing.projects.new_wing import DROOP, new_wing
+from toolkit.api.model import compile_model
 from toolkit.command_line.cli import app
-from toolkit.door.model import compile_model
 from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.run import Run

@@ -16,8 +16,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import save
 from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.validity.bodies.chains.known_chain import chain
-from toolkit.validity.bodies.corotational.comparison import compare_with_corotational, compared
+from toolkit.validity.bodies.corotational_beams import compare_with_corotational, compared
+from toolkit.validity.bodies.known_chain import chain
 
 E, NU, T, B = 2e11, 0.3, 0.1, 0.05
 SHEAR = 5 / 6 / (2 * (1 + NU))

@@ -10,7 +10,7 @@ import pytest
 
 from tests.models.scenes import MODELS
 from toolkit.bodies.chain_strains import PER_NODE, Strains, chain_strains
-from toolkit.compilation.arrays.strain_arrays import factored_bodies
+from toolkit.compilation.body_arrays import factored_bodies
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load
 

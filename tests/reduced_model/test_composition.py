@@ -8,7 +8,7 @@ import pytest
 
 from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
-from toolkit.door.describe import describe
+from toolkit.api.describe import describe
 from toolkit.foundation.errors import ModelFileError
 from toolkit.reduced_model.composition import (
     LISTS,

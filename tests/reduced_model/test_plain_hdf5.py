@@ -14,7 +14,7 @@ import pytest
 
 from tests.fuzz.good_files import SCENE, beam
 from tests.reduced_model.test_reduced_model import equal
-from toolkit.door.describe import PLAIN, describe
+from toolkit.api.describe import PLAIN, describe
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files import plain_hdf5
 from toolkit.reduced_model.file import described_by, hash_of, is_reduced_model, load, save, stored_bytes

@@ -32,12 +32,12 @@ from toolkit.render.packages import RenderError
 from toolkit.render.pictures import file_names
 from toolkit.report.answer import Answer, Table, write
 from toolkit.report.figures import _scale, color_range, monitor_curves, stress_sensitivity
-from toolkit.report.material import JUDGES, PATIENCE, Material, judge
+from toolkit.report.material import JUDGES, PATIENCE, ReportMaterial, judge
 from toolkit.report.page import typeset
 from toolkit.report.sections import viewer_data
 from toolkit.report.tables import cost_table, gradient_table
 from toolkit.report.write import begin, refuse_foreign_files, write_report
-from toolkit.results.collect import collect, restore_scene
+from toolkit.results.results import collect, restore_scene
 from toolkit.results.results_file import load_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import per, variable_unit
@@ -204,7 +204,7 @@ def test_the_monitored_drift_is_that_of_the_run(wing):
 
 def test_the_view_shows_every_step(wing):
     results = load_results(wing / "results.h5")
-    data = viewer_data(Material(restored(results, MODELS).solution, results))
+    data = viewer_data(ReportMaterial(restored(results, MODELS).solution, results))
     assert [frame["time"] for frame in data["frames"]] == pytest.approx(results.times.tolist(), abs=1e-6)  # rounded for display
     assert data["limit"] == np.abs(results.bodies["skin"].stress).max()
     assert len(data["frames"][0]["rods"]) == 4
@@ -212,7 +212,7 @@ def test_the_view_shows_every_step(wing):
 
 def test_a_long_motion_is_shown_in_few_frames():
     solution = solve(prepare(pendulum(0.005)), "transient")
-    steps = Material(solution, collect(evaluated(solution, gradients=False))).shown
+    steps = ReportMaterial(solution, collect(evaluated(solution, gradients=False))).shown
     assert (steps[0], steps[-1]) == (0, 200)
     assert len(steps) <= 60
 
@@ -234,7 +234,7 @@ def test_a_long_motion_is_shown_in_few_frames():
 )
 def test_every_kind_of_run_has_a_report_of_what_it_has(scene, design, kind, shown, absent, tmp_path):
     found = direct(scene, design, kind)
-    path = write_report(Material(found.solution, collect(found)), tmp_path, "A <b>title</b> & more")
+    path = write_report(ReportMaterial(found.solution, collect(found)), tmp_path, "A <b>title</b> & more")
     page = Page(path.read_text(encoding="utf-8"))
     assert "A <b>title</b> & more" in page.words  # shown as it is, not taken for HTML
     drawn = " ".join(file.stem for file in (tmp_path / "figures").iterdir())
@@ -442,7 +442,7 @@ def test_numbers_have_minus_signs_and_words_dashes_and_commands_neither():
 
 def test_a_report_explains_the_methods_that_it_has_and_takes_what_takes_seconds():
     found = direct(read_scene(WING), ["t_w"], "static")
-    plain = Material(found.solution, collect(found))
+    plain = ReportMaterial(found.solution, collect(found))
     assert gradient_table(plain).caption == "Total derivatives of the responses."
     assert "Python" not in cost_table(plain).caption
     slow = replace(plain, results=replace(plain.results, run={**plain.results.run, "wall_primal": PATIENCE}))
@@ -459,7 +459,7 @@ def test_a_report_leaves_out_differences_for_which_a_model_lacks_other_numbers_u
     scene = read_scene(WING.parents[1] / "flexible_crank" / "scene.toml", {"solver.end_time": "7.5", "solver.step": "0.5"})
     name = "E"
     found = direct(scene, [name], "transient")
-    plain = Material(found.solution, collect(found))
+    plain = ReportMaterial(found.solution, collect(found))
     assert list(judge(plain, lambda *_: None).judges) == ["complex-step"]
     with pytest.raises(InputError, match="fixed at 7e\\+10"):
         judge(plain, lambda *_: None, everything=True)
@@ -468,7 +468,7 @@ def test_a_report_leaves_out_differences_for_which_a_model_lacks_other_numbers_u
 def test_a_variable_without_influence_has_no_colours_of_round_off():
     """The mass of a rod in an equilibrium without weight."""
     found = direct(read_scene(WING), ["bodies.body2.density"], "static")
-    (drawing,) = stress_sensitivity(Material(found.solution, collect(found)))
+    (drawing,) = stress_sensitivity(ReportMaterial(found.solution, collect(found)))
     assert drawing.figure.axes[0].get_title("left") == "at the end; no influence"
 
 

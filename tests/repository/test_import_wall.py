@@ -101,13 +101,11 @@ ONE_EACH = (
 """Rooms of kinds that users name: each kind has a file of its own, however small."""
 APART = {
     "toolkit.command_line.completion",
-    "toolkit.compilation.arrays.strain_arrays",
+    "toolkit.compilation.body_arrays",
     "toolkit.linear.sparse_analysis",
     "toolkit.render.paraview",
     "toolkit.studies.optimization.explored",
-    "toolkit.system.evaluation_memory",
-    "toolkit.system.handed_records",
-    "toolkit.system.remembered_curves",
+    "toolkit.system.evaluation",
     "preprocessing.reduction.constrained_pencil",
     "preprocessing.projects.arm",
     "preprocessing.builders.joined_model",

@@ -37,7 +37,7 @@ from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 DRIVEN = Sine(amplitude=0.8, frequency=1.5)
 TURN = SmoothStep(height=2.5 * 2 * np.pi, duration=0.4)

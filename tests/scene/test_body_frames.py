@@ -29,7 +29,7 @@ from toolkit.reduced_model.file import save
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
-from toolkit.validity.description.scene_cautions import cautions_of_scene
+from toolkit.validity.scene_cautions import cautions_of_scene
 
 E, T, B, FORCE = 2e11, 0.01, 0.02, 1.0
 BENDING = E * B * T**3 / 12

@@ -15,7 +15,7 @@ from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.description.design import CommonVariable
 from toolkit.foundation.errors import InputError
-from toolkit.results.collect import collect
+from toolkit.results.results import collect
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import gradient_unit

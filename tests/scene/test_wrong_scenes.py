@@ -34,7 +34,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import compile_scene
-from toolkit.validity.description.scene_cautions import cautions_of_scene
+from toolkit.validity.scene_cautions import cautions_of_scene
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 TEXT = """

@@ -14,7 +14,7 @@ from tests.models.spatial_cases import KINDS, SpatialCase
 from tests.models.spatial_every_number import SCENES
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
-from toolkit.results.collect import table_of
+from toolkit.results.results import table_of
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare
 

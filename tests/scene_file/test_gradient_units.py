@@ -14,8 +14,15 @@ from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL_SCENES
 from toolkit.foundation.units import Dimension, factor
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.dimensions import number_dimension, response_dimension
-from toolkit.scene_file.gradient_units import dimension_label, gradient_unit, gradient_units, per, variable_unit
+from toolkit.scene_file.gradient_units import (
+    dimension_label,
+    gradient_unit,
+    gradient_units,
+    number_dimension,
+    per,
+    response_dimension,
+    variable_unit,
+)
 from toolkit.scene_file.reader import read_scene
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -28,7 +28,7 @@ from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.responses.stress import KSStress
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.conversion import converted, number_factor, response_factor
+from toolkit.scene_file.gradient_units import converted, number_factor, response_factor
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 

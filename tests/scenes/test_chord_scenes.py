@@ -35,10 +35,10 @@ from toolkit.sensitivity.direct import direct, numerical
 from toolkit.sensitivity.preparation import prepare
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.corotational.comparison import compare_with_corotational
+from toolkit.validity.bodies.carried_force import lateral_compliance, turning_frames
+from toolkit.validity.bodies.corotational_beams import compare_with_corotational
 from toolkit.validity.bodies.deformation import deformation
-from toolkit.validity.bodies.turning_frame import lateral_compliance, turning_frames
-from toolkit.validity.description.frame_choice import frame_choices
+from toolkit.validity.frame_choice import frame_choices
 
 CRANK, ROD, DIAMETER, BLOCK = 0.15, 0.3, 0.006, 0.033
 SPEED = 120.0

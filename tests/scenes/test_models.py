@@ -21,8 +21,8 @@ from tests.models import directions
 from tests.models.solid_bodies import compliance, frequencies
 from toolkit.analyses.run_start import start_at_rest
 from toolkit.analyses.transient import simulate
+from toolkit.api.model import compile_model
 from toolkit.curves.rise import Cycloid
-from toolkit.door.model import compile_model
 from toolkit.foundation.errors import LimitPointError, SingularSystemError
 from toolkit.reduced_model.file import load
 from toolkit.scene.resolution import loaded
@@ -36,8 +36,8 @@ from toolkit.studies.problem import problem_of
 from toolkit.studies.store import DesignStore
 from toolkit.studies.study_file import read_study
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
-from toolkit.validity.description.frame_choice import frame_choices
+from toolkit.validity.bodies.deformation import largest_displacement, largest_distance, node_places
+from toolkit.validity.frame_choice import frame_choices
 
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"

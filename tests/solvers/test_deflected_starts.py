@@ -26,8 +26,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.studies.stability.maps import speed_map
 from toolkit.system.system import compile_scene
-from toolkit.validity.start.start_cautions import cautions_of_start
-from toolkit.validity.start.start_state import start_lines, start_record
+from toolkit.validity.start_cautions import cautions_of_start, start_lines, start_record
 
 MODELS = Path(__file__).parents[2] / "models"
 BENT = {2: (0.02, -0.03), 3: (0.02, -0.03, 0.01)}

@@ -27,7 +27,7 @@ from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.transient.ggl_step import ggl_pattern
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 PENDULUM_DESIGN = [*DESIGN, "bodies.lower.angular_velocity", "loads.motor.curve.phase"]
 CRANK_DESIGN = ["points.T.y", "bodies.crank.inertia", "bodies.rod.mass", "loads.spring.stiffness", "loads.force.force.x"]

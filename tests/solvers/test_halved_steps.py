@@ -13,7 +13,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity import chosen_frames
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.creeping_friction import told_frictions
+from toolkit.validity.components import told_frictions
 
 MODELS = Path(__file__).parents[2] / "models"
 WEIGHT = 'weight = { type = "gravity", acceleration = [0.0, -9810.0] }'

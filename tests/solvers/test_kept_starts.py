@@ -22,7 +22,7 @@ from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.kept_run.layout import ResultsFileError
-from toolkit.results.collect import restore_scene
+from toolkit.results.results import restore_scene
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -281,7 +281,7 @@ def with_another_model(scene: Scene, folder: Path) -> Scene:
 
 
 def in_other_units(scene: Scene, folder: Path) -> Scene:
-    from toolkit.scene_file.conversion import converted
+    from toolkit.scene_file.gradient_units import converted
 
     (folder / "units").mkdir(exist_ok=True)
     shutil.copy(folder / "kept.h5", folder / "units" / "kept.h5")

@@ -29,8 +29,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import scene_from_table
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.system import compile_scene
-from toolkit.validity.start.start_cautions import cautions_of_start, moved_bodies
-from toolkit.validity.start.start_state import start_lines, start_record, start_state
+from toolkit.validity.start_cautions import cautions_of_start, moved_bodies, start_lines, start_record, start_state
 
 EXACT = 1e-12
 """Round-off of a solve, of velocities of order one; for derivatives, judged by a complex step, 1e-10."""

@@ -36,7 +36,7 @@ from toolkit.sensitivity.direct import direct, numerical
 from toolkit.sensitivity.preparation import frozen, prepare, solve
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 UNEVEN = tuple(0.05 * np.round(np.cumsum([0, *np.tile([1, 2, 0.5], 4)]), 12))
 """Times of steps that change their length every time."""

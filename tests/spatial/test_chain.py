@@ -5,7 +5,7 @@ from __future__ import annotations
 from tests.benchmarks.space import STEPS, hanging
 from toolkit.analyses.transient import simulate
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 
 def test_the_benchmarks_chain_swings_with_its_balls_closed_and_its_energy_kept(tmp_path):

@@ -10,7 +10,7 @@ from tests.spatial.momenta import kinetic_energy, strain_energy
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 
 @pytest.fixture(scope="module")

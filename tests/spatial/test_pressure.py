@@ -24,7 +24,7 @@ from toolkit.responses.stress import KSStress, MaxStress
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.system.marker_states import MarkerStates
+from toolkit.system.solution import MarkerStates
 from toolkit.system.system import compile_scene
 
 LENGTH, WIDTH, HEIGHT = 1.0, 0.1, 0.06

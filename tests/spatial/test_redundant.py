@@ -30,7 +30,7 @@ from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.redundant_joints import joint_terms
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 Z = (0.0, 0.0, 1.0)
 MASS, WIDTH, HEIGHT, GRAVITY, TORQUE = 15.0, 1.0, 2.0, 9.81, 5.0

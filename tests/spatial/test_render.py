@@ -44,10 +44,10 @@ from toolkit.render.readable_units import View
 from toolkit.render.space.configuration import SpatialConfiguration, body_shape, counted_angle, drawn_as_built, stress_extremes
 from toolkit.render.space.look import ISOMETRIC, Camera, arrows, choose_spatial_look, natural_aspect, outermost
 from toolkit.render.space.scene_picture import spatial_caption
-from toolkit.report.material import Material
+from toolkit.report.material import ReportMaterial
 from toolkit.report.write import write_report
 from toolkit.responses.stress import MaxStress, stress_field
-from toolkit.results.collect import collect
+from toolkit.results.results import collect
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -192,7 +192,7 @@ def test_space_has_no_vector_pictures_and_nothing_has_pictures_of_an_unknown_for
 
 def test_a_report_of_a_scene_in_space_has_pictures_curves_and_numbers(folder, opengl, tmp_path):
     found = direct(gallows(folder, solver=RunOptions(end_time=0.002, step=0.001)), [], "transient")
-    path = write_report(Material(found.solution, collect(found)), tmp_path, "Gallows")
+    path = write_report(ReportMaterial(found.solution, collect(found)), tmp_path, "Gallows")
     text = path.read_text(encoding="utf-8")
     assert text.count("data:image/png") == 2  # instants and curves
     assert text.count("data:image/gif") == 1

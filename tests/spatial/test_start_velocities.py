@@ -20,8 +20,7 @@ from toolkit.joints.spherical import Spherical
 from toolkit.joints.universal import Universal
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
-from toolkit.validity.start.start_cautions import cautions_of_start, moved_bodies
-from toolkit.validity.start.start_state import start_record
+from toolkit.validity.start_cautions import cautions_of_start, moved_bodies, start_record
 
 EXACT = 1e-12
 """Round-off of a solve, of velocities of order one; for derivatives, judged by a complex step, 1e-10."""

@@ -8,7 +8,7 @@ import pytest
 from tests.models.any_scene import test_state_derivatives_are_the_complex_step_of_the_residual as judge_state_derivatives
 from tests.models.spatial_cases import CASES, write_models
 from toolkit.bodies.body import SpatialFloatingNumbers
-from toolkit.compilation.patterns import common_pattern
+from toolkit.compilation import pattern
 from toolkit.conformance.comparison import design_paths, inputs, random_state
 from toolkit.system.system import System, compile_scene
 
@@ -33,7 +33,7 @@ def listed(monkeypatch):
     """Nothing is worked with as a whole."""
     with monkeypatch.context() as patch:
         patch.setattr(SpatialFloatingNumbers, "full", property(lambda _part: False))
-        patch.setattr(common_pattern, "SMALLEST_SQUARE", 1 << 30)
+        patch.setattr(pattern, "SMALLEST_SQUARE", 1 << 30)
         yield
 
 

@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 
 from tests.spinning.scenes import UNIT, blade, planar_blade, table
 from toolkit.analyses.modes import Campbell, campbell
+from toolkit.api.model import compile_model
 from toolkit.command_line.cli import app
 from toolkit.command_line.commands.campbell_command import speeds_of
-from toolkit.door.model import compile_model
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.scene_file.reader import read_scene
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from tests.spinning.scenes import governor, motor, table
+from toolkit.api.model import compile_model
 from toolkit.curves.polynomial import Constant, Polynomial
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.door.model import compile_model
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.joints.driver import AngleDriver
 from toolkit.joints.revolute import Revolute

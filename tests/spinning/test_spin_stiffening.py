@@ -15,13 +15,13 @@ from tests.spatial.momenta import kinetic_energy, momenta, momentum, strain_ener
 from tests.spinning.scenes import BEAM
 from tests.spinning.test_campbell import FLAP, diagram, lowest
 from tests.spinning.test_spinning_gradients import same
+from toolkit.api.model import compile_model
 from toolkit.conformance.comparison import check_design_derivatives, check_state_derivatives
-from toolkit.door.model import compile_model
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
-from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 ASKED = "spin_stiffening = true"
 SPEEDS = (2.0, 5.0, 10.0)

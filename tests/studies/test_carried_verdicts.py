@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import toolkit as ffrf
-from toolkit.door.outcome import KEPT
+from toolkit.api.outcome import KEPT
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.studies.carried_verdicts import (
     FARTHEST,
     SAME,
-    Answers,
     CarriedVerdicts,
+    DesignAnswers,
     Indicators,
     Measured,
     apart,
@@ -60,7 +60,7 @@ def map_by(designs: np.ndarray, shares: np.ndarray, told: np.ndarray) -> tuple[C
     """Verdicts of designs whose measures are known, with those that had to be measured."""
     verdicts = CarriedVerdicts(
         [NOTHING] * len(designs),
-        {k: Answers(Indicators(each, np.zeros(len(each))), {}, {}) for k, each in enumerate(designs)},
+        {k: DesignAnswers(Indicators(each, np.zeros(len(each))), {}, {}) for k, each in enumerate(designs)},
     )
     while wanted := verdicts.wanted():
         for k in wanted:
@@ -104,7 +104,7 @@ def test_a_measure_that_is_not_known_is_silent_only_close_to_its_limit():
 
 
 def test_designs_of_another_kind_or_without_numbers_are_near_nothing():
-    alike = [Answers(Indicators(np.ones(2), np.zeros(2), (kind,)), {}, {}) for kind in (10, 10, 20)]
+    alike = [DesignAnswers(Indicators(np.ones(2), np.zeros(2), (kind,)), {}, {}) for kind in (10, 10, 20)]
     verdicts = CarriedVerdicts([NOTHING] * 3, dict(enumerate(alike)))
     verdicts.learn(0, Measured(Verdict(), np.inf, None, {}))
     assert verdicts.source(1) == (0, 0.0)
@@ -165,7 +165,7 @@ def test_verdicts_are_the_same_wherever_and_however_often_designs_are_solved(can
     designs = [{"F": force} for force in np.geomspace(500.0, 600.0, 8)]
     found = [each.verdict for each in cantilever.map(designs, "static")]
     assert [each.verdict for each in cantilever.map(designs, "static", threads=3)] == found
-    monkeypatch.setattr("toolkit.door.outcome.KEPT", 0)
+    monkeypatch.setattr("toolkit.api.outcome.KEPT", 0)
     assert [each.verdict for each in cantilever.map(designs, "static")] == found
     assert len(designs) < KEPT
 

@@ -10,7 +10,7 @@ import pytest
 
 from toolkit.foundation.errors import InputError
 from toolkit.studies.executor import Executor, run_jobs
-from toolkit.studies.store import DesignOutcome, DesignStore, RunFolder, RunOutcome, State, StudyFileError, opened_store
+from toolkit.studies.store import DesignOutcome, DesignStore, JobState, RunFolder, RunOutcome, StudyFileError, opened_store
 
 ODD = RunOutcome(values={"f": math.nan, "g": 0.1 + 0.2}, gradients={"f": {"x": -math.inf, "y": 5e-324}}, seconds=1 / 3, steps=7)
 
@@ -69,7 +69,7 @@ def designs(count: int, states: int) -> list[DesignOutcome]:
     good = [
         DesignOutcome(
             lane=k % 2, design=rng.normal(size=3), values=rng.normal(size=(2, 4)), gradients=rng.normal(size=(2, 4, 3)),
-            states=tuple(State(rng.normal(size=states), rng.normal(size=1)) for _ in range(2 if states else 0)), seconds=k / 7,
+            states=tuple(JobState(rng.normal(size=states), rng.normal(size=1)) for _ in range(2 if states else 0)), seconds=k / 7,
         )
         for k in range(count)
     ]  # fmt: skip

@@ -32,7 +32,7 @@ from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.program import Program, Values, optimality_of
 from toolkit.studies.optimization.verification import solved_again
 from toolkit.studies.problem import Problem, problem_of
-from toolkit.studies.store import DesignOutcome, DesignStore, State, StudyFileError
+from toolkit.studies.store import DesignOutcome, DesignStore, JobState, StudyFileError
 from toolkit.studies.study_file import read_study
 from toolkit.studies.uncertain_study import uncertain_study
 
@@ -493,7 +493,7 @@ def snapped(problem: Problem, load: float) -> DesignOutcome:
     clean = Evaluator(problem, DesignStore())(0, problem.start, False)
     q = clean.states[0].q.copy()
     q[np.argmax(np.abs(q - _undeformed(problem)))] += y - height(load)
-    warm = replace(clean, states=(State(q, clean.states[0].multipliers),))
+    warm = replace(clean, states=(JobState(q, clean.states[0].multipliers),))
     store = DesignStore()
     store.keep(warm.key, warm)
     found = Evaluator(problem, store)(0, problem.start + 1e-3, True)

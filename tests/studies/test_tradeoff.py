@@ -27,7 +27,7 @@ from toolkit.studies.tradeoff import setting_run
 from toolkit.studies.tradeoff.axes import SOLVER_AXES, available, read_axes
 from toolkit.studies.tradeoff.reference import limit
 from toolkit.studies.tradeoff.setting import BudgetError, ErrorQuantity, SettingOutcome, grid, read_budget
-from toolkit.studies.tradeoff.tradeoff import Plan, Tradeoff, errors, pareto, plan, toml_table, tradeoff
+from toolkit.studies.tradeoff.tradeoff import Tradeoff, TradeoffPlan, errors, pareto, plan, toml_table, tradeoff
 
 ROOT = Path(__file__).parents[2]
 PENDULUM = ROOT / "models" / "pendulum" / "scene.toml"
@@ -42,7 +42,7 @@ def study(folder: Path, path: Path = PENDULUM, changes: dict | None = None, **wa
     return tradeoff(planned(folder, path, changes, **wanted), repeats=2)
 
 
-def planned(folder: Path, path: Path = PENDULUM, changes: dict | None = None, **wanted) -> Plan:
+def planned(folder: Path, path: Path = PENDULUM, changes: dict | None = None, **wanted) -> TradeoffPlan:
     return plan(path, folder, SHORT if changes is None else changes, **wanted)
 
 

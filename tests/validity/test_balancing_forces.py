@@ -10,7 +10,7 @@ from toolkit.description.design import Point
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.snap_through import balancing_forces, balancing_forces_of
+from toolkit.validity.snap_through import balancing_forces, balancing_forces_of
 
 RODS = 100
 WEIGHT = 7800.0 * 1e-4 * 9.81

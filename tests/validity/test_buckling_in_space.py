@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import ffrf
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
 from toolkit.command_line.cli import app
-from toolkit.validity.bodies.compressed.critical_load import compression
+from toolkit.validity.bodies.critical_load import compression
 
 LENGTH, YOUNG, RATIO, ELEMENTS = 1.0, 1e9, 0.3, 8
 AXIS = np.array([0.8, 0.48, -0.36])

@@ -11,9 +11,8 @@ from preprocessing.builders.curve_mesh import CurveMesh
 from tests.models.frames import cantilever, matrices, ring
 from tests.models.rectangular_beams import corotational, points_of
 from toolkit.foundation.errors import InputError
-from toolkit.validity.bodies.chains.second_order import mean_rows
-from toolkit.validity.bodies.corotational.elements import Corotational
-from toolkit.validity.bodies.corotational.equilibrium import solve_corotational
+from toolkit.validity.bodies.chain import mean_rows
+from toolkit.validity.bodies.corotational_beams import Corotational, solve_corotational
 
 LENGTH, MODULUS, THICKNESS, WIDTH = 100.0, 70000.0, 0.1, 10.0
 EI = MODULUS * WIDTH * THICKNESS**3 / 12

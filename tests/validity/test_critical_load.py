@@ -23,12 +23,10 @@ from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.solvers.static import static_matrix
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies import physics
-from toolkit.validity.bodies.compressed import critical_load, geometric_stiffness, missed_deflections
-from toolkit.validity.bodies.compressed.critical_load import Compression, compression
-from toolkit.validity.bodies.corotational.comparison import compare_with_corotational
-from toolkit.validity.bodies.cut.places import node_places
-from toolkit.validity.bodies.deformation import flexible_bodies
+from toolkit.validity.bodies import critical_load, geometric_stiffness, physics
+from toolkit.validity.bodies.corotational_beams import compare_with_corotational
+from toolkit.validity.bodies.critical_load import Compression, compression
+from toolkit.validity.bodies.deformation import flexible_bodies, node_places
 
 MODELS = Path(__file__).parents[2] / "models"
 SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
@@ -179,7 +177,7 @@ def test_sparse_matrices_of_many_coordinates_say_what_dense_ones_do(held, n, par
     dense = compression(solution)
     for module in (static_matrix, geometric_stiffness):
         monkeypatch.setattr(module, "MANY", 10)
-    monkeypatch.delattr(missed_deflections, "_of_few")
+    monkeypatch.delattr(critical_load, "_of_few")
     sparse = compression(solution)
     assert sparse.body == dense.body
     assert sparse[2:] == pytest.approx(dense[2:], rel=1e-6)  # the dense ones lose six digits
@@ -225,8 +223,8 @@ def test_what_a_motion_misses_is_known_to_be_less_than_any_larger_part_alone(tmp
     solution = simulate(compile_scene(read_scene(beams(tmp_path, "", -0.3 * CANTILEVER * AXIS, "grounded"))))
     scene, last = solution.system.scene, len(solution.times) - 1
     known = {body: geometric_stiffness.stiffening(scene, body) for body in flexible_bodies(scene)}
-    assert missed_deflections.misses_less(solution, known, last, 1.02 * 0.3 / 0.7)
-    assert not missed_deflections.misses_less(solution, known, last, 0.98 * 0.3 / 0.7)
+    assert critical_load.misses_less(solution, known, last, 1.02 * 0.3 / 0.7)
+    assert not critical_load.misses_less(solution, known, last, 0.98 * 0.3 / 0.7)
 
 
 # what is said

@@ -25,17 +25,15 @@ from toolkit.reduced_model.file import load, save
 from toolkit.responses.joint_force import JointForce
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.validity.bodies.chains.known_chain import chain
-from toolkit.validity.bodies.chains.planar_chain import PlanarChain, planar_chain
-from toolkit.validity.bodies.chains.second_order import (
+from toolkit.validity.bodies.chain import (
     mean_rows,
     second_order_forces,
     stiffness_matrix,
 )
-from toolkit.validity.bodies.corotational.comparison import compare_with_corotational, compared
-from toolkit.validity.bodies.corotational.elements import Corotational
+from toolkit.validity.bodies.corotational_beams import Corotational, compare_with_corotational, compared
+from toolkit.validity.bodies.critical_speed import critical_speed
 from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, deformation, deformations, largest_instants
-from toolkit.validity.bodies.spinning.critical_speed import critical_speed
+from toolkit.validity.bodies.known_chain import PlanarChain, chain, planar_chain
 
 pytestmark = pytest.mark.usefixtures("programs_here")
 

@@ -20,9 +20,8 @@ from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.created_energy import energy_defects
-from toolkit.validity.motion.energy_balance import energy_balance
-from toolkit.validity.motion.motion import ENERGY
+from toolkit.validity.energy_balance import energy_balance, energy_defects
+from toolkit.validity.motion import ENERGY
 
 
 def linkage() -> Scene:

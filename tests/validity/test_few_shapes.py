@@ -17,8 +17,7 @@ from tests.models.solid_pieces import bar_scene, save_bar, write_bar
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.reduced_model.file import load, save
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies.reduced.few_shapes import left_out, raised_at_most
-from toolkit.validity.bodies.reduced.gripped_vibrations import raised_by_grips
+from toolkit.validity.bodies.few_shapes import left_out, raised_at_most, raised_by_grips
 
 NODES = np.column_stack([np.linspace(0, 1, 13), np.zeros(13)])
 SCENE = """units = "m-kg-s"

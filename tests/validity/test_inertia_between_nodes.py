@@ -12,13 +12,12 @@ import ffrf
 from preprocessing.reduction.basis import BasisChoice
 from tests.models.spatial_chains import chain_scene, save_chain
 from tests.validity.test_beam_assumptions import RHO, cantilever, said
-from toolkit.system.marker_states import poses_at
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, poses_at
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies import element_accelerations
-from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies import beam_assumptions
+from toolkit.validity.bodies.beam_assumptions import pull_on_elements
 from toolkit.validity.bodies.deformation import LIMIT
-from toolkit.validity.bodies.element_accelerations import pull_on_elements
+from toolkit.validity.bodies.known_chain import chain
 
 TIMES, THICKNESS = 2.0, 0.02
 CLAMP = """
@@ -120,10 +119,10 @@ def test_accelerations_of_elements_in_space_are_second_differences_of_their_plac
     def middles(t: float) -> np.ndarray:
         at = (q + v * t + a * t * t / 2)[None]
         behind = chain(system.scene, "beam")
-        sides = element_accelerations.sides_of(behind)
+        sides = beam_assumptions.sides_of(behind)
         body = scene.bodies["beam"]
         origin, axes = body.poses(at)
-        own = element_accelerations.middles(behind, sides, behind.displacements(at[:, body.frame_size :]))
+        own = beam_assumptions.middles(behind, sides, behind.displacements(at[:, body.frame_size :]))
         return origin + (behind.nodes[sides.ends].mean(axis=1) + own[0]) @ axes[0].T
 
     h = 1e-3

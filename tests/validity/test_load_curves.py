@@ -26,7 +26,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.run import Run
-from toolkit.validity.curves.load_curves import LOST, loss_of
+from toolkit.validity.curve_checks import LOST, loss_of
 
 MODELS = Path(__file__).parents[2] / "models"
 SLED = """

@@ -17,7 +17,7 @@ from toolkit.foundation.errors import ModelFileError
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.least_squares_forces import JointWrenches
-from toolkit.validity.bodies.compressed.forces_at_points import wrenches_at_points
+from toolkit.validity.bodies.geometric_stiffness import wrenches_at_points
 
 E, RHO, T, B, L = 2e9, 1200.0, 0.02, 0.03, 1.0
 AREA, INERTIA = T * B, B * T**3 / 12

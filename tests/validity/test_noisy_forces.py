@@ -19,9 +19,9 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
+from toolkit.validity.energy_balance import energy_balance
 from toolkit.validity.judge import judge
-from toolkit.validity.motion.energy_balance import energy_balance
-from toolkit.validity.motion.noisy_forces import _amplitudes, force_noise, noise_of_values
+from toolkit.validity.motion import _amplitudes, force_noise, noise_of_values
 
 SPEED = 2 * np.pi
 FORCE = SPEED**2

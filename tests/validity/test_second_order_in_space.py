@@ -9,10 +9,9 @@ from scipy.spatial.transform import Rotation
 import ffrf
 from tests.models.spatial_beams import Beams, crooked
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
-from toolkit.validity.bodies.chains.second_order import Forms, second_order_forces, stiffness_matrix
-from toolkit.validity.bodies.chains.spatial_forms import spatial_forms
-from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
-from toolkit.validity.bodies.deformation import LIMIT, deformation
+from toolkit.validity.bodies.chain import Forms, second_order_forces, stiffness_matrix
+from toolkit.validity.bodies.deformation import LIMIT, deformation, largest_displacement, largest_distance, node_places
+from toolkit.validity.bodies.known_chain import spatial_forms
 
 LENGTH, THICKNESS, WIDTH, YOUNG, RATIO, ELEMENTS = 1.0, 0.01, 0.02, 1e9, 0.3, 16
 SOFT, STIFF = (YOUNG * a * b**3 / 12 for a, b in ((WIDTH, THICKNESS), (THICKNESS, WIDTH)))

@@ -13,8 +13,7 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.timoshenko import cantilever_frequency
 from toolkit.reduced_model.file import save
-from toolkit.validity.bodies.shear.sheared_deflections import sheared_parts
-from toolkit.validity.bodies.shear.sheared_vibrations import raised_by_stiff_shear
+from toolkit.validity.bodies.sheared_beams import raised_by_stiff_shear, sheared_parts
 
 E, RHO, WIDTH = 2e11, 7800.0, 0.05
 SHEAR = 5 / 6 / 2.6

@@ -17,8 +17,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
-from toolkit.validity.motion.dead_inertia import stiffness_of_turns
-from toolkit.validity.motion.snap_through import snap_through
+from toolkit.validity.snap_through import snap_through, stiffness_of_turns
 
 MODELS = Path(__file__).parents[2] / "models"
 

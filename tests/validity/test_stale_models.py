@@ -15,7 +15,7 @@ from tests.models.solid_bodies import rectangle, write_body
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.validity.description.stale_models import stale_models
+from toolkit.validity.scene_cautions import stale_models
 
 pytestmark = pytest.mark.usefixtures("read_here")
 

@@ -13,8 +13,8 @@ from preprocessing import build, save
 from tests.models.solid_bodies import MODULUS, WIDTH, box, rectangle, write_body
 from toolkit.analyses.modes import solve_modes
 from toolkit.foundation.errors import BifurcationError
-from toolkit.validity.bodies.tension.stiffened_bodies import too_large
-from toolkit.validity.bodies.tension.tension_cautions import raised_by_tension
+from toolkit.validity.bodies.pulled_joints import raised_by_tension
+from toolkit.validity.bodies.stiffened_bodies import too_large
 
 YOUNG, THICKNESS, BROAD = 7e10, 0.01, 0.05
 BENDING, STRETCHING = YOUNG * BROAD * THICKNESS**3 / 12, YOUNG * BROAD * THICKNESS

@@ -19,7 +19,7 @@ from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.reduced_model.questions import material_questions
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.validity.description.scene_cautions import cautions_of_scene
+from toolkit.validity.scene_cautions import cautions_of_scene
 
 MODELS = Path(__file__).parents[2] / "models"
 WING, BRACKET = MODELS / "morphing_wing" / "scene.toml", MODELS / "spatial_bracket" / "scene.toml"

@@ -14,8 +14,8 @@ from preprocessing.elements.section import Section
 from preprocessing.reduction.basis import BasisChoice
 from toolkit.reduced_model.file import save
 from toolkit.scene.resolution import loaded
-from toolkit.validity.bodies.chains.known_chain import chain
-from toolkit.validity.bodies.compressed.unseen_tension import axial_forces
+from toolkit.validity.bodies.known_chain import chain
+from toolkit.validity.bodies.unseen_forces import axial_forces
 
 SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
 EULER = np.pi**2 * 210e9 * 0.05 * 0.02**3 / 12 / 4

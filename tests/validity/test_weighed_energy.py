@@ -21,7 +21,7 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import values_alone
 from toolkit.sensitivity.run import Run
-from toolkit.validity.motion.created_energy import energy_defects
+from toolkit.validity.energy_balance import energy_defects
 
 SLOPE, WIDTH, LEVEL = np.deg2rad(20.0), 1e-3, 5.53091
 DOWN = (float(np.cos(SLOPE)), float(np.sin(SLOPE)))

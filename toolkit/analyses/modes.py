@@ -32,9 +32,8 @@ from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.steady_state import steady_state
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
-from toolkit.validity.bodies.damped_modes import cautions_of_damping
-from toolkit.validity.bodies.frequencies import cautions_of_modes
-from toolkit.validity.bodies.spinning.spin import cautions_of_spin
+from toolkit.validity.bodies.critical_speed import cautions_of_spin
+from toolkit.validity.bodies.frequencies import cautions_of_damping, cautions_of_modes
 from toolkit.validity.judge import judge
 
 

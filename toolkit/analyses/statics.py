@@ -34,8 +34,7 @@ from toolkit.solvers.static.equilibrium import (
 )
 from toolkit.solvers.static.passed_limits import at_limit_position
 from toolkit.solvers.static.static_start import start_of_path
-from toolkit.system.solution import Solution
-from toolkit.system.static_path import StaticPath
+from toolkit.system.solution import Solution, StaticPath
 from toolkit.system.system import System
 from toolkit.validity.equilibrium import bifurcation_of_frame
 from toolkit.validity.judge import judge

@@ -38,12 +38,12 @@ from toolkit.solvers.transient.scheme import STEEP, relaxed
 from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, ITERATIONS, LARGEST, STATUS, STEP, History, Memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
+from toolkit.validity.bodies.critical_speed import fast_bodies
 from toolkit.validity.bodies.physics import speed_limits
-from toolkit.validity.bodies.spinning.critical_speed import fast_bodies
+from toolkit.validity.components import told_frictions
+from toolkit.validity.energy_balance import largest_drift
 from toolkit.validity.judge import judge
-from toolkit.validity.motion.creeping_friction import told_frictions
-from toolkit.validity.motion.drift import largest_drift
-from toolkit.validity.start.sudden_loads import told_loads
+from toolkit.validity.undisturbed import told_loads
 
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 

@@ -20,7 +20,7 @@ from toolkit.bodies.body import (
     pose_of,
 )
 from toolkit.bodies.chain_strains import chain_strains
-from toolkit.bodies.cut.cuttable_body import CuttableBody
+from toolkit.bodies.cuttable_body import CuttableBody
 from toolkit.bodies.model_body import is_zero
 from toolkit.description.description import Number, Pair, Quantity, Triple
 from toolkit.kinematics.orientation import angular_velocity, matrix_of, quaternion_of, rotation

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.api.model import Model
 from toolkit.bridges.vector_function import BridgeError, VectorFunction, package
-from toolkit.door.model import Model
 
 
 def for_jax(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> Callable[[Any], Any]:

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.api.model import Model
 from toolkit.bridges.vector_function import VectorFunction, package
-from toolkit.door.model import Model
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.units import LABELLED, UNIT_SYSTEMS, unit
 from toolkit.scene_file.gradient_units import variable_unit

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.api.model import Model
 from toolkit.bridges.vector_function import VectorFunction
-from toolkit.door.model import Model
 from toolkit.sensitivity.run import Run
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from toolkit.api.model import Model
 from toolkit.bridges.vector_function import BridgeError, VectorFunction, package
-from toolkit.door.model import Model
 
 
 def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> Callable[[Any], Any]:
@@ -46,7 +46,7 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
     torch = package("torch", "torch")
     function = VectorFunction(model, responses, analysis)
 
-    class Responses(torch.autograd.Function):  # type: ignore[misc, name-defined]  # its base is known only where PyTorch is installed
+    class TorchResponses(torch.autograd.Function):  # type: ignore[misc, name-defined]  # its base is known only where PyTorch is installed
         """Responses of a scene by its design variables."""
 
         @staticmethod
@@ -62,9 +62,9 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
 
         @staticmethod
         def backward(context: Any, cotangent: Any) -> Any:
-            return cotangent @ Slopes.apply(*context.saved_tensors)
+            return cotangent @ TorchSlopes.apply(*context.saved_tensors)
 
-    class Slopes(torch.autograd.Function):  # type: ignore[misc, name-defined]
+    class TorchSlopes(torch.autograd.Function):  # type: ignore[misc, name-defined]
         """First derivatives (m, n), which depend on the variables.
 
         They must not be taken for constants, whose derivatives are zeros.
@@ -83,6 +83,6 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
 
     def responses_of(x: Any) -> Any:
         """Responses (m,) at the variables (n,)."""
-        return Responses.apply(x)
+        return TorchResponses.apply(x)
 
     return responses_of

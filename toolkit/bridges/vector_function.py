@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.door.model import Model, compile_model, kind_of
+from toolkit.api.model import Model, compile_model, kind_of
 from toolkit.foundation.errors import InputError, ToolkitError, listed, meant
 from toolkit.sensitivity.preparation import responses_of
 from toolkit.sensitivity.run import Run

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from toolkit.command_line.announcements import Kind, at_work
+from toolkit.command_line.announcements import AnnouncedKind, at_work
 from toolkit.command_line.arguments import Changes, KeepAll, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.commands.campbell_command import campbell
 from toolkit.command_line.commands.certification import certify
@@ -47,7 +47,7 @@ from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words,
 from toolkit.sensitivity.preparation import Method
 
 if TYPE_CHECKING:
-    from toolkit.door.model import Model
+    from toolkit.api.model import Model
     from toolkit.scene.scene import Scene
 
 
@@ -113,7 +113,7 @@ def simulate(
 
 def _compiled(scene: Scene, keep_all: bool) -> Model:
     """Model of a scene with only what it needs, or with everything put back."""
-    from toolkit.door.model import Model, compile_model
+    from toolkit.api.model import Model, compile_model
 
     if not keep_all:
         return compile_model(scene)
@@ -136,7 +136,7 @@ def statics(
     quiet: Quiet = False,
 ) -> None:
     """Find the equilibrium under the loads at the end time and print its responses with gradients."""
-    from toolkit.door.model import compile_model
+    from toolkit.api.model import compile_model
 
     changes = [*(changes or []), *(["solver.continuation=arc-length"] if past_limit else [])] or None
     described, text = read(scene, changes, quiet), text_of(scene)
@@ -162,12 +162,12 @@ def sensitivity(
     quiet: Quiet = False,
 ) -> None:
     """Print the responses with their gradients."""
-    from toolkit.door.model import compile_model
+    from toolkit.api.model import compile_model
 
     described, text = read(scene, changes, quiet), text_of(scene)
     check_output(output, described)
     names = design_of(described, variables)
-    kind: Kind = "static" if static else "transient"
+    kind: AnnouncedKind = "static" if static else "transient"
     with at_work("gradients", described, kind, names, quiet, method.value) as progress:
         model = compile_model(described, names)
         found = model.run(kind, gradients=method.value, progress=progress, timed=True, keep_states=output is not None)

@@ -33,7 +33,7 @@ class RunAnswer(Answer):
     def record(self) -> Record:
         """JSON object."""
         from toolkit.scene_file.gradient_units import gradient_units
-        from toolkit.validity.start.start_state import start_record
+        from toolkit.validity.start_cautions import start_record
 
         result, solution, bodies = self.result, self.result.solution, self.deformations
         return {
@@ -55,7 +55,7 @@ class RunAnswer(Answer):
 
     def tables(self) -> Iterator[Table | str]:
         """Values, gradients and deformations, then how exact the run was, how it was solved, and what it cost."""
-        from toolkit.results.short_tables import table_of_gradients, table_of_values
+        from toolkit.results.tables import table_of_gradients, table_of_values
 
         for short in filter(None, (table_of_values(self.result), table_of_gradients(self.result))):
             yield Table(short.columns, short.rows)
@@ -142,7 +142,7 @@ def chosen_steps(result: Run) -> list[str]:
 def remarks(result: Run) -> list[str]:
     """Sentences on responses, constraint violation and energy balance, iterations and wall times."""
     from toolkit.responses.stress import KSStress
-    from toolkit.validity.start.start_state import start_lines
+    from toolkit.validity.start_cautions import start_lines
 
     solution = result.solution
     lines = [

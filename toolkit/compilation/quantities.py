@@ -1,24 +1,36 @@
-"""All numbers of a scene in the order of its numbering, real or complex: the construction formulas evaluated once."""
+"""All numbers of a scene in the order of its numbering, real or complex: the construction formulas evaluated once.
+
+Derivatives of a scene's numbers by its design variables: a complex step through the construction formulas that a variable reaches.
+
+That is exact to round-off, and it happens before time starts to run.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
+from operator import is_
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers
-from toolkit.compilation.dependence import Affected, AskedScene, Item
+from toolkit.bodies.model_body import ModelBody
+from toolkit.compilation.dependence import Affected, AskedScene, Item, answers_alike
 from toolkit.compilation.numbering import Numbering
 from toolkit.curves.curve import Curve
+from toolkit.description.design import Design
 from toolkit.foundation.errors import InputError
+from toolkit.joints.joint import BetweenPoints
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import Load
 from toolkit.loads.pressure import Pressure, PressureNumbers
+from toolkit.loads.springs import PointSpring
 from toolkit.markers.component import Component
+from toolkit.reduced_model.questions import check_parameters
 from toolkit.scene.resolution import ResolvedScene
+from toolkit.scene.scene import Scene
 
 STEP = 1e-30
 """Complex step: far below round-off, so that nothing but the first derivative is left."""
@@ -243,3 +255,106 @@ def _parameters(component: Component, width: int, placed: Any) -> np.ndarray:
     if len(row) > width:
         raise InputError(f"a component has {len(row)} parameters, at most {width} are possible: {component!r}.")
     return np.array([*row, *[0.0] * (width - len(row))])
+
+
+SAME_PLACE = 1e-12
+"""Distance of two points, relative to the model size, below which no direction leads from one to the other."""
+
+
+def check_numbers(scene: ResolvedScene) -> None:
+    """Refuse scenes without a moving body, parameters that no body has, and pairs of points without a direction.
+
+    Raises
+    ------
+    InputError
+        Names the path and what would be right.
+    """
+    if not scene.bodies:
+        raise InputError("the scene has no body, so nothing can move. Add one to its table [bodies].")
+    for name, body in scene.bodies.items():
+        if isinstance(body, ModelBody):
+            check_parameters(body.model_values(), scene.model(body.model).nominal, f"bodies.{name}", scene.dimension)
+    for user, pair in pairs(scene).items():
+        first, second = (np.real(scene.position(point)) for point in pair)
+        if np.abs(first - second).max() <= SAME_PLACE * scene.size:
+            raise InputError(
+                f"{user} leads from point {pair[0]!r} to point {pair[1]!r}, which are at the same place, so it has no direction. "
+                "Move one of them."
+            )
+
+
+def pairs(scene: Scene) -> dict[str, tuple[str, str]]:
+    """Everything that has a direction from one point to another: rods, distance joints, springs along a line."""
+    rods = {f"bodies.{name}": getattr(body, "between", None) for name, body in scene.bodies.items()}
+    links = {f"joints.{name}": joint.points for name, joint in scene.joints.items() if isinstance(joint, BetweenPoints)}
+    springs = {f"loads.{name}": load.points for name, load in scene.loads.items() if isinstance(load, PointSpring)}
+    return {user: pair for user, pair in {**rods, **links, **springs}.items() if pair is not None}
+
+
+def derivatives(scene: ResolvedScene, numbering: Numbering, design: Design, seen: Seen) -> list[Quantities]:
+    """Derivative of all numbers by each design variable; curves stay complex, they are differentiated where they are evaluated.
+
+    Only what is written otherwise, or is told something else by the scene, can have a derivative: the other formulas are left out. So are
+    those of bodies and markers that have not met a complex number then, which is so whatever the values of the scene's numbers are.
+    """
+    found = []
+    for variable in design:
+        moved = scene.moved(variable, 1j * STEP)
+        parts = parts_of(moved, numbering, owners_of(moved, numbering, numbering.affected_by(scene, variable.paths)))
+        stirred = _stirred(seen, moved)
+        groups = {group: {k: part for k, part in owners.items() if stirred(group, k, part)} for group, owners in parts.items()}
+        found.append(_rates(made_of(groups, moved), _is_reached))
+    return found
+
+
+def renewed_derivatives(
+    scene: ResolvedScene, numbering: Numbering, design: Design, known: Sequence[Quantities], among: Affected
+) -> list[Quantities]:
+    """Derivatives by each design variable at other numbers of the scene, for the same owners as far as these affect them."""
+    found, affected = [], {group: set(owners) for group, owners in owners_of(scene, numbering, among).items()}
+    for variable, before in zip(design, known, strict=True):
+        moved = scene.moved(variable, 1j * STEP)
+        reached = {group: getattr(before, group).keys() & owners for group, owners in affected.items()}
+        found.append(_rates(made_of(parts_of(moved, numbering, reached), moved)))
+    return found
+
+
+def _rates(moved: Quantities, wanted: Callable[[str, Any], bool] = lambda _group, _part: True) -> Quantities:
+    """Derivatives from numbers with a complex step, without those that nobody wants."""
+    found: dict[str, Any] = {"gravity": _imag(moved.gravity)}
+    for group in GROUPS:
+        given = getattr(moved, group)
+        kept = {k: part for k, part in given.items() if wanted(group, part)} if given else {}
+        found[group] = kept if group == "curves" else {k: _imag(part) for k, part in kept.items()}
+    return Quantities(**found)
+
+
+def _is_reached(group: str, part: Any) -> bool:
+    """Whether any number is complex, even with a zero imaginary part, or could be at other numbers of the scene."""
+    if isinstance(part, tuple):
+        return any(_is_reached(group, each) for each in part)
+    return group in OPEN or isinstance(part, Curve) or np.iscomplexobj(part)
+
+
+def _stirred(seen: Seen, moved: ResolvedScene) -> Callable[[str, int, Part], bool]:
+    """Test whether the numbers of an item can be others in a scene of which other numbers are `moved`."""
+    same: dict[Any, bool] = {}
+
+    def unchanged(question: Any) -> bool:
+        if question not in same:
+            same[question] = answers_alike(seen.scene, moved, question)
+        return same[question]
+
+    def stirred(group: str, owner: int, part: Part) -> bool:
+        before = seen.parts[group][owner].written
+        written = len(before) == len(part.written) and all(map(is_, before, part.written))
+        return not (written and all(map(unchanged, seen.asked[group, owner])))
+
+    return stirred
+
+
+def _imag(value):
+    if isinstance(value, tuple):
+        items = map(_imag, value)
+        return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
+    return value if np.asarray(value).dtype.kind == "i" else np.imag(value) / STEP  # places stay what they are

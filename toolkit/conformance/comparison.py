@@ -17,7 +17,7 @@ from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_
 from toolkit.foundation.errors import ConformanceError
 from toolkit.foundation.kernel import plain
 from toolkit.scene.scene import Scene
-from toolkit.system.formulas import plain_formulas_of
+from toolkit.system.evaluation import plain_formulas_of
 from toolkit.system.system import System, compile_scene
 
 STEP = 1e-30

@@ -12,7 +12,7 @@ import numpy as np
 
 from toolkit.analyses.transient import simulate
 from toolkit.cost_summary.cost_terms import (
-    Line,
+    CostLine,
     bytes_read,
     coordinates,
     derivative_blocks,
@@ -159,7 +159,7 @@ def cost_summary(scene: Scene, design: list[str], keep_all: bool = False, measur
     """
     forget_models()
     system = prepare_everything(scene) if keep_all else prepare(scene, design)
-    sections: dict[str, list[Line]] = {
+    sections: dict[str, list[CostLine]] = {
         "coordinates": coordinates(system),
         "constraint rows": rows(system),
         "terms (entries)": terms(system),

@@ -26,11 +26,11 @@ from toolkit.scene.scene import Scene
 from toolkit.scene.space import SPACES
 from toolkit.sensitivity.preparation import prepare, responses_of
 from toolkit.solvers.start.initial_conditions import closed
-from toolkit.system.flexible_bodies import deforming
+from toolkit.system.solution import deforming
 from toolkit.system.system import System
 
 
-class Line(NamedTuple):
+class CostLine(NamedTuple):
     """A line of the summary: how much of something is kept and dropped, in the unit of its section, and why."""
 
     what: str
@@ -39,7 +39,7 @@ class Line(NamedTuple):
     why: str = ""
 
 
-def terms(system: System) -> list[Line]:
+def terms(system: System) -> list[CostLine]:
     """Lines for mass, stiffness, damping, terms of a rotating frame, weight, and loads."""
     numbers = {name: number for number, name in enumerate(system.scene.all_bodies())}
     flexible = {name: numbers[name] for name in deforming(system.scene)}
@@ -48,8 +48,8 @@ def terms(system: System) -> list[Line]:
     if rigid:
         lines += _rigid(system, rigid)
     falls = bool(np.any(system.scene.gravity != 0))
-    lines.append(Line("weight", system.n_q) if falls else Line("weight", 0, 0, "no gravity: zeros, one product each"))
-    return [*lines, *(Line(f"load {name}", 1) for name, load in system.scene.loads.items() if load.kind != "gravity")]
+    lines.append(CostLine("weight", system.n_q) if falls else CostLine("weight", 0, 0, "no gravity: zeros, one product each"))
+    return [*lines, *(CostLine(f"load {name}", 1) for name, load in system.scene.loads.items() if load.kind != "gravity")]
 
 
 def rigid_bodies(system: System) -> list[str]:
@@ -57,32 +57,32 @@ def rigid_bodies(system: System) -> list[str]:
     return [name for name, body in system.scene.bodies.items() if not isinstance(body, ModelBody)]
 
 
-def _rigid(system: System, numbers: list[int]) -> list[Line]:
+def _rigid(system: System, numbers: list[int]) -> list[CostLine]:
     """Lines for the mass and quadratic velocity of all rigid bodies.
 
     In the plane their mass is constant, in space only that of those that do not turn.
     """
-    lines = [Line("mass of rigid bodies", sum(_filled(system.values.constant[number].mass) for number in numbers))]
+    lines = [CostLine("mass of rigid bodies", sum(_filled(system.values.constant[number].mass) for number in numbers))]
     if system.scene.space.constant_rigid_mass:
-        return [*lines, Line("quadratic velocity of rigid bodies", 0, 2 * len(numbers), "frame at the centre of mass")]
+        return [*lines, CostLine("quadratic velocity of rigid bodies", 0, 2 * len(numbers), "frame at the centre of mass")]
     turning = [system.values.floating[number] for number in numbers if number in system.values.floating]
-    return [*lines, Line("mass and quadratic velocity of rigid bodies, turning", sum(part.entries for part in turning))]
+    return [*lines, CostLine("mass and quadratic velocity of rigid bodies, turning", sum(part.entries for part in turning))]
 
 
-def _flexible(system: System, number: int, name: str) -> list[Line]:
+def _flexible(system: System, number: int, name: str) -> list[CostLine]:
     part, body = system.values.constant[number], system.scene.body(name)
     damped = _filled(part.damping)
     zero = "" if damped else "zero damping: zeros next to the stiffness, one product each"
-    elastic = [Line(f"stiffness of {name}", _filled(part.stiffness)), Line(f"damping of {name}", damped, 0, zero)]
+    elastic = [CostLine(f"stiffness of {name}", _filled(part.stiffness)), CostLine(f"damping of {name}", damped, 0, zero)]
     turning = f"mass and quadratic velocity of {name}, turning"
     if number in system.values.floating:
-        return [*elastic, Line(turning, frame_entries(system, body))]
+        return [*elastic, CostLine(turning, frame_entries(system, body))]
     dropped = frame_entries(system, body.model_copy(update={"frame": "moving"}))
-    mass = Line(f"mass of {name}, constant", _filled(part.mass))
+    mass = CostLine(f"mass of {name}, constant", _filled(part.mass))
     return [
         mass,
         *elastic,
-        Line(turning, 0, dropped, f"{frame_of(body)} frame, no rotation: the mass matrix is constant, no velocity enters"),
+        CostLine(turning, 0, dropped, f"{frame_of(body)} frame, no rotation: the mass matrix is constant, no velocity enters"),
     ]
 
 
@@ -154,17 +154,17 @@ IDLE = {
 """Reasons why frames of fewer coordinates lack the others: what they do not do."""
 
 
-def coordinates(system: System) -> list[Line]:
+def coordinates(system: System) -> list[CostLine]:
     """Lines for the coordinates of each flexible body, and of all rigid ones."""
     scene, rigid = system.scene, rigid_bodies(system)
     bodies = deforming(scene)
-    lines = [Line(name, len(body.coordinate_names(scene)), *_missing(body)) for name, body in bodies.items()]
+    lines = [CostLine(name, len(body.coordinate_names(scene)), *_missing(body)) for name, body in bodies.items()]
     own = [scene.bodies[name] for name in rigid]
     kept, most = sum(body.frame_size for body in own), scene.space.frame_size * len(own)
     why = "frames that do not move, or do not turn about every axis" if kept < most else ""
-    lines += [Line(f"{len(rigid)} rigid", kept, most - kept, why)] if rigid else []
+    lines += [CostLine(f"{len(rigid)} rigid", kept, most - kept, why)] if rigid else []
     states = len(system.numbering.states)
-    return [*lines, Line(f"{states} states of loads", states)] if states else lines
+    return [*lines, CostLine(f"{states} states of loads", states)] if states else lines
 
 
 def _missing(body: Body) -> tuple[int, str]:
@@ -173,7 +173,7 @@ def _missing(body: Body) -> tuple[int, str]:
     return (missing, f"{frame_of(body)} frame: {IDLE[frame_of(body)]}") if missing else (0, "")
 
 
-def rows(system: System) -> list[Line]:
+def rows(system: System) -> list[CostLine]:
     """Lines for the constraint rows of the joints by kind, and for those that would hold a grounded frame if it could move."""
     joints = list(system.scene.joints.values())
     kinds = {
@@ -181,23 +181,23 @@ def rows(system: System) -> list[Line]:
     }
     whole = system.scene.space.frame_size  # rows that hold a frame, a quaternion's length among them
     held = [
-        Line(f"frame of {name}", 0, whole, "grounded frame: nothing has to hold it") for name in grounded_bodies(system.scene)
+        CostLine(f"frame of {name}", 0, whole, "grounded frame: nothing has to hold it") for name in grounded_bodies(system.scene)
     ]
     lengths = len(system.numbering.length)
-    quaternions = [Line(f"{lengths} lengths of quaternions", lengths)] if lengths else []
-    return [*(Line(f"{len(sizes)} {kind}", sum(sizes)) for kind, sizes in kinds.items()), *quaternions, *held]
+    quaternions = [CostLine(f"{lengths} lengths of quaternions", lengths)] if lengths else []
+    return [*(CostLine(f"{len(sizes)} {kind}", sum(sizes)) for kind, sizes in kinds.items()), *quaternions, *held]
 
 
 def _kind(joint: Joint) -> str:
     return "between parts of bodies" if isinstance(joint, Tie) else joint.kind
 
 
-def matrix(system: System) -> list[Line]:
+def matrix(system: System) -> list[CostLine]:
     """Lines for the entries of the Jacobian and of its factors."""
     entries, stored, n = len(system.plan.indices), int(system.lu_plan.row_start[-1]), system.n
     return [
-        Line("Jacobian", entries, n * n - entries, "entries that no part of the scene fills"),
-        Line("its factors", stored, n * n - stored, "entries that elimination in this order leaves zero"),
+        CostLine("Jacobian", entries, n * n - entries, "entries that no part of the scene fills"),
+        CostLine("its factors", stored, n * n - stored, "entries that elimination in this order leaves zero"),
     ]
 
 
@@ -217,18 +217,18 @@ MOST_NAMES = 12
 """More variables than this are counted together."""
 
 
-def derivative_blocks(system: System, scene: Scene) -> list[Line]:
+def derivative_blocks(system: System, scene: Scene) -> list[CostLine]:
     """Rows of the residual that each variable moves, and how many numbers of the scene, as it was written, have no block."""
     moved = np.bincount(system.plan.touched_variable, minlength=system.n_x)
-    blocks = [Line(each.name, int(count)) for each, count in zip(system.design, moved, strict=True)]
+    blocks = [CostLine(each.name, int(count)) for each, count in zip(system.design, moved, strict=True)]
     if len(blocks) > MOST_NAMES:
-        blocks = [Line(f"{len(blocks)} variables", int(moved.sum()))]
+        blocks = [CostLine(f"{len(blocks)} variables", int(moved.sum()))]
     paths = {path for each in system.design for path in each.paths}
     others = len([path for path in scene.available_paths() if path not in paths])
-    return [*blocks, Line("other numbers of the scene", 0, others, "no derivative by them was asked for")]
+    return [*blocks, CostLine("other numbers of the scene", 0, others, "no derivative by them was asked for")]
 
 
-def fields(system: System) -> list[Line]:
+def fields(system: System) -> list[CostLine]:
     """Points of every flexible body where stress and distance to a target are computed."""
     found = []
     for name, body in system.scene.bodies.items():
@@ -240,11 +240,11 @@ def fields(system: System) -> list[Line]:
                 target = system.scene.model(body.model, "shape").shape
                 found.append(_field(f"distance of {name} to its target", 0 if target is None else len(target.target), shape))
             else:
-                found.append(Line(f"distance of {name} to its target", 0, 0, "no response asks for it"))
+                found.append(CostLine(f"distance of {name} to its target", 0, 0, "no response asks for it"))
     return found
 
 
-def markers(system: System) -> list[Line]:
+def markers(system: System) -> list[CostLine]:
     """Points that a joint, a load or a response looks at, and interface points that none does."""
     found, rigid = [], rigid_bodies(system)
     for name, body in system.scene.all_bodies().items():
@@ -256,9 +256,9 @@ def markers(system: System) -> list[Line]:
         )
         idle = set(known) - {getattr(system.scene.interface(point), "interface", "") for point in used if point != CENTRE}
         if name not in rigid:
-            found.append(Line(name, len(used), len(idle), f"nothing looks at {', '.join(sorted(idle))}" if idle else ""))
+            found.append(CostLine(name, len(used), len(idle), f"nothing looks at {', '.join(sorted(idle))}" if idle else ""))
     count = len([1 for owner, *_ in system.numbering.markers if owner in rigid])
-    return [*found, Line(f"{len(rigid)} rigid", count)] if rigid else found
+    return [*found, CostLine(f"{len(rigid)} rigid", count)] if rigid else found
 
 
 def asking(scene: Scene, kind: type | UnionType, body: str) -> list[str]:
@@ -271,8 +271,8 @@ def asking(scene: Scene, kind: type | UnionType, body: str) -> list[str]:
     ]
 
 
-def _field(what: str, points: int, asked: list[str]) -> Line:
-    return Line(what, points, 0, f"for {', '.join(asked)}") if asked else Line(what, 0, points, "no response asks for it")
+def _field(what: str, points: int, asked: list[str]) -> CostLine:
+    return CostLine(what, points, 0, f"for {', '.join(asked)}") if asked else CostLine(what, 0, points, "no response asks for it")
 
 
 UNREAD = {
@@ -297,7 +297,7 @@ UNREAD = {
 }
 
 
-def files(system: System) -> dict[str, list[Line]]:
+def files(system: System) -> dict[str, list[CostLine]]:
     """Bytes of every group of every file; those that were read are what the program has read of it so far."""
     return {path: groups(system, path) for path in model_paths(system)}
 
@@ -307,15 +307,15 @@ def model_paths(system: System) -> list[str]:
     return list(dict.fromkeys(body.model for body in system.scene.bodies.values() if isinstance(body, ModelBody)))
 
 
-def groups(system: System, path: str) -> list[Line]:
+def groups(system: System, path: str) -> list[CostLine]:
     """Bytes of every group of one file, and of what surrounds the groups."""
     read, full = system.scene.model(path).bytes_read, system.scene.directory / path
     stored = stored_bytes(full)
     lines = [
-        Line(name, size, 0, _reason(system, path, name)) if name in read else Line(name, 0, size, UNREAD.get(name, ""))
+        CostLine(name, size, 0, _reason(system, path, name)) if name in read else CostLine(name, 0, size, UNREAD.get(name, ""))
         for name, size in stored.items()
     ]
-    return [*lines, Line("names, attributes, tables of HDF5", 0, _size(full) - sum(stored.values()), "not counted as read")]
+    return [*lines, CostLine("names, attributes, tables of HDF5", 0, _size(full) - sum(stored.values()), "not counted as read")]
 
 
 def meshes(system: System) -> dict[str, Any]:

@@ -37,7 +37,7 @@ class Name(NamedTuple):
     half: np.ndarray  # (2,)
 
 
-class Placed(NamedTuple):
+class PlacedLabel(NamedTuple):
     """Name in its place: centre of the text, and whether a line has to lead there from its point."""
 
     name: Name
@@ -86,10 +86,10 @@ def panel_of(names: list[Name], lines: list[np.ndarray], letter: float, size: np
     return empty._replace(obstacles=np.unique(np.round(_FINE * every[empty.shows(every)]), axis=0) / _FINE)
 
 
-def placed(panel: Panel, sides: list[Side]) -> list[Placed | None]:
+def placed(panel: Panel, sides: list[Side]) -> list[PlacedLabel | None]:
     """Names in their places beside their points; None for a point outside of the panel."""
     return [
-        Placed(name, name.point + side.offset, side.led) if panel.shows(name.point) else None
+        PlacedLabel(name, name.point + side.offset, side.led) if panel.shows(name.point) else None
         for name, side in zip(panel.names, sides, strict=True)
     ]
 

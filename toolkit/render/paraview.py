@@ -18,10 +18,9 @@ from toolkit.render.plane.look import choose_look
 from toolkit.render.space import parts
 from toolkit.render.space.configuration import SpatialConfiguration, at_points, body_shape, has_shape
 from toolkit.responses.stress import point_stress, stress_field
-from toolkit.results.csv_tables import safe_name
+from toolkit.results.tables import safe_name
 from toolkit.scene.space import PLANE, SPACE
-from toolkit.system.flexible_bodies import flexible_body
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, flexible_body
 
 
 def mechanism(moment: Any, but: Collection[str] = ()) -> Any:

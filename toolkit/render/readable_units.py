@@ -13,8 +13,7 @@ from toolkit.foundation.units import unit
 from toolkit.responses.stress import point_stress, stress_components
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, elastic_coordinates, flexible_body
 
 UNDEFORMED, TARGET, ROD, SUPPORT = "#707070", "#1a8f3c", "#8fa3bf", "#7a4a1e"
 INK, FRAME, BODY = "#202020", "#808080", "#3d5478"

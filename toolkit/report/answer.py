@@ -51,7 +51,7 @@ class Table:
 
     def save(self, folder: Path) -> Path:
         """Write the table as CSV with all digits."""
-        from toolkit.results.csv_tables import write_csv
+        from toolkit.results.tables import write_csv
 
         return write_csv(folder / f"{self.name}.csv", self.head, self.rows)
 

@@ -22,12 +22,11 @@ from toolkit.render.plane.scene_picture import color_bar, contour_keys, overview
 from toolkit.render.readable_units import MINUS, UNDEFORMED, readable, round_off, round_up, told
 from toolkit.render.sheet import COLORS, NARROW, SIGNED, merged, sheet, style
 from toolkit.render.sheet import told as told_apart
-from toolkit.report.certificate_drawing import certificate_drawing
-from toolkit.report.drawing import Drawing
-from toolkit.report.material import Material
+from toolkit.report.drawing import Drawing, certificate_drawing
+from toolkit.report.material import ReportMaterial
 from toolkit.scene.space import PLANE, SPACE, Space
 from toolkit.scene_file.gradient_units import per, variable_unit
-from toolkit.system.flexible_bodies import flexible_body
+from toolkit.system.solution import flexible_body
 
 _FAR = 5.0
 """How many times as large as what three quarters of the instants reach a peak is that gets no colour of its own."""
@@ -35,7 +34,7 @@ MOST_DOTS = 100
 """Steps that are marked one by one."""
 
 
-def monitor_curves(material: Material) -> list[Drawing]:
+def monitor_curves(material: ReportMaterial) -> list[Drawing]:
     """Figure of energies, energy balance, and the largest constraint violation of any joint."""
     if not material.moving:
         return []
@@ -68,7 +67,7 @@ def monitor_curves(material: Material) -> list[Drawing]:
     return [Drawing("monitors", "Energy and constraint drift", caption, figure)]
 
 
-def mechanism(material: Material) -> list[Drawing]:
+def mechanism(material: ReportMaterial) -> list[Drawing]:
     """Figure of all bodies in one panel."""
     *ghosts, last = [material.moment(step) for step in material.telling]
     shades = [to_hex(shade) for shade in colormaps["Greys"](np.linspace(0.3, 0.55, max(len(ghosts), 1)))]
@@ -96,7 +95,7 @@ def mechanism(material: Material) -> list[Drawing]:
     return [Drawing("mechanism", "Motion of the mechanism", caption, figure)]
 
 
-def load_curves(material: Material) -> list[Drawing]:
+def load_curves(material: ReportMaterial) -> list[Drawing]:
     """Every load and driver that follows a curve; planar torques as torques, other loads as the factor that the curve is."""
     scene = material.scene
     curved = {name: each for name, each in [*scene.loads.items(), *scene.joints.items()] if hasattr(each, "curve")}
@@ -125,7 +124,7 @@ def _scale(part: Any, units: str) -> tuple[float, str]:
     return 1.0, "factor"
 
 
-def stress_motion(material: Material) -> list[Drawing]:
+def stress_motion(material: ReportMaterial) -> list[Drawing]:
     """Skins at some instants, coloured by the stress of their outer and inner fibre, and meshed bodies by theirs."""
     if not material.look.stress_limit:
         return []
@@ -136,22 +135,22 @@ def stress_motion(material: Material) -> list[Drawing]:
     return [Drawing("stress_motion", "Stress during the motion", caption, figure)]
 
 
-def stress(material: Material) -> str:
+def stress(material: ReportMaterial) -> str:
     """Label of the unit of stress."""
     return unit(material.scene.units, "stress")
 
 
-def targeted(material: Material) -> list[str]:
+def targeted(material: ReportMaterial) -> list[str]:
     """Names of the skins that have a target."""
     return [name for name in material.skins if material.results.bodies[name].shape_error.shape[1]]
 
 
-def skin_error(material: Material) -> list[Drawing]:
+def skin_error(material: ReportMaterial) -> list[Drawing]:
     """One drawing per skin with a target: shapes above, error below."""
     return [_shapes(material, body) for body in targeted(material)]
 
 
-def _shapes(material: Material, body: str) -> Drawing:
+def _shapes(material: ReportMaterial, body: str) -> Drawing:
     fields, length = material.results.bodies[body], unit(material.scene.units, "length")
     error = fields.shape_error[-1]
     rms = (error**2).mean() ** 0.5
@@ -177,7 +176,7 @@ def _shapes(material: Material, body: str) -> Drawing:
     return Drawing(f"skin_error_{body}", f"Shape of {body} and distance to the target", caption, figure)
 
 
-def mark_points(axes: Axes, material: Material, body: str, names: bool = True) -> None:
+def mark_points(axes: Axes, material: ReportMaterial, body: str, names: bool = True) -> None:
     """Vertical lines at the arc lengths where joints and loads grip a skin."""
     interfaces = material.scene.model(flexible_body(material.scene, body).model).interfaces or {}
     for name, point in material.scene.points.items():
@@ -189,14 +188,14 @@ def mark_points(axes: Axes, material: Material, body: str, names: bool = True) -
                 axes.annotate(name, (place, 1.0), (-3, -3), fontsize=9, **spot)
 
 
-def stress_sensitivity(material: Material) -> list[Drawing]:
+def stress_sensitivity(material: ReportMaterial) -> list[Drawing]:
     """One drawing per skin and variable."""
     return [
         _derivatives(material, body, x, variable) for body in material.skins for x, variable in enumerate(material.results.design)
     ]
 
 
-def _derivatives(material: Material, body: str, x: int, variable: str) -> Drawing:
+def _derivatives(material: ReportMaterial, body: str, x: int, variable: str) -> Drawing:
     path, moment = material.results.variables[variable]["path"], material.moment(-1)
     label = per(stress(material), variable_unit(material.scene, path))
     derivative = material.results.bodies[body].dstress[:, :, x]
@@ -234,7 +233,7 @@ def color_range(fibres: np.ndarray, noise: float) -> tuple[float, float]:
     return (round_up(usual), each.max()) if each.max() > _FAR * usual > 0 else (round_up(each.max()), 0.0)
 
 
-def _over_time(axes: Axes, material: Material, body: str, outer: np.ndarray, colors) -> None:
+def _over_time(axes: Axes, material: ReportMaterial, body: str, outer: np.ndarray, colors) -> None:
     """Outer fibre: along the skin to the right, time upwards; two points of every element are enough, for it is linear there."""
     shape, units = skin_shape(material.moment(0), body), material.scene.units
     assert shape is not None
@@ -250,12 +249,12 @@ def _over_time(axes: Axes, material: Material, body: str, outer: np.ndarray, col
     axes.set_title("outer fibre, mean of each element", loc="left")
 
 
-def error_sensitivity(material: Material) -> list[Drawing]:
+def error_sensitivity(material: ReportMaterial) -> list[Drawing]:
     """One drawing per skin with a target, one panel per variable."""
     return [_changes(material, body) for body in targeted(material)] if material.results.design else []
 
 
-def _changes(material: Material, body: str) -> Drawing:
+def _changes(material: ReportMaterial, body: str) -> Drawing:
     fields, length, names = material.results.bodies[body], unit(material.scene.units, "length"), material.results.design
     with sheet(0.7 + 1.55 * len(names), len(names), sharex=True) as (figure, axes):
         for x, (panel, name) in enumerate(zip(axes[:, 0], names, strict=True)):
@@ -274,12 +273,12 @@ def _changes(material: Material, body: str) -> Drawing:
     return Drawing(f"error_sensitivity_{body}", f"Sensitivity of the distance to the target of {body}", caption, figure)
 
 
-def certificate(material: Material) -> list[Drawing]:
+def certificate(material: ReportMaterial) -> list[Drawing]:
     """Digits on which exact methods agree, and the V of the differences."""
     return [certificate_drawing(material.certificate)] if material.certificate else []
 
 
-Figure = Callable[[Material], list[Drawing]]
+Figure = Callable[[ReportMaterial], list[Drawing]]
 FIGURES: tuple[Figure, ...] = (
     stress_motion,
     load_curves,

@@ -23,8 +23,7 @@ from toolkit.sensitivity.direct import numerical
 from toolkit.sensitivity.preparation import Kind
 from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
-from toolkit.validity.motion.drift import largest_drift
-from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
+from toolkit.validity.energy_balance import EnergyBalance, energy_balance, largest_drift
 
 
 class Monitors(NamedTuple):
@@ -60,7 +59,7 @@ PATIENCE = 20.0
 
 
 @dataclass(frozen=True)
-class Material:
+class ReportMaterial:
     """Motion or equilibrium and everything that was computed about it.
 
     judges : method -> result of the same gradients by other means; empty if nothing was run to compare
@@ -112,7 +111,7 @@ class Material:
         return monitor(self.solution)
 
 
-def judge(material: Material, progress: Progress, everything: bool = False) -> Material:
+def judge(material: ReportMaterial, progress: Progress, everything: bool = False) -> ReportMaterial:
     """Material with the gradients of numerical methods: of all on request, else of those that take seconds.
 
     Without that request a method is also left out that needs other numbers than the files of reduced models hold.
@@ -142,10 +141,10 @@ def judge(material: Material, progress: Progress, everything: bool = False) -> M
         except InputError:
             if everything:
                 raise
-    return Material(material.solution, material.results, judges, _certificate(material, kind, judges, progress))
+    return ReportMaterial(material.solution, material.results, judges, _certificate(material, kind, judges, progress))
 
 
-def _certificate(material: Material, kind: Kind, judges: Mapping[str, Run], progress: Progress) -> Certificate | None:
+def _certificate(material: ReportMaterial, kind: Kind, judges: Mapping[str, Run], progress: Progress) -> Certificate | None:
     """Certificate of gradients from direct differentiation, where a complex step was affordable; None otherwise."""
     results, stepped = material.results, judges.get("complex-step")
     if stepped is None or results.method != "direct" or not results.gradients:

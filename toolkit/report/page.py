@@ -22,7 +22,7 @@ LONG = 40
 """Letters from which on an entry of a table is broken into lines."""
 
 
-class Section(NamedTuple):
+class PageSection(NamedTuple):
     """Section of the page: a heading and the HTML below it."""
 
     name: str
@@ -34,7 +34,7 @@ class Section(NamedTuple):
     """Whether it may go on in the next column, between two pictures."""
 
 
-def page(title: str, summary: str, *parts: Sequence[Section]) -> str:
+def page(title: str, summary: str, *parts: Sequence[PageSection]) -> str:
     """HTML of the whole page; every part begins below the one before it."""
     sections = [section for part in parts for section in part]
     contents = "".join(f'<a href="#{escape(section.name)}">{escape(section.title)}</a>' for section in sections)
@@ -44,7 +44,7 @@ def page(title: str, summary: str, *parts: Sequence[Section]) -> str:
     return _template("page.html").substitute(title=escape(title), summary=escape(summary), contents=contents, sections=bodies)
 
 
-def _section(section: Section) -> str:
+def _section(section: PageSection) -> str:
     kind = ' class="long"' if section.long else ""
     return f'<section id="{escape(section.name)}"{kind}><h2>{escape(section.title)}</h2>{section.body}</section>'
 

@@ -16,15 +16,15 @@ from toolkit.render.plane.parts import outlines
 from toolkit.render.readable_units import TARGET, readable_stress
 from toolkit.render.sheet import SIGNED, symmetric
 from toolkit.report import page
-from toolkit.report.material import Material, Progress
-from toolkit.report.page import Section
+from toolkit.report.material import Progress, ReportMaterial
+from toolkit.report.page import PageSection
 from toolkit.scene.space import PLANE, SPACE
 
 EVERY = (POINTS - 1) // 4
 """Points of the middle line that are skipped: a quarter of an element is shorter than a pixel is wide."""
 
 
-def viewer_data(material: Material) -> dict[str, Any]:
+def viewer_data(material: ReportMaterial) -> dict[str, Any]:
     """Frames of the moving picture as lists of numbers, rounded to a ten-thousandth of the scene.
 
     Each frame: time; per skin its points x, y and the stress of its outer fibre; per meshed body its closed lines; rods and links as
@@ -47,7 +47,7 @@ def viewer_data(material: Material) -> dict[str, Any]:
     }
 
 
-def _frame(moment: Configuration, material: Material, digits: int) -> dict[str, Any]:
+def _frame(moment: Configuration, material: ReportMaterial, digits: int) -> dict[str, Any]:
     found = [shape for body in material.skins if (shape := skin_shape(moment, body))]
     solids = material.look.solids
     links = [*map(moment.ends, moment.links()), *moment.wheels()]
@@ -74,21 +74,21 @@ _CAPTIONS = {
 }
 
 
-def motion_sections(material: Material, folder: Path, progress: Progress) -> list[Section]:
+def motion_sections(material: ReportMaterial, folder: Path, progress: Progress) -> list[PageSection]:
     """Sections with pictures of a motion, drawn into the report's folder; none of a planar equilibrium, whose figures show it."""
     return _SECTIONS[material.scene.space](material, folder, progress)
 
 
-def _in_the_plane(material: Material, folder: Path, progress: Progress) -> list[Section]:
+def _in_the_plane(material: ReportMaterial, folder: Path, progress: Progress) -> list[PageSection]:
     if not material.moving:
         return []
     data = viewer_data(material)
     hint = page.typeset(" ".join(_hints(material, data["limit"], bool(data["targets"]))))
     progress("animation", 1, 1)
-    return [Section("motion", "Motion", f"<figure>{page.viewer(data)}<figcaption>{hint}</figcaption></figure>", full=False)]
+    return [PageSection("motion", "Motion", f"<figure>{page.viewer(data)}<figcaption>{hint}</figcaption></figure>", full=False)]
 
 
-def _hints(material: Material, limit: float, target: bool) -> list[str]:
+def _hints(material: ReportMaterial, limit: float, target: bool) -> list[str]:
     """Explanation of the colours and lines of the view."""
     if not material.skins:
         return []
@@ -98,13 +98,15 @@ def _hints(material: Material, limit: float, target: bool) -> list[str]:
     return [colors, "Grey: at the start.", *["Dashes: target."] * target]
 
 
-def _in_space(material: Material, folder: Path, progress: Progress) -> list[Section]:
+def _in_space(material: ReportMaterial, folder: Path, progress: Progress) -> list[PageSection]:
     files = {file.stem: file for file in render_solution(material.solution, folder, width=_PIXELS, animate=material.moving)}
     progress("animation", 1, 1)
     shown = [page.picture(files[name], caption) for name, caption in _CAPTIONS.items() if name in files]
     alone = [page.picture(file, "The scene.") for name, file in files.items() if name.startswith("step-") and len(files) == 1]
     return [
-        Section("motion", "Motion" if material.moving else "Equilibrium", page.pictures(shown or alone), full=False, long=True)
+        PageSection(
+            "motion", "Motion" if material.moving else "Equilibrium", page.pictures(shown or alone), full=False, long=True
+        )
     ]
 
 

@@ -16,7 +16,7 @@ from toolkit.studies.stability.cells import CLASSES
 from toolkit.studies.stability.map_result import MapResult, Of, StabilityResult, verdicts
 from toolkit.studies.stability.maps import Axis
 
-COLORS = ("#5ab4ac", "#f6e8c3", "#e69f00", "#b2450f", "#bdbdbd", "#ffffff")
+CLASS_COLORS = ("#5ab4ac", "#f6e8c3", "#e69f00", "#b2450f", "#bdbdbd", "#ffffff")
 """Colours from light and cool to dark and warm: told apart by all kinds of colour vision, and in grey."""
 LETTERS = ("", "i", "d", "F", "r", "")
 DARK = ("failed",)
@@ -52,7 +52,9 @@ def _panel(panel: Axes, mapped: MapResult, of: Of, labelled: bool) -> None:
     numbers = np.full((len(axes[1].values) if len(axes) > 1 else 1, len(axes[0].values)), CLASSES.index("not run"))
     for at, verdict in verdicts(mapped, of).items():
         numbers[at[1] if len(at) > 1 else 0, at[0]] = CLASSES.index(verdict.name)
-    panel.pcolormesh(numbers, cmap=ListedColormap(COLORS), vmin=-0.5, vmax=len(CLASSES) - 0.5, edgecolors="white", linewidth=1.0)
+    panel.pcolormesh(
+        numbers, cmap=ListedColormap(CLASS_COLORS), vmin=-0.5, vmax=len(CLASSES) - 0.5, edgecolors="white", linewidth=1.0
+    )
     for (row, column), number in np.ndenumerate(numbers):
         color = "white" if CLASSES[number] in DARK else "black"
         panel.text(column + 0.5, row + 0.48, LETTERS[number], ha="center", va="center", fontsize=7, color=color)
@@ -91,7 +93,7 @@ def _legend(study: StabilityResult, sides: Sequence[Of]) -> list[Patch]:
     present = {v.name for each in study.maps for of in sides for v in verdicts(each, of).values()}
     patches = [
         Patch(facecolor=color, edgecolor="0.6", label=f"{letter}  {name}" if letter else name)
-        for name, color, letter in zip(CLASSES, COLORS, LETTERS, strict=True)
+        for name, color, letter in zip(CLASSES, CLASS_COLORS, LETTERS, strict=True)
         if name in present
     ]
     return [*patches, Patch(facecolor="none", edgecolor="black", linewidth=1.6, label="as it stands")]

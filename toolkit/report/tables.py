@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.description.design import label
 from toolkit.foundation.units import unit
 from toolkit.report.answer import Table
-from toolkit.report.material import Material
+from toolkit.report.material import ReportMaterial
 from toolkit.responses.stress import KSStress, gap_bound, kreisselmeier_steinhauser
 from toolkit.scene_file.gradient_units import per, variable_unit
 
@@ -23,14 +23,14 @@ _JUDGES = {
 """Sentences on the methods that gradients are compared with."""
 
 
-def response_table(material: Material) -> Table:
+def response_table(material: ReportMaterial) -> Table:
     """Values of all responses."""
     results = material.results
     rows = [[name, value, results.response_units[name]] for name, value in results.responses.items()]
     return Table(["response", "value", "unit"], rows, "responses", "Responses", "Value of every response of the scene.")
 
 
-def variable_table(material: Material) -> Table:
+def variable_table(material: ReportMaterial) -> Table:
     """Design variables with their values."""
     rows = [
         [n, label(each), each["value"], variable_unit(material.scene, each["path"])]
@@ -39,13 +39,13 @@ def variable_table(material: Material) -> Table:
     return Table(["variable", "path", "value", "unit"], rows, "variables", "Design variables", "What the derivatives are by.")
 
 
-def ks_tables(material: Material) -> list[Table]:
+def ks_tables(material: ReportMaterial) -> list[Table]:
     """Tables of the smooth maximum over its parameter, with the most it can exceed the true one, ln(n) / rho (paper, table 1)."""
     known = {name: response for name, response in material.scene.responses.items() if isinstance(response, KSStress)}
     return [_ks_table(material, name, response) for name, response in known.items()]
 
 
-def _ks_table(material: Material, name: str, response: KSStress) -> Table:
+def _ks_table(material: ReportMaterial, name: str, response: KSStress) -> Table:
     stress, label = response.considered(material.solution), unit(material.scene.units, "stress")
     largest = float(stress.max())
     rows = []
@@ -66,7 +66,7 @@ def _ks_table(material: Material, name: str, response: KSStress) -> Table:
     return Table(head, rows, f"ks_{name}", "Smooth maximum and its parameter", caption)
 
 
-def gradient_table(material: Material) -> Table:
+def gradient_table(material: ReportMaterial) -> Table:
     """Gradients, and how far the other methods are from them (paper, table 2)."""
     results, rows = material.results, []
     for name, slopes in results.gradients.items():
@@ -83,7 +83,7 @@ def gradient_table(material: Material) -> Table:
     return Table(head, rows, "gradients", "Gradients", caption)
 
 
-def cost_table(material: Material) -> Table:
+def cost_table(material: ReportMaterial) -> Table:
     """Wall times (paper, table 3)."""
     run, count = material.results.run, len(material.results.variables)
     primal = np.nan if run["wall_primal"] is None else run["wall_primal"]
@@ -105,7 +105,7 @@ def cost_table(material: Material) -> Table:
     return Table(["analysis", "runs", "wall time in s", "relative to primal"], rows, "cost", "Cost", caption)
 
 
-def settings_table(material: Material) -> Table:
+def settings_table(material: ReportMaterial) -> Table:
     """Solver settings."""
     flat: dict[str, Any] = {}
     for key, value in material.results.settings.items():
@@ -115,7 +115,7 @@ def settings_table(material: Material) -> Table:
     return Table(["setting", "value"], rows, "settings", "Settings", "Everything that the solver was told.")
 
 
-def origin_table(material: Material) -> Table:
+def origin_table(material: ReportMaterial) -> Table:
     """Hashes of the files, versions of the programs."""
     results = material.results
     rows = [["scene file", results.scene.sha256 or "made in Python"]]
@@ -125,7 +125,7 @@ def origin_table(material: Material) -> Table:
     return Table(["file or program", "hash or version"], rows, "origin", "Files and versions", caption)
 
 
-def monitor_table(material: Material) -> list[Table]:
+def monitor_table(material: ReportMaterial) -> list[Table]:
     """Energies and drift at every time."""
     if not material.moving:
         return []
@@ -136,7 +136,7 @@ def monitor_table(material: Material) -> list[Table]:
     return [Table(head, np.column_stack(columns).tolist(), "monitors", "Monitors", "Energies and drift over time.")]
 
 
-def all_tables(material: Material) -> list[Table]:
+def all_tables(material: ReportMaterial) -> list[Table]:
     """Every table that has something in it, in the order of the report."""
     tables = [
         response_table(material), variable_table(material), *ks_tables(material), gradient_table(material), cost_table(material),

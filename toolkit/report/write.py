@@ -17,8 +17,8 @@ from toolkit.report import page
 from toolkit.report.answer import Answer, Record, Table, write
 from toolkit.report.drawing import Drawing
 from toolkit.report.figures import FIGURES_IN
-from toolkit.report.material import Material, Progress
-from toolkit.report.page import Section
+from toolkit.report.material import Progress, ReportMaterial
+from toolkit.report.page import PageSection
 from toolkit.report.sections import motion_sections
 from toolkit.report.tables import all_tables
 from toolkit.results.results_file import save_results
@@ -33,7 +33,7 @@ _SHORT = 8
 """Lines up to which a table stays in one column of the page."""
 
 
-def write_report(material: Material, folder: str | Path, title: str, progress: Progress = lambda *_: None) -> Path:
+def write_report(material: ReportMaterial, folder: str | Path, title: str, progress: Progress = lambda *_: None) -> Path:
     """Write everything into a folder, which is made if it does not exist; the page last, when all that it shows is there.
 
     Raises
@@ -59,7 +59,7 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     answer = Report(material, material.results.verdict, progress)
     write(answer, folder, tables="tables", figures="figures")
     written = [
-        Section(table.name, table.title, page.table(table), len(table.head) > 4, len(table.rows) > _SHORT)
+        PageSection(table.name, table.title, page.table(table), len(table.head) > 4, len(table.rows) > _SHORT)
         for table in answer.tables()
         if table.name != "monitors"
     ]
@@ -77,7 +77,7 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
 class Report(Answer):
     """Everything about a run."""
 
-    result: Material
+    result: ReportMaterial
     progress: Progress
 
     name = "numbers"
@@ -104,7 +104,7 @@ class Report(Answer):
         return found
 
 
-def summary(material: Material) -> str:
+def summary(material: ReportMaterial) -> str:
     """Summary of the work in a few sentences."""
     results, solution = material.results, material.solution
     what = (
@@ -123,25 +123,25 @@ def summary(material: Material) -> str:
     )
 
 
-def _figure_sections(drawn: dict[str, list[Drawing]], folder: Path) -> list[Section]:
+def _figure_sections(drawn: dict[str, list[Drawing]], folder: Path) -> list[PageSection]:
     """One section per kind of figure."""
     sections = []
     for kind, own in drawn.items():
         if own:
             body = page.pictures([page.picture(folder / f"{each.name}.svg", each.caption) for each in own])
             title = own[0].title if len(own) == 1 else kind.replace("_", " ").capitalize()
-            sections.append(Section(kind, title, body, full=False, long=len(own) > 1))
+            sections.append(PageSection(kind, title, body, full=False, long=len(own) > 1))
     return sections
 
 
-def _trust(material: Material) -> Section:
+def _trust(material: ReportMaterial) -> PageSection:
     """Section on whether the numbers of the report can be trusted, and why not."""
     head, *reasons = str(material.results.verdict).splitlines()
     listed = page.bullets([reason.removeprefix("- ") for reason in reasons]) if reasons else ""
-    return Section("trust", "Whether to trust these numbers", page.paragraph(head) + listed, full=False, long=True)
+    return PageSection("trust", "Whether to trust these numbers", page.paragraph(head) + listed, full=False, long=True)
 
 
-def _missing(material: Material) -> Section:
+def _missing(material: ReportMaterial) -> PageSection:
     """Section on what this report does not contain, and how to get it."""
     lines = []
     if material.results.variables and not material.judges:
@@ -155,17 +155,17 @@ def _missing(material: Material) -> Section:
         )
     if not material.moving:
         lines.append("There are no curves over time, because this is an equilibrium.")
-    return Section("missing", "Not in this report", "".join(page.paragraph(line) for line in lines), full=False)
+    return PageSection("missing", "Not in this report", "".join(page.paragraph(line) for line in lines), full=False)
 
 
-def _again(material: Material) -> Section:
+def _again(material: ReportMaterial) -> PageSection:
     """Section on how to repeat the report."""
     record = material.results.scene
     changes = "".join(f" --set {key}={value}" for key, value in record.changes.items())
     text = "Everything can be computed again from the scene below and the reduced models whose hashes are above, with:"
     command = f"ffrf report scene.toml{changes} --output report"
     scene = record.text or json.dumps(record.table, indent=2)
-    return Section("again", "To repeat it", page.paragraph(text) + page.listing(command) + page.listing(scene))
+    return PageSection("again", "To repeat it", page.paragraph(text) + page.listing(command) + page.listing(scene))
 
 
 def refuse_foreign_files(folder: Path, own: Path | None = None) -> None:

@@ -8,14 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.kernels.constant_kernel import Constant
+from toolkit.bodies.kernels.constant_kernel import ConstantTerms
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.near_ties import spread
 from toolkit.linear.linear_solver import strain_rows
 from toolkit.responses.over_time import OverTime
 from toolkit.responses.response import Instant, Partials, Response, slope_at
-from toolkit.system.flexible_bodies import deforming
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, deforming
 
 
 class Energy(Instant):
@@ -83,7 +82,9 @@ class StrainEnergy(Energy):
         return Partials((q @ by_entries + strain @ force) / 2, q=by_entries + rows.T @ force, design=design)
 
 
-def _add_changes_of_strains(part: Constant, q: np.ndarray, strain: np.ndarray, force: np.ndarray, design: np.ndarray) -> None:
+def _add_changes_of_strains(
+    part: ConstantTerms, q: np.ndarray, strain: np.ndarray, force: np.ndarray, design: np.ndarray
+) -> None:
     """Add the energy's derivatives by all design variables at a fixed state, given the strains there and their forces."""
     changes = part.design_strains
     if not len(changes.row):

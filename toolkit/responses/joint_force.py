@@ -24,8 +24,7 @@ from toolkit.joints.kernels.spatial_joint import NUMBERS, change_spatial_number,
 from toolkit.responses.least_squares_forces import least_squares_forces, lengths_of_joints
 from toolkit.responses.response import Instant, Partials, magnitude
 from toolkit.scene.space import PLANE, SPACE, Space
-from toolkit.system.marker_states import MarkerStates
-from toolkit.system.solution import Solution
+from toolkit.system.solution import MarkerStates, Solution
 from toolkit.system.system import System
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]

@@ -27,8 +27,7 @@ from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.static.continuation import to_full_load
 from toolkit.solvers.static.equilibrium import PART, Equilibrium, find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.static.static_start import start_of_path
-from toolkit.system.solution import Solution
-from toolkit.system.static_path import StaticPath
+from toolkit.system.solution import Solution, StaticPath
 from toolkit.system.system import System, compile_scene
 
 
@@ -101,7 +100,7 @@ STRAYS = 0.1
 FREQUENCY = Frequency()
 
 
-class Way(NamedTuple):
+class LoadWay(NamedTuple):
     """Path of a static load, on which equilibria are found by their load factors."""
 
     solution: Solution
@@ -230,6 +229,6 @@ class LeastFrequency(Response):
                 'solver.equilibrium = "spinning" or solver.continuation = "arc-length".'
             )
         real = system if system.compiled else compile_scene(real_scene(system.scene))
-        way = Way(replace(solution, system=real), options, solution.path or path_from_rest(real, options))
+        way = LoadWay(replace(solution, system=real), options, solution.path or path_from_rest(real, options))
         factor = way.softest()
         return frequency_at(solution, options, factor, way.state(factor))

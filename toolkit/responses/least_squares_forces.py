@@ -28,9 +28,8 @@ from toolkit.equations.equations import allocate_work
 from toolkit.joints.kernels.planar_joint import evaluate_planar_joint
 from toolkit.joints.kernels.spatial_joint import evaluate_spatial_joint
 from toolkit.scene.space import PLANE, SPACE
-from toolkit.system.marker_states import MarkerStates, marker_states
 from toolkit.system.redundant_joints import joint_terms
-from toolkit.system.solution import Solution
+from toolkit.system.solution import MarkerStates, Solution, marker_states
 from toolkit.system.system import System
 
 Wrenches = Callable[[np.ndarray], tuple[np.ndarray, ...]]

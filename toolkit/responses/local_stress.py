@@ -16,8 +16,7 @@ from toolkit.reduced_model.model import ReducedModel
 from toolkit.responses.response import Instant, Partials
 from toolkit.responses.stress import design_rates, kreisselmeier_steinhauser, point_slope, point_stress, stress_operator
 from toolkit.scene.resolution import ResolvedScene
-from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, elastic_coordinates, flexible_body
 
 FAR = 0.25
 """Part of a body's extent that the nearest stress point may be away from the place that is asked for."""

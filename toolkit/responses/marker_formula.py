@@ -22,8 +22,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.responses.response import STATES, Instant, Partials, magnitude
-from toolkit.system.marker_states import MarkerStates
-from toolkit.system.solution import Solution
+from toolkit.system.solution import MarkerStates, Solution
 from toolkit.system.system import System
 
 

@@ -14,8 +14,7 @@ from toolkit.foundation.kernel import plain
 from toolkit.joints.kernels.laws import angle_of
 from toolkit.kinematics.orientation import axes_along
 from toolkit.responses.response import OnePoint, Partials, magnitude, refuse_axis
-from toolkit.system.marker_states import MarkerStates
-from toolkit.system.solution import Solution
+from toolkit.system.solution import MarkerStates, Solution
 
 
 class MarkerResponse(OnePoint):

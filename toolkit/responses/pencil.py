@@ -18,7 +18,7 @@ from toolkit.foundation.kernel import plain
 from toolkit.solvers.free_motions import all_roots, free_motions, is_zero, refined
 from toolkit.solvers.spin_axis import Linearised, angular_velocity, generator, linearised, of_terms
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
-from toolkit.system.formulas import plain_formulas_of
+from toolkit.system.evaluation import plain_formulas_of
 from toolkit.system.solution import Solution
 
 STEP = 1e-30

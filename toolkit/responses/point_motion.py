@@ -15,8 +15,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.responses.marker_formula import MarkerFormula, MarkerVector, Motion, one_of, place_of, refuse_component
 from toolkit.responses.response import Instant, OnePoint, Partials
 from toolkit.scene.resolution import ResolvedScene
-from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, elastic_coordinates, flexible_body
 
 
 class OfRates(Instant):

@@ -18,28 +18,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.cut.framed_part import elements_at, whole_design
-from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
+from toolkit.bodies.cut_body import CutBody, PlanarCutBody
+from toolkit.bodies.framed_part import elements_at, whole_design
 from toolkit.compilation.quantities import STEP
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
 from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.kinematics.orientation import rotation
-from toolkit.reduced_model.cut.chain import Place, chain_nodes
+from toolkit.reduced_model.cut_chain import ChainPlace, chain_nodes
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.model import Shape
 from toolkit.responses.response import Instant, MeanSquare, Partials
 from toolkit.responses.stress import design_rates
 from toolkit.scene.resolution import ResolvedScene, clamped_nodes
-from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, design_point, elastic_coordinates, flexible_body
 
 TILDE = np.array([[0.0, -1.0], [1.0, 0.0]])
 """A quarter turn: A' = A TILDE."""
 
 
-class Rows(NamedTuple):
+class ShapeRows(NamedTuple):
     """Coordinates and shape functions of all nodes, in the order of their numbers, each in the frame of its part.
 
     Parts with fewer coordinates are filled up with one behind the last, which is zero.
@@ -51,7 +49,7 @@ class Rows(NamedTuple):
     angle: np.ndarray  # (n_nodes, 1 + n_f) T_P
 
 
-class Seen(NamedTuple):
+class ShapeDependence(NamedTuple):
     """Places and angles of nodes (k), or of the axes of the whole, in one state, with derivatives by the body's coordinates."""
 
     place: np.ndarray  # (k, 2)
@@ -97,12 +95,12 @@ def whole_axes(scene: ResolvedScene, name: str, q: np.ndarray) -> tuple[np.ndarr
     return axes.place[0], float(axes.angle[0]), origin
 
 
-def _rows(scene: ResolvedScene, name: str) -> Rows:
+def _rows(scene: ResolvedScene, name: str) -> ShapeRows:
     return _rows_of(Itself(scene), name)
 
 
 @lru_cache(maxsize=8)
-def _rows_of(same: Itself[ResolvedScene], name: str) -> Rows:
+def _rows_of(same: Itself[ResolvedScene], name: str) -> ShapeRows:
     """Coordinates and shape functions of a cut body's nodes; a node between two parts belongs to the second."""
     scene, found = same.item, []
     body = scene.bodies[name]
@@ -111,14 +109,14 @@ def _rows_of(same: Itself[ResolvedScene], name: str) -> Rows:
     for start, part in zip(body.starts, parts.values(), strict=False):
         assembled = part.part(scene)
         for element in range(part.first, part.last):
-            found.append((start, *assembled.at(Place(element, 0.0))))
-    found.append((start, *assembled.at(Place(element, 1.0))))
+            found.append((start, *assembled.at(ChainPlace(element, 0.0))))
+    found.append((start, *assembled.at(ChainPlace(element, 1.0))))
     order = chain_nodes(elements_at(whole_design(scene, name)).connectivity)
     assert order is not None
     return _side_by_side([found[k] for k in np.argsort(order)], body.starts[-1])
 
 
-def _side_by_side(found: list[tuple[int, np.ndarray, np.ndarray]], behind: int) -> Rows:
+def _side_by_side(found: list[tuple[int, np.ndarray, np.ndarray]], behind: int) -> ShapeRows:
     """Arrays of all nodes from the first coordinate, Z_P and T_P of each; `behind` numbers the coordinate that does not exist."""
     counts = [len(angle) - 1 for _, _, angle in found]
     dtype = np.result_type(*(array for _, *arrays in found for array in arrays))
@@ -127,10 +125,10 @@ def _side_by_side(found: list[tuple[int, np.ndarray, np.ndarray]], behind: int) 
     for k, (count, (start, place, turn)) in enumerate(zip(counts, found, strict=True)):
         elastic[k, :count] = start + 3 + np.arange(count)
         position[k, :, : 1 + count], angle[k, : 1 + count] = place, turn
-    return Rows(np.array([start for start, _, _ in found]), elastic, position, angle)
+    return ShapeRows(np.array([start for start, _, _ in found]), elastic, position, angle)
 
 
-def _seen(rows: Rows, q: np.ndarray) -> Seen:
+def _seen(rows: ShapeRows, q: np.ndarray) -> ShapeDependence:
     state = np.append(q, 0)[rows.elastic]
     node, r, theta = np.arange(len(rows.frame)), q[rows.frame[:, None] + [0, 1]], q[rows.frame + 2]
     turned = np.moveaxis(rotation(theta), -1, 0)
@@ -142,21 +140,23 @@ def _seen(rows: Rows, q: np.ndarray) -> Seen:
     place_q[node[:, None], :, rows.elastic] = np.swapaxes(turned @ rows.position[:, :, 1:], 1, 2)
     angle_q[node[:, None], rows.elastic] = rows.angle[:, 1:]
     angle = theta + rows.angle[:, 0] + np.einsum("kf,kf->k", rows.angle[:, 1:], state)
-    return Seen(r + inside, angle, place_q[:, :, :-1], angle_q[:, :-1])
+    return ShapeDependence(r + inside, angle, place_q[:, :, :-1], angle_q[:, :-1])
 
 
-def _axes(scene: ResolvedScene, name: str, body: PlanarCutBody, rows: Rows, q: np.ndarray) -> tuple[Seen, np.ndarray]:
+def _axes(
+    scene: ResolvedScene, name: str, body: PlanarCutBody, rows: ShapeRows, q: np.ndarray
+) -> tuple[ShapeDependence, np.ndarray]:
     """Axes of the undeformed whole (X_0 and psi) in one state, and the reference point x_0."""
     if body.frame == "grounded":
         still = np.zeros((1, 2, len(q)))
-        return Seen(np.array([body.position]), np.array([body.angle]), still, still[:, 0]), np.zeros(2)
+        return ShapeDependence(np.array([body.position]), np.array([body.angle]), still, still[:, 0]), np.zeros(2)
     held = clamped_nodes(scene.model(body.model, "elements", "mesh"))
     if len(held) != 1:
         raise InputError(
             f"the shape of body {name!r} is looked at from the node that its model clamps, but that is not one node "
             f"({scene.model(body.model).reference_condition}). Clamp the model at a node, or leave `frames` out."
         )
-    return _seen(Rows(*(array[held] for array in rows)), q), rows.position[held[0], :, 0]
+    return _seen(ShapeRows(*(array[held] for array in rows)), q), rows.position[held[0], :, 0]
 
 
 KEPT = 64

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import scipy
 
-from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut_body import CutBody
 from toolkit.bodies.model_body import DEPENDENCE
 from toolkit.compilation.quantities import STEP
 from toolkit.description.description import Positive, Quantity
@@ -26,8 +26,7 @@ from toolkit.reduced_model.model import place_parameter
 from toolkit.responses.response import Partials, Response, felt_steps
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, design_point, elastic_coordinates, flexible_body
 
 
 def kreisselmeier_steinhauser(values: np.ndarray, aggregation: float) -> tuple[complex, np.ndarray]:

@@ -18,8 +18,7 @@ from toolkit.foundation.files.hdf5 import Content, reading, schema_of, write_arr
 from toolkit.kept_run import layout
 from toolkit.kept_run.end_state import about_of, check_schema
 from toolkit.kept_run.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
-from toolkit.results.collect import collect
-from toolkit.results.results import BodyResults, Results
+from toolkit.results.results import BodyResults, Results, collect
 
 if TYPE_CHECKING:
     import h5py

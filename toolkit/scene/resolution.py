@@ -10,18 +10,17 @@ import numpy as np
 from pydantic import PrivateAttr
 
 from toolkit.bodies.body import Body
-from toolkit.bodies.cut.cut_body import CutBody, part_name, part_number
-from toolkit.bodies.cut.cuttable_body import CuttableBody
-from toolkit.bodies.cut.framed_part import NODE, place_on
+from toolkit.bodies.cut_body import CutBody, part_name, part_number
+from toolkit.bodies.cuttable_body import CuttableBody
+from toolkit.bodies.framed_part import NODE, place_on
 from toolkit.bodies.model_body import FRAME, ModelBody, refuse_unknown
 from toolkit.description.design import BodyPoint, Point
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
 from toolkit.joints.rigid_joint import Tie
-from toolkit.reduced_model.cut.chain import breaks, chain_nodes, node_labels, place_at, place_of
+from toolkit.reduced_model.cut_chain import breaks, chain_nodes, node_labels, place_at, place_of
 from toolkit.reduced_model.model import ReducedModel, place_parameter
-from toolkit.scene.names import known
-from toolkit.scene.scene import Scene
+from toolkit.scene.scene import Scene, known
 
 T = TypeVar("T")
 

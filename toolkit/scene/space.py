@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from toolkit.bodies.body import Body, PlanarBody, SpatialBody
-from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut_body import CutBody, PlanarCutBody, SpatialCutBody
 from toolkit.bodies.ground import Ground, SpatialGround
-from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
-from toolkit.bodies.spatial.cut.cut_body import SpatialCutBody
 from toolkit.description.description import Registered
 from toolkit.joints.joint import PlanarJoint, SpatialJoint
 from toolkit.joints.kernels.records import ROWS, SPATIAL_ROWS

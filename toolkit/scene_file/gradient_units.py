@@ -2,15 +2,100 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.description.description import Measure
+from toolkit.description.description import Description, Measure
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.units import LABELLED, NONE, Dimension, unit
+from toolkit.foundation.units import LABELLED, NONE, Dimension, factor, unit
+from toolkit.reduced_model.conversion import converted_model
+from toolkit.reduced_model.file import load, save
 from toolkit.responses.response import Response
-from toolkit.scene.measures import number_measure
-from toolkit.scene.scene import Scene
+from toolkit.scene.design_variables import measure_in, number_measure
+from toolkit.scene.scene import GROUPS, Scene
+
+
+def dimensions(scene: Scene) -> dict[str, Dimension]:
+    """Path -> dimension of every number that the scene writes.
+
+    Raises
+    ------
+    InputError
+        Nobody has said what the number of a component is: names class and field.
+    """
+    found = dict(_below("solver", scene.solver, scene))
+    for group in GROUPS:
+        for name, item in getattr(scene, group).items():
+            found |= _below(f"{group}.{name}", item, scene)
+    return found
+
+
+def number_dimension(scene: Scene, path: str) -> Dimension:
+    """Dimension of one number: one that the scene writes, or a parameter of a reduced model that it leaves at its nominal value.
+
+    Raises
+    ------
+    InputError
+        As `dimensions`.
+    """
+    return number_measure(scene, path).dimension
+
+
+def response_dimension(response: Response) -> Dimension:
+    """Dimension of a response's value."""
+    return response.physical_dimension
+
+
+def _below(where: str, item: Description, scene: Scene) -> Iterator[tuple[str, Dimension]]:
+    for path, _ in item.numbers():
+        yield f"{where}.{path}", measure_in(item, path.split("."), scene).dimension
+
+
+def converted(scene: Scene, units: str, directory: Path) -> Scene:
+    """Scene with all numbers in another unit system; its results are the same to round-off, in the new units.
+
+    Parameters
+    ----------
+    scene : Scene
+    units : "m-kg-s" or "mm-t-s"
+    directory : folder that the converted reduced models are written to
+
+    Raises
+    ------
+    InputError
+        The unit system is unknown, or a kind of component whose numbers nobody has given a dimension.
+    """
+    found = scene
+    for path, dimension in dimensions(scene).items():
+        by = factor(dimension, scene.units, units)
+        if by != 1:
+            found = found.with_number(path, np.multiply(by, scene.number(path)).item())
+    bodies = {name: _with_model(scene, body, units, directory) for name, body in found.bodies.items()}
+    return found.model_copy(update={"units": units, "bodies": bodies, "directory": directory})
+
+
+def _with_model(scene: Scene, body, units: str, directory: Path):
+    if not isinstance(body, ModelBody):
+        return body
+    models = sorted({each.model for each in scene.bodies.values() if isinstance(each, ModelBody)})
+    name = f"{Path(body.model).stem}_{models.index(body.model)}_{units}.h5"
+    save(converted_model(load(scene.directory / body.model), units), directory / name)
+    return body.model_copy(update={"model": name})
+
+
+def response_factor(scene: Scene, response: str, units: str) -> float:
+    """Factor that turns the value of a response into other units."""
+    found = scene.responses[response]
+    return factor(response_dimension(found), scene.units, units) if isinstance(found, Response) else 1.0
+
+
+def number_factor(scene: Scene, path: str, units: str) -> float:
+    """Factor that turns the number at a path into other units."""
+    return factor(number_dimension(scene, path), scene.units, units)
+
 
 _BASE = ("mass", "length", "time")
 

@@ -20,8 +20,7 @@ from toolkit.responses.response import Instant
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.design_variables import refuse_wrong_variables
 from toolkit.scene.kinds import DIMENSIONS, kinds_of
-from toolkit.scene.names import GROUPS
-from toolkit.scene.scene import Scene
+from toolkit.scene.scene import GROUPS, Scene
 
 
 def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:

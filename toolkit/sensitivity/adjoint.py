@@ -57,7 +57,7 @@ PIECE, SMALL = 200, 30_000
 does not take their memory back after each copy."""
 
 
-class Sweep(NamedTuple):
+class BackwardSweep(NamedTuple):
     """What all steps of a backward run share, what one leaves to the one before, and the gradient (n_x, n_r) that grows."""
 
     system: System
@@ -73,7 +73,7 @@ class Sweep(NamedTuple):
     start: np.ndarray  # (3, 1, n) q, v and [a; lam] of the start, once the sweep is there
 
 
-def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int) -> Sweep:
+def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int) -> BackwardSweep:
     """Nothing swept yet; `times` (n_t,) are those of the run."""
     lengths = step_lengths(times)
     to_each = np.append(lengths[:1], lengths)
@@ -84,11 +84,15 @@ def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int
     gradient, start = np.zeros((system.n_x, n_r)), np.zeros((3, 1, system.n))
     scheme, places = scheme_of(options), transposition(system)
     packed = in_memory(memory)
-    return Sweep(system, options, to_each, ratios, relaxed(to_each), scheme, places, memory, packed, gradient, start)
+    return BackwardSweep(system, options, to_each, ratios, relaxed(to_each), scheme, places, memory, packed, gradient, start)
 
 
 def sweep(
-    state: Sweep, window: Solution, first: int, found: Sequence[Partials], progress: Callable[[int], None] = lambda _: None
+    state: BackwardSweep,
+    window: Solution,
+    first: int,
+    found: Sequence[Partials],
+    progress: Callable[[int], None] = lambda _: None,
 ) -> None:
     """Go backwards through a window whose first state is that of step `first`; `found` are partials by the window's states.
 
@@ -108,7 +112,7 @@ def sweep(
         progress(first + piece.start)
 
 
-def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found: Sequence[Partials]) -> None:
+def _sweep_piece(state: BackwardSweep, window: Solution, piece: slice, first: int, found: Sequence[Partials]) -> None:
     system, steps = state.system, slice(first + piece.start, first + piece.stop)
     begins, ends = steps.start == 0, steps.stop == len(window.whole_run)
     by = tuple(_stacked(system, piece, found, *names) for names in (("q",), ("v",), ("a", "multipliers")))
@@ -123,7 +127,7 @@ def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found
 
 
 def _run_back(
-    state: Sweep, plan: Plan, times: np.ndarray, steps: tuple, bounds: tuple[bool, bool], states: np.ndarray, by: tuple
+    state: BackwardSweep, plan: Plan, times: np.ndarray, steps: tuple, bounds: tuple[bool, bool], states: np.ndarray, by: tuple
 ) -> None:
     system = state.system
     failed = system.run(
@@ -137,7 +141,7 @@ def _run_back(
         )
 
 
-def end_sweep(state: Sweep) -> np.ndarray:
+def end_sweep(state: BackwardSweep) -> np.ndarray:
     """The start's part added: the gradient (n_x, n_r)."""
     system, n_r = state.system, state.gradient.shape[1]
     q_bar, v_bar, acc_bar = (each[:, :n_r] for each in state.memory.bars[:3])
@@ -155,7 +159,7 @@ def end_sweep(state: Sweep) -> np.ndarray:
     return state.gradient
 
 
-def _through_accelerations(state: Sweep) -> None:
+def _through_accelerations(state: BackwardSweep) -> None:
     """Back from [a; lam] of the start to its coordinates and velocities, as a step of no length.
 
     States of loads have no mass, and start without acceleration, whatever the design is.

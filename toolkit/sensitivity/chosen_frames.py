@@ -20,17 +20,16 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.cut.cuttable_body import ChosenFrames, CuttableBody
+from toolkit.bodies.cuttable_body import ChosenFrames, CuttableBody
 from toolkit.description.run_options import time_grid
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError, InputError, SingularSystemError
 from toolkit.kept_run.end_state import end_state
 from toolkit.scene.resolution import branches, fewest_cut, loaded, most_frames
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import Kind, frozen, prepare, solve
-from toolkit.system.flexible_bodies import elements_of
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, elements_of
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
-from toolkit.validity.bodies.cut.places import has_places, is_moving, largest_displacement, node_places, relative_distance
+from toolkit.validity.bodies.deformation import has_places, is_moving, largest_displacement, node_places, relative_distance
 
 Frames = int | tuple[int | str, ...]
 

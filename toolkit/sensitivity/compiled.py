@@ -12,10 +12,10 @@ from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.chosen_frames import Choices, Frames, automatic, chosen_frames, with_choices, with_frames
 from toolkit.sensitivity.preparation import Kind, prepare
-from toolkit.system.model_files import FileStates, file_states
+from toolkit.system.evaluation import FileStates, file_states
 from toolkit.system.renewal import renewed
 from toolkit.system.system import System
-from toolkit.validity.bodies.reduced.frozen_bases import with_richer_bases
+from toolkit.validity.bodies.few_shapes import with_richer_bases
 
 
 @dataclass(frozen=True)

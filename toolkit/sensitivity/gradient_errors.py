@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut_body import CutBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.energy import Largest, magnitude_that_counts
@@ -24,8 +24,8 @@ from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
-from toolkit.validity.bodies.tension.pulled_joints import STEEP, lacking_joints
-from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
+from toolkit.validity.bodies.pulled_joints import STEEP, lacking_joints
+from toolkit.validity.bodies.stiffened_bodies import most_pulled
 
 SMALL = 5e-4
 """Geometric error by the meter up to which gradients are not examined: where the parts of a wing leave 6e-4, a gradient is off by 6 %, and

@@ -44,20 +44,18 @@ from toolkit.sensitivity.gradient_errors import (
 )
 from toolkit.sensitivity.preparation import moving, prepare, responses_of, variable_sizes
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.compressed.merging_vibrations import merging_vibrations
+from toolkit.validity.bodies.few_shapes import frozen_bodies
 from toolkit.validity.bodies.frequencies import cautions_of_frequencies
+from toolkit.validity.bodies.full_scene import cautions_of_changed
+from toolkit.validity.bodies.merging_vibrations import merging_vibrations
 from toolkit.validity.bodies.physics import critical_loads
-from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
-from toolkit.validity.bodies.reduced.frozen_bases import frozen_bodies
-from toolkit.validity.bodies.shear.sheared_vibrations import sheared_vibrations
-from toolkit.validity.bodies.tension.steep_joints import steep_joints
-from toolkit.validity.bodies.tension.stiffened_bodies import most_pulled
-from toolkit.validity.bodies.tension.tension_cautions import tension
-from toolkit.validity.curves.moved_curves import unseen_moves
-from toolkit.validity.dead_points.cautions import dead_points_passed
+from toolkit.validity.bodies.pulled_joints import steep_joints, tension
+from toolkit.validity.bodies.sheared_beams import sheared_vibrations
+from toolkit.validity.bodies.stiffened_bodies import most_pulled
+from toolkit.validity.curve_checks import unseen_moves
+from toolkit.validity.dead_points import dead_points_passed
 from toolkit.validity.judge import cautions, measures
-from toolkit.validity.motion.motion import SUSPICIOUS
-from toolkit.validity.motion.noisy_forces import force_cautions
+from toolkit.validity.motion import SUSPICIOUS, force_cautions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -434,7 +432,7 @@ class Run:
         return "".join(table.html() for table in self._tables()) + f"<pre>{escape(str(self.verdict))}</pre>"
 
     def _tables(self) -> list[Any]:
-        from toolkit.results.short_tables import table_of_gradients, table_of_values
+        from toolkit.results.tables import table_of_gradients, table_of_values
 
         return [table for table in (table_of_values(self), table_of_gradients(self)) if table is not None]
 
@@ -482,7 +480,7 @@ def load(path: str | Path, models: str | Path | None = None) -> Run:
 
 def restored(results: Results, models: str | Path | None = None) -> Run:
     """Run whose results were kept, with its scene compiled as if it had just been solved; arguments and errors as of `load`."""
-    from toolkit.results.collect import restore_scene
+    from toolkit.results.results import restore_scene
 
     system = prepare(restore_scene(results, models), results.design)
     n_q, names = system.n_q, list(system.numbering.names)

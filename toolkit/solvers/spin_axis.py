@@ -120,7 +120,7 @@ STEADY = 1e-6
 """Part of the square of the rate by which it may change: a force of that part of the centrifugal ones."""
 
 
-class Spin(NamedTuple):
+class SceneSpin(NamedTuple):
     """Spin that the driver asks for: angular velocity omega (1,), in space (3,), and centre (d,).
 
     Their derivatives (..., n_x) and the driver's time curve stand beside them.
@@ -148,7 +148,7 @@ class Spin(NamedTuple):
         return [Generator(np.imag(each.matrix) / STEP, np.imag(each.offset) / STEP) for each in stepped]
 
 
-def spin_of(system: System, options: RunOptions, inputs: Inputs) -> Spin:
+def spin_of(system: System, options: RunOptions, inputs: Inputs) -> SceneSpin:
     """Spin at the end time, at which `inputs` holds the values of the drivers' curves.
 
     Raises
@@ -185,12 +185,12 @@ def spin_of(system: System, options: RunOptions, inputs: Inputs) -> Spin:
     rate, drate, curve = sign * rates[name], np.zeros(n_x), system.plan.joints.curve[j]
     for pair in np.flatnonzero(system.plan.curve_index == curve):
         drate[system.plan.curve_variable[pair]] += sign * inputs.curves_x[pair, 1]
-    found = Spin(rate * axis, centre, np.real(axis[:, None] * drate + rate * daxis), dcentre, curve)
+    found = SceneSpin(rate * axis, centre, np.real(axis[:, None] * drate + rate * daxis), dcentre, curve)
     _refuse_what_cannot_turn(system, found, name)
     return found
 
 
-def refuse_acceleration(spin: Spin, inputs: Inputs, options: RunOptions) -> None:
+def refuse_acceleration(spin: SceneSpin, inputs: Inputs, options: RunOptions) -> None:
     """Refuse a driver whose rate changes at the end time: bodies then lag behind it, which no steady state shows.
 
     Raises
@@ -216,7 +216,7 @@ def _centre_and_axis(system: System, numbers: np.ndarray) -> tuple[np.ndarray, n
     return (numbers[:2], np.ones(1)) if system.scene.space.rotations_add else (numbers[:3], numbers[9:12])
 
 
-def _refuse_what_cannot_turn(system: System, spin: Spin, driver: str) -> None:
+def _refuse_what_cannot_turn(system: System, spin: SceneSpin, driver: str) -> None:
     axis, scene = np.real(spin.omega) / spin.speed, system.scene
     for name, body in scene.bodies.items():
         if body.moves and not body.turns:

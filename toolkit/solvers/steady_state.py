@@ -15,7 +15,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError, retold
 from toolkit.foundation.near_ties import first_largest
-from toolkit.solvers.spin_axis import Generator, Spin, balancing, linearised, moved, refuse_acceleration, spin_of
+from toolkit.solvers.spin_axis import Generator, SceneSpin, balancing, linearised, moved, refuse_acceleration, spin_of
 from toolkit.solvers.static.equilibrium import FAR, LEVELS, ROUND_OFF
 from toolkit.system.system import System
 
@@ -172,7 +172,7 @@ def _balancing(system: System, inputs: Inputs, motion: Generator, part: float, q
     return balancing(system, there.by_acc[:n_q, n_q:], there.residual[:n_q])
 
 
-def _turned_start(system: System, inputs: Inputs, spin: Spin) -> np.ndarray:
+def _turned_start(system: System, inputs: Inputs, spin: SceneSpin) -> np.ndarray:
     """Given positions of the scene, turned with the driver to the end time."""
     whole = spin.generator(system)
     real = Generator(np.real(whole.matrix), np.real(whole.offset))
@@ -184,7 +184,7 @@ def _turned_start(system: System, inputs: Inputs, spin: Spin) -> np.ndarray:
     return found.astype(system.dtype)
 
 
-def _refuse_before(system: System, inputs: Inputs, spin: Spin) -> None:
+def _refuse_before(system: System, inputs: Inputs, spin: SceneSpin) -> None:
     """Refuse joints that open in the given positions, if they are closed there.
 
     This comes before Newton looks for a state that does not exist.
@@ -195,7 +195,7 @@ def _refuse_before(system: System, inputs: Inputs, spin: Spin) -> None:
         _refuse_joints_that_open(system, inputs, spin, given)
 
 
-def _refuse_joints_that_open(system: System, inputs: Inputs, spin: Spin, q: np.ndarray) -> None:
+def _refuse_joints_that_open(system: System, inputs: Inputs, spin: SceneSpin, q: np.ndarray) -> None:
     """Refuse a joint that does not let the scene turn as its driver asks."""
     n_q, velocity = system.n_q, spin.generator(system).velocity(q)
     rates = linearised(system, inputs._replace(levels=RATES), q, velocity, np.zeros(system.n)).residual[n_q:]
@@ -217,7 +217,7 @@ class Explicit(NamedTuple):
 
 
 def _explicit(
-    system: System, inputs: Inputs, spin: Spin, motion: Generator, q: np.ndarray, multipliers: np.ndarray
+    system: System, inputs: Inputs, spin: SceneSpin, motion: Generator, q: np.ndarray, multipliers: np.ndarray
 ) -> tuple[Explicit, np.ndarray]:
     """Derivatives at held coordinates and multipliers, and the matrix (n, n) of the equations of [q; lam]."""
     v, acc = moved(motion, q, multipliers)
@@ -231,7 +231,7 @@ def _explicit(
 
 
 def _derivatives(
-    system: System, inputs: Inputs, spin: Spin, motion: Generator, q: np.ndarray, multipliers: np.ndarray
+    system: System, inputs: Inputs, spin: SceneSpin, motion: Generator, q: np.ndarray, multipliers: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Design derivatives of q, v and [a; lam]."""
     n_q, S = system.n_q, motion.matrix

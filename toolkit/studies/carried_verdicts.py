@@ -29,14 +29,12 @@ from toolkit.sensitivity.errors.step_error import LENIENT
 from toolkit.sensitivity.gradient_errors import SMALL, UNCERTAIN, FrameErrors, Slopes, doubtful_gradients
 from toolkit.sensitivity.preparation import response_scales, typical_size, variable_sizes
 from toolkit.sensitivity.run import UNIMPORTANT, Run
-from toolkit.system.flexible_bodies import deforming, elastic_coordinates
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, deforming, elastic_coordinates
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
-from toolkit.validity.bodies.compressed.critical_load import Compression, compression
+from toolkit.validity.bodies.critical_load import Compression, compression
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.judge import codes_of_instabilities, instabilities
-from toolkit.validity.motion.motion import ENERGY
-from toolkit.validity.motion.noisy_forces import NOISY
+from toolkit.validity.motion import ENERGY, NOISY
 
 OF_A_SCENE = 0.1
 """Part of the model size that changes of positions are compared with, where these are nearer to the origin."""
@@ -190,7 +188,7 @@ BY_HALF_STEPS = "energy"
 """Code of a caution that a comparison with half the step makes a doubt or a remark: it is measured at every design."""
 
 
-class Answers(NamedTuple):
+class DesignAnswers(NamedTuple):
     """Indicators, gradients and sizes of variables of a design, by which a verdict is carried, and cautions about its own stability."""
 
     indicators: Indicators
@@ -228,18 +226,18 @@ class Measured(NamedTuple):
         return frozenset(each.code for each in self.verdict.warnings if each.doubt) - _own_codes()
 
 
-class Carried(NamedTuple):
+class CarriedVerdict(NamedTuple):
     """A design that a verdict is carried from, and its distance."""
 
     source: int
     distance: float
 
 
-def answers(result: Run, judged: bool = False) -> Answers:
+def answers(result: Run, judged: bool = False) -> DesignAnswers:
     """Numbers of a run that verdicts are carried by; of one that is judged itself, without cautions that its own verdict has already."""
     sizes = sizes_of_variables(result) if result.gradients else {}
     unstable = () if judged else tuple(instabilities(result.solution, result.values))
-    return Answers(indicators(result), result.gradients, sizes, unstable)
+    return DesignAnswers(indicators(result), result.gradients, sizes, unstable)
 
 
 def measured(result: Run, alone: bool = False) -> Measured:
@@ -298,7 +296,7 @@ class CarriedVerdicts:
         Number of a design -> what verdicts are carried by; without those that failed.
     """
 
-    def __init__(self, written: Sequence[Indicators], found: Mapping[int, Answers]) -> None:
+    def __init__(self, written: Sequence[Indicators], found: Mapping[int, DesignAnswers]) -> None:
         self.found = {k: each._replace(indicators=joined([written[k], each.indicators])) for k, each in sorted(found.items())}
         self.measured: dict[int, Measured] = {}
         self._alike = _tables(self.found)
@@ -330,13 +328,13 @@ class CarriedVerdicts:
         apart[keys] = distances(self.found[k].indicators, numbers, least)
         return apart
 
-    def source(self, k: int) -> Carried | None:
+    def source(self, k: int) -> CarriedVerdict | None:
         """Design that the verdict on a design is carried from; None if the verdict has to be measured."""
         apart, m = float(self._nearest[k]), int(self._source[k])
         if apart > FARTHEST or growth(apart) > self._room(m, k):
             return None
         agreed = len(self._doubts[k]) == 1 and 2 * self._reach[m] >= apart
-        return Carried(m, apart) if apart <= SAME or agreed else None
+        return CarriedVerdict(m, apart) if apart <= SAME or agreed else None
 
     def _room(self, m: int, k: int) -> float:
         """The least factor that brings a measure to its limit, among those of a measured design and what another one has of them."""
@@ -373,7 +371,7 @@ class CarriedVerdicts:
         return Verdict.of([*others, *mine.unstable, *about_gradients, _remark(carried)], measures)
 
 
-def _tables(found: Mapping[int, Answers]) -> dict[tuple[object, ...], tuple[np.ndarray, ...]]:
+def _tables(found: Mapping[int, DesignAnswers]) -> dict[tuple[object, ...], tuple[np.ndarray, ...]]:
     """Kind of designs -> their numbers among all, and their indicators as tables."""
     alike: dict[tuple[object, ...], list[int]] = {}
     for k, each in found.items():
@@ -396,12 +394,12 @@ def _own_codes() -> frozenset[str]:
     return codes_of_instabilities() | {OF_FRAMES}
 
 
-def _said_there(each: Caution, carried: Carried) -> Caution:
+def _said_there(each: Caution, carried: CarriedVerdict) -> Caution:
     """A caution that begins with the name of the design that its numbers belong to."""
     return replace(each, text=f"designs[{carried.source}], which is near: {each.text}")
 
 
-def _remark(carried: Carried) -> Caution:
+def _remark(carried: CarriedVerdict) -> Caution:
     """A remark that says where a verdict is carried from."""
     return Caution(
         "carried-verdict",

@@ -267,7 +267,7 @@ NORMAL = Marginal(0.0, 1.0, False, False)
 
 
 @dataclass(frozen=True)
-class Joint:
+class JointDistribution:
     """Joint distribution of uncertain numbers.
 
     Attributes
@@ -349,7 +349,7 @@ class Joint:
         return own, slopes
 
 
-def joint_of(names: Sequence[str], marginals: Mapping[str, Marginal], correlations: Sequence[Correlation]) -> Joint:
+def joint_of(names: Sequence[str], marginals: Mapping[str, Marginal], correlations: Sequence[Correlation]) -> JointDistribution:
     """Joint distribution of all numbers with their correlations.
 
     Raises
@@ -367,7 +367,7 @@ def joint_of(names: Sequence[str], marginals: Mapping[str, Marginal], correlatio
             raise InputError(f"uncertainty.correlations: {each.of[0]!r} and {each.of[1]!r} are named twice. Leave out one.")
         told.add(frozenset((i, j)))
         matrix[i, j] = matrix[j, i] = each.coefficient
-    found = Joint(tuple(marginals[name] for name in names), matrix)
+    found = JointDistribution(tuple(marginals[name] for name in names), matrix)
     _ = found.root
     return found
 

@@ -16,9 +16,8 @@ from toolkit.responses.response import MeanSquare, Response
 from toolkit.responses.vibration import Frequency
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.design_variables import refuse_wrong_variables
-from toolkit.scene.names import check_design_names, check_names
 from toolkit.scene.resolution import loaded
-from toolkit.scene.scene import Scene
+from toolkit.scene.scene import Scene, check_design_names, check_names
 from toolkit.scene_file.gradient_units import variable_unit
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.compiled import Compiled

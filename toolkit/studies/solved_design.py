@@ -32,7 +32,7 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import evaluated, values_alone
 from toolkit.sensitivity.methods import by_method
 from toolkit.studies.problem import Problem
-from toolkit.studies.store import EMPTY, DesignOutcome, State
+from toolkit.studies.store import EMPTY, DesignOutcome, JobState
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -117,7 +117,7 @@ class CaseRun:
 
     problem: Problem
     case: str
-    start: State | None
+    start: JobState | None
     gradients: bool
     curvatures: bool = False
 
@@ -152,7 +152,7 @@ def frequencies(problem: Problem, case: str, solution: Solution) -> dict[str, Fr
     return {name: followed(solution, problem.shapes[case], number) for name, number in problem.modes.items()}
 
 
-def resting(time_of: float, system: System, state: State) -> Solution:
+def resting(time_of: float, system: System, state: JobState) -> Solution:
     """A kept equilibrium, as statics takes it for a start."""
     q, lam = state.q[None], state.multipliers[None]
     empty = np.zeros((1, len(state.q), 0))
@@ -228,7 +228,7 @@ def _difference(run: CaseRun, design: np.ndarray, step: float, along: np.ndarray
     return found
 
 
-NOWHERE = State(EMPTY, EMPTY)
+NOWHERE = JobState(EMPTY, EMPTY)
 
 
 @one_thread()
@@ -274,7 +274,7 @@ def solve_design(
             return _failure(lane, design, f"{where}{lost[0]} or its gradient does not exist at this design.", begun)
         values.append(value)
         slopes.append(slope)
-        states.append(State(last.q[-1], last.multipliers[-1]) if problem.kind == "static" else NOWHERE)
+        states.append(JobState(last.q[-1], last.multipliers[-1]) if problem.kind == "static" else NOWHERE)
         curved.append(bent)
     return DesignOutcome(
         lane=lane,

@@ -56,7 +56,7 @@ class JobOutcome:
         return bool(self.reason)
 
 
-class State(NamedTuple):
+class JobState(NamedTuple):
     """The equilibrium of one case, which that of a design near by is sought from; empty arrays of a motion."""
 
     q: np.ndarray
@@ -85,7 +85,7 @@ class DesignOutcome(JobOutcome):
     design: np.ndarray
     values: np.ndarray = field(default_factory=lambda: EMPTY)
     gradients: np.ndarray = field(default_factory=lambda: EMPTY)
-    states: tuple[State, ...] = ()
+    states: tuple[JobState, ...] = ()
     curvatures: np.ndarray = field(default_factory=lambda: EMPTY)
 
     @property
@@ -276,7 +276,7 @@ def _outcomes(content: Content) -> Iterator[DesignOutcome]:
         return content.array(name) if content.has(name) else np.zeros((count, 0))
 
     cases, curvatures = values.shape[1] if content.has("q0") else 0, column("curvatures")
-    states = [tuple(column(f"{name}{k}") for name in State._fields) for k in range(cases)]
+    states = [tuple(column(f"{name}{k}") for name in JobState._fields) for k in range(cases)]
     rows = iter(range(count))
     for k in range(len(lane)):
         about: dict[str, Any] = {"lane": int(lane[k]), "design": design[k], "seconds": float(wall[k])}
@@ -284,7 +284,7 @@ def _outcomes(content: Content) -> Iterator[DesignOutcome]:
             yield DesignOutcome(**about, reason=reason[k].decode())
             continue
         row = next(rows)
-        mine = tuple(State(q[row], multipliers[row]) for q, multipliers in states)
+        mine = tuple(JobState(q[row], multipliers[row]) for q, multipliers in states)
         yield DesignOutcome(**about, values=values[row], gradients=gradients[row], states=mine, curvatures=curvatures[row])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.studies.distributions import Joint, Uncertainty, joint_of, marginal_of
+from toolkit.studies.distributions import JointDistribution, Uncertainty, joint_of, marginal_of
 from toolkit.studies.orthonormal_basis import scrambled
 from toolkit.studies.problem import Problem, problem_of_all
 from toolkit.studies.study_file import Study, StudyVariable
@@ -28,7 +28,7 @@ class UncertainStudy:
     """
 
     problem: Problem
-    joint: Joint
+    joint: JointDistribution
 
     @property
     def options(self) -> Uncertainty:

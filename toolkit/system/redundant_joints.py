@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from toolkit.compilation.frame_hints import hint_of_grounded
-from toolkit.compilation.redundant_rows import Rows, independent_rows, null_vectors
+from toolkit.compilation.redundant_rows import Rows, hint_of_grounded, independent_rows, null_vectors
 from toolkit.equations.equations import Terms
 from toolkit.foundation.errors import InputError, NoDerivativeError
 

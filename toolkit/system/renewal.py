@@ -8,18 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers
-from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.dependence import GROUPS, Affected
-from toolkit.compilation.derivatives import renewed_derivatives
 from toolkit.compilation.numbering import weights
-from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
+from toolkit.compilation.pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
-from toolkit.compilation.quantities import OPEN, Quantities, seen_quantities
+from toolkit.compilation.quantities import OPEN, Quantities, check_numbers, renewed_derivatives, seen_quantities
 from toolkit.description.design import Design
 from toolkit.joints.joint import keeps_rows
 from toolkit.scene.resolution import ResolvedScene, resolve
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import deforming
+from toolkit.system.solution import deforming
 from toolkit.system.system import System, compile_scene
 
 

@@ -2,19 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut_body import CutBody
+from toolkit.bodies.model_body import ModelBody
+from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import NeedsDirectError
+from toolkit.foundation.errors import InputError, NeedsDirectError
 from toolkit.foundation.verdict import Caution, Verdict
-from toolkit.system.static_path import StaticPath
+from toolkit.markers.poses import update_pose_designs, update_poses
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.system import System
+
+
+@dataclass(frozen=True)
+class LimitPoint:
+    """Point of the path where the load factor turns back (fold): the equilibrium beyond it is elsewhere, after a snap-through.
+
+    load_factor : part of the load that is reached there
+    coordinate : name of the coordinate that moves most there, in parts of the model size (or rad)
+    place : number of the point in the arrays of the path
+    """
+
+    load_factor: float
+    coordinate: str
+    place: int
+
+    @property
+    def percent(self) -> str:
+        """Load factor in percent, in digits enough to tell it from 100."""
+        short = f"{100 * self.load_factor:.6g} %"
+        return f"{100 * self.load_factor:.12g} %" if short == "100 %" else short
+
+
+@dataclass(frozen=True)
+class StaticPath:
+    """Equilibria in the order in which they were found; the last is the static solution.
+
+    `unstable_crossings` counts the equilibria under the full load that the path met before and that are unstable.
+    """
+
+    load_factors: np.ndarray  # (n_p,)
+    q: np.ndarray  # (n_p, n_q)
+    multipliers: np.ndarray  # (n_p, n_lam)
+    limit_points: tuple[LimitPoint, ...] = ()
+    unstable_crossings: int = 0
+
+    @property
+    def passed_limit(self) -> bool:
+        """Whether a snap-through lies between the unloaded state and the last one."""
+        return bool(self.limit_points)
 
 
 @dataclass(frozen=True)
@@ -119,3 +162,108 @@ class Solution:
             return slice(first[body], first[body] + written.starts[-1])
         later = [start for start in first.values() if start > first[body]]
         return slice(first[body], min(later, default=self.system.n_q))
+
+
+class MarkerStates:
+    """Markers of a system in one state after the other, with memory and formulas that are looked up once.
+
+    Parameters
+    ----------
+    system
+        Whose markers.
+    """
+
+    def __init__(self, system: System) -> None:
+        markers = system.plan.markers
+        self.found: Any = markers.state(system.dtype)
+        """Poses, rates and accelerations of all markers in the last state, with their derivatives."""
+        self.system = system
+        self._state: np.ndarray = np.zeros((3, system.n), system.dtype)
+        scratch: np.ndarray = np.zeros((3, 3), system.dtype)
+        given = markers.plane, markers.frames, markers, self.found, *self._state
+        self._formulas = [
+            system.prepared(update_poses, *given, True, scratch),
+            system.prepared(update_pose_designs, *given, scratch),
+        ]
+
+    def at(self, q: np.ndarray, v: np.ndarray | float = 0.0, a: np.ndarray | float = 0.0) -> Any:
+        """State of all markers at coordinates, rates and accelerations (n_q,); holds until the next call."""
+        for own, given in zip(self._state, (q, v, a), strict=True):
+            own[: self.system.n_q] = given
+        for formula in self._formulas:
+            formula()
+        return self.found
+
+
+def marker_states(system: System, q: np.ndarray) -> Any:
+    """State of all markers at coordinates (n_q,), at rest."""
+    return MarkerStates(system).at(q)
+
+
+def poses_at(system: System, states: Iterable[np.ndarray]) -> np.ndarray:
+    """Poses of all markers at coordinates (n_q,) of several states: (n_t, n_m, p), 3 or 12 numbers each."""
+    markers = MarkerStates(system)
+    return np.array([np.real(markers.at(q).y).copy() for q in states])
+
+
+def flexible_body(scene: ResolvedScene, body: str) -> ModelBody:
+    """Flexible body of that name.
+
+    Raises
+    ------
+    InputError
+        There is no such body, or it is not flexible; lists those that are.
+    """
+    found = scene.body(body)
+    if not isinstance(found, ModelBody):
+        flexible = [name for name, each in scene.bodies.items() if isinstance(each, ModelBody)]
+        raise InputError(
+            f"body {body!r} is not flexible, so it has no stress or shape; flexible bodies: {', '.join(flexible) or 'none'}."
+        )
+    return found
+
+
+def deforming(scene: ResolvedScene) -> dict[str, ModelBody]:
+    """Flexible bodies that have coordinates; of a cut body its parts."""
+    return {
+        name: body for name, body in scene.all_bodies().items() if isinstance(body, ModelBody) and not isinstance(body, CutBody)
+    }
+
+
+def elastic_coordinates(solution: Solution, body: str) -> Any:
+    """Places of a body's elastic coordinates on the second axis of q.
+
+    They are a slice, or the numbers of those of all parts of a cut body.
+    """
+    if isinstance(found := solution.system.scene.bodies.get(body), CutBody):
+        return solution.system.numbering.first[body] + found.elastic_places
+    whole = solution.coordinates(body)
+    return slice(whole.start + flexible_body(solution.system.scene, body).frame_size, whole.stop)
+
+
+def design_point(scene: ResolvedScene, body: str, *parts: str) -> DesignPoint:
+    """The reduced model of a flexible body at the scene's parameter values; `parts` as of `Scene.model`."""
+    return flexible_body(scene, body).design_point(scene, *parts)
+
+
+def is_in_pieces(scene: ResolvedScene, body: str) -> bool:
+    """Whether a flexible body, or that which it is part of, is a solid in pieces."""
+    return scene.model(flexible_body(scene, body).model).in_pieces
+
+
+def elements_of(scene: ResolvedScene, body: str) -> str:
+    """Word by which a flexible body, or a part of one, calls its elements."""
+    return scene.model(flexible_body(scene, body).model).elements_called
+
+
+def used_interfaces(scene: ResolvedScene, body: str) -> list[str]:
+    """Interface points of a flexible body's reduced model that the scene has points at, in order."""
+    known = design_point(scene, body, "interfaces").model.interfaces or {}
+    mine = {point.interface for point in scene.points.values() if isinstance(point, BodyPoint) and point.body == body}
+    return sorted(mine & {*known})
+
+
+def spins_of(solution: Solution, body: str, instants: Any = slice(None)) -> np.ndarray:
+    """Angular velocity (n_t, 3) of a flexible body's frame at some instants of a run, in the axes of its reduced model."""
+    where, found = solution.coordinates(body), flexible_body(solution.system.scene, body)
+    return found.spins(np.real(solution.q[instants][:, where]), np.real(solution.v[instants][:, where]))

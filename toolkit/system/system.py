@@ -10,13 +10,10 @@ from typing import Any, TypeVar
 import numpy as np
 import scipy
 
-from toolkit.compilation.checks import check_numbers
-from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import Numbering, number, weights
-from toolkit.compilation.patterns.common_pattern import on_common_pattern
-from toolkit.compilation.patterns.moving import moving_unknowns
+from toolkit.compilation.pattern import moving_unknowns, on_common_pattern
 from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Asked, Quantities, seen_quantities
+from toolkit.compilation.quantities import STEP, Asked, Quantities, check_numbers, derivatives, seen_quantities
 from toolkit.description.description import holds_complex
 from toolkit.description.design import Design
 from toolkit.equations.equations import (
@@ -36,13 +33,20 @@ from toolkit.foundation.near_ties import first_largest
 from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.scene.resolution import ResolvedScene, resolve
 from toolkit.scene.scene import Scene
-from toolkit.system.evaluation_memory import EvaluationMemory
-from toolkit.system.formulas import formulas_of, plain_formulas_of
-from toolkit.system.gathered_design import GatheredDesign, gathered_design
-from toolkit.system.handed_records import HandedRecords
-from toolkit.system.model_files import FileStates, file_states, refuse_changed
+from toolkit.system.evaluation import (
+    EvaluationMemory,
+    FileStates,
+    GatheredDesign,
+    HandedRecords,
+    Known,
+    file_states,
+    formulas_of,
+    gathered_design,
+    plain_formulas_of,
+    refuse_changed,
+    remembered,
+)
 from toolkit.system.redundant_joints import without_redundant_rows
-from toolkit.system.remembered_curves import Known, remembered
 
 R = TypeVar("R")
 SHORT = 10_000

@@ -11,11 +11,10 @@ from toolkit.foundation.verdict import REST, SPIN, Caution, check
 from toolkit.responses.flutter import REMEDY, UNSTABLE, growth_of, may_grow
 from toolkit.responses.pencil import pencil_of, real_pencil
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.compressed.critical_load import compression
-from toolkit.validity.bodies.cut.more_frames import divided
-from toolkit.validity.bodies.deformation import LIMIT
-from toolkit.validity.bodies.turning_frame import turning_frames
-from toolkit.validity.description.frame_choice import advice_of_frame
+from toolkit.validity.bodies.carried_force import turning_frames
+from toolkit.validity.bodies.critical_load import compression
+from toolkit.validity.bodies.deformation import LIMIT, divided
+from toolkit.validity.frame_choice import advice_of_frame
 
 STILL, SHOWN = 0.1, 0.05
 """How far a motion may go, in parts of the model size or rad, so that its end tells its stability; and which part of that it goes along

@@ -9,13 +9,12 @@ from toolkit.foundation.processes import one_thread
 from toolkit.foundation.verdict import MOTION, REST, SPIN, Caution, Check, Verdict, check, checks
 from toolkit.responses.flutter import UNSTABLE, growing_vibrations, unstable_vibrations
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured
-from toolkit.validity.description.frame_number import frames_chosen
-from toolkit.validity.description.scene_cautions import cautions_of_scene
+from toolkit.validity.bodies.missed_statics import shapes_measured
 from toolkit.validity.equilibrium import stays_in_unstable
-from toolkit.validity.motion.motion import measured
-from toolkit.validity.start.middle_axis import middle_spins
-from toolkit.validity.start.undisturbed import undisturbed
+from toolkit.validity.frame_choice import frames_chosen
+from toolkit.validity.motion import measured
+from toolkit.validity.scene_cautions import cautions_of_scene
+from toolkit.validity.undisturbed import middle_spins, undisturbed
 
 
 @one_thread()

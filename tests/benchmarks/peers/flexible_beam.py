@@ -25,7 +25,7 @@ import ffrf
 from preprocessing import build
 from tests.benchmarks.peers import exudyn_runs, our_runs
 from tests.benchmarks.peers.contest import Contest
-from toolkit.door import space
+from toolkit.api import space
 from toolkit.reduced_model.file import save
 
 END_TIME, STEP, RHO_INF = 0.5, 1e-3, 0.8

@@ -36,7 +36,7 @@ def campbell(
     quiet: Quiet = False,
 ) -> None:
     """Print the frequencies about the steady states of a scene that a driver spins, at several speeds (Campbell's diagram)."""
-    from toolkit.door.model import compile_model
+    from toolkit.api.model import compile_model
 
     wanted = speeds_of(speeds)
     if output is not None:
@@ -113,6 +113,6 @@ class CampbellAnswer(Answer):
 
     def figures(self) -> Iterator[Drawing]:
         """Frequencies over the speed."""
-        from toolkit.report.campbell_drawing import campbell_drawing
+        from toolkit.report.drawing import campbell_drawing
 
         yield campbell_drawing(self.result, self.scene)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from toolkit.command_line.announcements import Kind, at_work
+from toolkit.command_line.announcements import AnnouncedKind, at_work
 from toolkit.command_line.arguments import Changes, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.printing import print_record, print_tables, verdict_text
 from toolkit.foundation.errors import InputError
@@ -48,7 +48,7 @@ def certify(
     from toolkit.sensitivity.methods import with_frames_for_gradients
     from toolkit.sensitivity.preparation import frozen
 
-    kind: Kind = "static" if static else "transient"
+    kind: AnnouncedKind = "static" if static else "transient"
     written = read(scene, changes, quiet)
     names = design_of(written, variables)
     described = with_frames_for_gradients(written, kind, names)
@@ -127,7 +127,7 @@ class CertificateAnswer(Answer):
 
     def figures(self) -> Iterator[Drawing]:
         """Digits, and the V of the differences."""
-        from toolkit.report.certificate_drawing import certificate_drawing
+        from toolkit.report.drawing import certificate_drawing
 
         yield certificate_drawing(self.result)
 
@@ -195,7 +195,7 @@ def refuse_no_picture(path: Path) -> None:
         raise InputError(f"the folder of {str(path)!r} does not exist. Make it first.")
 
 
-def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> FreshGradients | None:
+def built_afresh(scene: Scene, names: list[str], kind: AnnouncedKind, quiet: bool) -> FreshGradients | None:
     """Gradients by fresh models; None where there is no preprocessing to build them."""
     from toolkit.foundation.processes import is_installed
     from toolkit.sensitivity.certificate.fresh_models import fresh_gradients

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from toolkit.sensitivity.certificate.whole_mechanism import Mechanism
     from toolkit.system.solution import Solution
-    from toolkit.validity.bodies.corotational.comparison import Comparison
+    from toolkit.validity.bodies.corotational_beams import Comparison
 
 
 def check_deformation(
@@ -34,7 +34,7 @@ def check_deformation(
     """Solve flexible bodies again with elements that turn: alone under the same forces, and the whole mechanism with its gradients."""
     from toolkit.foundation.verdict import Verdict
     from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
-    from toolkit.validity.bodies.corotational.comparison import compare_with_corotational, flexible_of
+    from toolkit.validity.bodies.corotational_beams import compare_with_corotational, flexible_of
 
     solution = _solution(file, static, changes, models, quiet)
     scene = solution.system.scene

@@ -33,7 +33,7 @@ def export(
         raise InputError("nothing to export. Say what is wanted with --csv DIR, --paraview DIR, or both.")
     results, files = load_results(file), list[Path]()
     if csv is not None:
-        from toolkit.results.csv_tables import export_csv
+        from toolkit.results.tables import export_csv
 
         files += export_csv(results, prepare_folder(csv))
     if paraview is not None:

@@ -66,7 +66,7 @@ def describe(path: Path) -> Record:
     InputError, ModelFileError, ResultsFileError
         The file is missing or is none of them.
     """
-    from toolkit.door.describe import describe as describe_model
+    from toolkit.api.describe import describe as describe_model
     from toolkit.foundation.files.hdf5 import schema_of
     from toolkit.kept_run.layout import SCHEMA
     from toolkit.reduced_model.file import is_reduced_model
@@ -116,7 +116,7 @@ def describe_scene(scene: Scene) -> Record:
     from toolkit.foundation.files.safe_files import outside_files
     from toolkit.scene.resolution import loaded
     from toolkit.sensitivity.preparation import responses_of
-    from toolkit.validity.description.frame_choice import frame_choices
+    from toolkit.validity.frame_choice import frame_choices
 
     try:
         frames = {body: choice.words for body, choice in frame_choices(scene).items()}
@@ -141,7 +141,7 @@ def _questions(scene: Scene) -> Verdict:
     """Questions about a scene before it runs; of one that cannot be compiled, the reason."""
     from toolkit.foundation.verdict import Caution, Verdict
     from toolkit.system.system import compile_scene
-    from toolkit.validity.description.scene_cautions import cautions_of_scene
+    from toolkit.validity.scene_cautions import cautions_of_scene
 
     try:
         compile_scene(scene)

@@ -31,7 +31,7 @@ def modes(
     quiet: Quiet = False,
 ) -> None:
     """Print the eigenfrequencies about the equilibrium under the loads at the end time, or about a steady spin."""
-    from toolkit.door.model import compile_model
+    from toolkit.api.model import compile_model
 
     described = read(scene, changes, quiet)
     with at_work("load steps", described, "static", quiet=quiet) as progress:

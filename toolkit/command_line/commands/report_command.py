@@ -14,7 +14,7 @@ from toolkit.command_line.printing import prepare_folder, warn
 from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
-    from toolkit.report.material import Material
+    from toolkit.report.material import ReportMaterial
     from toolkit.scene.scene import Scene
 
 PARTS = ("forward-difference", "central-difference", "complex-step", "certificate", "figures", "animation")
@@ -74,20 +74,20 @@ def _refuse_undrawn(scene: Scene) -> None:
     refuse_what_cannot_be_drawn(scene, View())
 
 
-def _from_results(file: Path, models: Path | None) -> Material:
-    from toolkit.report.material import Material
+def _from_results(file: Path, models: Path | None) -> ReportMaterial:
+    from toolkit.report.material import ReportMaterial
     from toolkit.results.results_file import load_results
     from toolkit.sensitivity.run import restored
 
     results = load_results(file)
     solution = restored(results, models).solution
     _refuse_undrawn(solution.system.scene)
-    return Material(solution, results)
+    return ReportMaterial(solution, results)
 
 
-def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
-    from toolkit.report.material import Material
-    from toolkit.results.collect import collect
+def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> ReportMaterial:
+    from toolkit.report.material import ReportMaterial
+    from toolkit.results.results import collect
     from toolkit.sensitivity.methods import gradients_by, with_frames_for_gradients
 
     scene, text = read(file, changes, quiet), text_of(file)
@@ -96,7 +96,7 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     with at_work("time steps", scene, "transient", names, quiet) as progress:
         framed = with_frames_for_gradients(scene, "transient", names)
         found = gradients_by("direct", framed, names, "transient", progress, timed=True)
-    return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
+    return ReportMaterial(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
 
 def _part(progress: Progress):

@@ -11,7 +11,7 @@ from toolkit.command_line.announcements import told_compilation
 from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 
-class Part(StrEnum):
+class WarmUpPart(StrEnum):
     """Part of the formulas that can be compiled."""
 
     plane = "plane"
@@ -20,16 +20,16 @@ class Part(StrEnum):
 
 
 def warm_up(
-    part: Annotated[Part, typer.Option("--for", help="Scenes in the plane, in space, or both.")] = Part.both,
+    part: Annotated[WarmUpPart, typer.Option("--for", help="Scenes in the plane, in space, or both.")] = WarmUpPart.both,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Compile the formulas for this machine, e.g. while an image is built, so that no later command has to."""
-    from toolkit.command_line.rehearsal import rehearse_everything
+    from toolkit.command_line.announcements import rehearse_everything
     from toolkit.foundation.compiled.compiled_code import is_kept
     from toolkit.scene.space import PLANE, SPACE
 
-    spaces = {Part.plane: [PLANE], Part.space: [SPACE], Part.both: [PLANE, SPACE]}[part]
+    spaces = {WarmUpPart.plane: [PLANE], WarmUpPart.space: [SPACE], WarmUpPart.both: [PLANE, SPACE]}[part]
     found = {}
     for space in spaces:
         with told_compilation(space.dimension, quiet) as watch:

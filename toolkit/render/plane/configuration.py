@@ -10,9 +10,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
-from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.bodies.cut_body import CutBody
 from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.framed_part import FramedPart
 from toolkit.bodies.rigid import Rod
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import first_largest
@@ -23,7 +23,7 @@ from toolkit.reduced_model.model import Mesh, Outline, ReducedModel
 from toolkit.render.moment import Moment
 from toolkit.responses.shape_error import whole_axes
 from toolkit.responses.stress import point_stress, stress_components, stress_operator
-from toolkit.system.flexible_bodies import design_point, flexible_body
+from toolkit.system.solution import design_point, flexible_body
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.tri import Triangulation
 
-from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut_body import CutBody
 from toolkit.joints.joint import Joint
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.rigid_joint import RigidJoint, Tie

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut_body import CutBody
 from toolkit.bodies.flexible import Flexible
 from toolkit.foundation.units import unit
 from toolkit.render.label_places import Name, NamesOfMotion, body_places, panel_of, placed, sides
@@ -47,8 +47,7 @@ from toolkit.render.readable_units import (
 )
 from toolkit.render.sheet import SEEN, SIGNED, WIDE, Panels, draw_panels, merged, motion_panels, sheet
 from toolkit.responses.shape_error import gaps
-from toolkit.system.flexible_bodies import flexible_body
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, flexible_body
 
 _SIZE = 10
 """Size of letters, in points."""

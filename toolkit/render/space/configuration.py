@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
 from toolkit.bodies.body import SpatialBody, SpatialMarkerNumbers
-from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.bodies.cut_body import CutBody
 from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.bodies.framed_part import FramedPart
 from toolkit.bodies.rigid import SpatialRigidBody, SpatialRod
 from toolkit.joints.joint import AtPoints, SpatialJoint
 from toolkit.kinematics.orientation import matrix_of, quaternion_of
-from toolkit.reduced_model.cut.spatial_part import rows_of_pieces
+from toolkit.reduced_model.cut_part import rows_of_pieces
 from toolkit.reduced_model.model import StressPoints
 from toolkit.reduced_model.parts import SURFACE_POSITION, Pieces, Surface
 from toolkit.render.moment import Moment

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.numbering import number
-from toolkit.compilation.quantities import evaluate_quantities
+from toolkit.compilation.quantities import check_numbers, evaluate_quantities
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene

@@ -107,7 +107,7 @@ STEPS = (1.0, -1.0, 0.5, -0.5)
 """Displacements of the four difference points, in units of a variable's step."""
 
 
-class Part(NamedTuple):
+class FreshPart(NamedTuple):
     """A parameter of a reduced model that a variable drives."""
 
     body: str
@@ -116,11 +116,11 @@ class Part(NamedTuple):
     factor: float
 
 
-class Wanted(NamedTuple):
+class WantedBodies(NamedTuple):
     """A variable of which fresh models are wanted."""
 
     variable: DesignVariable
-    parts: list[Part]
+    parts: list[FreshPart]
     rest: DesignVariable | None  # the same without the numbers that are in models
     step: float
 
@@ -211,17 +211,17 @@ def _is_frozen(scene: Scene, name: str) -> bool:
     return _model(scene, name).basis.startswith("frozen") or getattr(body, "modes_per_frame", None) is not None
 
 
-def _wanted(scene: Scene, variable: DesignVariable) -> Wanted:
+def _wanted(scene: Scene, variable: DesignVariable) -> WantedBodies:
     """Numbers of a variable, with those in reduced models apart."""
     parts, rest = [], []
     for path, factor in zip(variable.paths, variable.factors, strict=True):
         body, parameter = _parameter(scene, path)
         if body:
-            parts.append(Part(body, parameter, float(scene.number(path)), factor))
+            parts.append(FreshPart(body, parameter, float(scene.number(path)), factor))
         else:
             rest.append((path, factor))
     others = replace(variable, paths=tuple(p for p, _ in rest), factors=tuple(f for _, f in rest)) if rest else None
-    return Wanted(variable, parts, others, RELATIVE_STEP * typical_size(scene, variable))
+    return WantedBodies(variable, parts, others, RELATIVE_STEP * typical_size(scene, variable))
 
 
 def _parameter(scene: Scene, path: str) -> tuple[str, str]:
@@ -235,7 +235,7 @@ def _parameter(scene: Scene, path: str) -> tuple[str, str]:
     return "", ""
 
 
-def _hindrance(scene: Scene, part: Part) -> str:
+def _hindrance(scene: Scene, part: FreshPart) -> str:
     """Reason why there are no fresh models of a parameter; empty if there are."""
     if scene.start_file is not None:
         return "the run starts in a results file (solver.start), which is that of the model as it is"
@@ -249,7 +249,7 @@ def _hindrance(scene: Scene, part: Part) -> str:
     return ""
 
 
-def _differences(scene: Scene, k: int, wanted: Wanted, folder: Path, kind: Kind) -> dict[str, Fresh]:
+def _differences(scene: Scene, k: int, wanted: WantedBodies, folder: Path, kind: Kind) -> dict[str, Fresh]:
     """Derivatives of all responses by variable k, from difference quotients of fresh models."""
     up, down, half_up, half_down = (values_of(_afresh(scene, k, i, wanted, folder), kind) for i in range(len(STEPS)))
     found = {}
@@ -260,7 +260,7 @@ def _differences(scene: Scene, k: int, wanted: Wanted, folder: Path, kind: Kind)
     return found
 
 
-def _afresh(scene: Scene, k: int, i: int, wanted: Wanted, folder: Path) -> Scene:
+def _afresh(scene: Scene, k: int, i: int, wanted: WantedBodies, folder: Path) -> Scene:
     """The scene with the models of variable k at step i, and all else that it drives moved with them."""
     for body in wanted.bodies:
         scene = with_model(scene, body, _file(folder, k, i, body))
@@ -271,7 +271,7 @@ def _file(folder: Path, k: int, i: int, body: str) -> Path:
     return folder / f"{k} {i} {body}.h5"
 
 
-def _build(scene: Scene, wanted: list[Wanted], folder: Path) -> None:
+def _build(scene: Scene, wanted: list[WantedBodies], folder: Path) -> None:
     """Build all models of each body in one process: those of every variable at every step."""
     for body in dict.fromkeys(body for each in wanted for body in each.bodies):
         lines, given = [], given_values(scene, body)

@@ -21,8 +21,7 @@ from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.preparation import Kind, frozen, moving
 from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.cut.places import has_places, is_moving, largest_displacement, node_places, relative_distance
-from toolkit.validity.bodies.deformation import LIMIT
+from toolkit.validity.bodies.deformation import LIMIT, has_places, is_moving, largest_displacement, node_places, relative_distance
 
 Slopes = dict[str, dict[str, float]]
 COUNTS = 1e-6

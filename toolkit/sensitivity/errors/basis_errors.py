@@ -18,7 +18,7 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 from toolkit.validity.bodies.deformation import LIMIT
-from toolkit.validity.bodies.reduced.frozen_bases import FrozenBody, frozen_bodies
+from toolkit.validity.bodies.few_shapes import FrozenBody, frozen_bodies
 
 FROZEN = "frozen-basis"
 TOLD = 0.02
@@ -37,7 +37,7 @@ Enriched = Callable[[], tuple[Mapping[str, float], Slopes]]
 """Values and gradients of the same analysis with more shapes in frozen bodies."""
 
 
-class Compared(NamedTuple):
+class ComparedBases(NamedTuple):
     """One number of the run, the same number with more shapes, and the scale of their difference."""
 
     told: float
@@ -56,7 +56,9 @@ class BasisErrors:
     """Errors of one run by its frozen bases; `failure` says why there are none."""
 
     bodies: Sequence[FrozenBody]
-    numbers: Mapping[str, Compared] = field(default_factory=dict)  # what it is called -> of values, and of gradients that count
+    numbers: Mapping[str, ComparedBases] = field(
+        default_factory=dict
+    )  # what it is called -> of values, and of gradients that count
     failure: str = ""
 
     def record(self) -> dict[str, object]:
@@ -102,8 +104,8 @@ def basis_errors(
     return BasisErrors(bodies, {name: each for name, each in found.items() if np.isfinite([each.told, each.true]).all()})
 
 
-def _compared(told: float, true: float, scale: float) -> Compared:
-    return Compared(told, true, max(abs(true), scale))
+def _compared(told: float, true: float, scale: float) -> ComparedBases:
+    return ComparedBases(told, true, max(abs(true), scale))
 
 
 def frequency_errors(
@@ -146,7 +148,7 @@ def _not_known(bodies: Sequence[FrozenBody], why: str) -> Caution:
     return Caution(FROZEN, f"{'; '.join(map(_state, bodies))}: by how much numbers are off is not known, as {why}")
 
 
-def _words(name: str, each: Compared) -> str:
+def _words(name: str, each: ComparedBases) -> str:
     part = abs(each.part)
     size = f" by {part:.2g} times" if part >= 10 else f" by {part:.0%}" if part >= 0.1 else f" by {part:.1%}"
     return f"{name} is off{size if part < COUNTABLE else ''} ({each.told:.4g} instead of about {each.true:.4g})"

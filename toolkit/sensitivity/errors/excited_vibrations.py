@@ -77,14 +77,14 @@ LOOKED_FOR = np.geomspace(0.3, 30.0, 12)
 """Angular frequencies times step at which `shakes` examines a curve."""
 
 
-class History(NamedTuple):
+class ForceHistory(NamedTuple):
     """Values of a curve over time: instants (k,), with both sides of every corner, and its numbers there (k,)."""
 
     times: np.ndarray
     values: np.ndarray
 
 
-class Pieces(NamedTuple):
+class ForcePieces(NamedTuple):
     """Straight pieces of a curve in which it changes, after some instant.
 
     They have their middles, lengths and growth (k,), and the number of those before each step and before the end, (n_t,).
@@ -96,7 +96,9 @@ class Pieces(NamedTuple):
     before: np.ndarray
 
 
-def lost_parts(solution: Solution, history: History | None, begin: float, rates: np.ndarray, damping: np.ndarray) -> np.ndarray:
+def lost_parts(
+    solution: Solution, history: ForceHistory | None, begin: float, rates: np.ndarray, damping: np.ndarray
+) -> np.ndarray:
     """Amplitudes that are lost at all times, (n_t, m), complex, of modes with angular frequencies and damping ratios (m,).
 
     Every growth dg of the curve within a step leaves a vibration that is a part dg of what a sudden one would, with its phase, which is
@@ -113,17 +115,17 @@ def lost_parts(solution: Solution, history: History | None, begin: float, rates:
     return lost
 
 
-def _pieces(history: History | None, begin: float, times: np.ndarray) -> Pieces:
+def _pieces(history: ForceHistory | None, begin: float, times: np.ndarray) -> ForcePieces:
     """Straight pieces of a curve in which it changes; none without a curve."""
     if history is None:
         none = np.zeros(0)
-        return Pieces(none, none, none, np.zeros(len(times), np.int64))
+        return ForcePieces(none, none, none, np.zeros(len(times), np.int64))
     growth = np.diff(history.values)
     middle, changes = (history.times[1:] + history.times[:-1]) / 2, growth != 0
     middle = middle[changes]
     before = np.searchsorted(middle, times, side="right")
     before[0], before[-1] = 0, len(middle)
-    return Pieces(middle - begin, np.diff(history.times)[changes], growth[changes], before)
+    return ForcePieces(middle - begin, np.diff(history.times)[changes], growth[changes], before)
 
 
 @kernel
@@ -168,7 +170,7 @@ def add_lost(middle, length, growth, before, which, fades, rates, at_once, keeps
             lost[n + 1, j, 1] += y - kept_y
 
 
-def shakes(solution: Solution, history: History) -> bool:
+def shakes(solution: Solution, history: ForceHistory) -> bool:
     """Whether a curve excites what steps take out, whatever it acts on."""
     rates = LOOKED_FOR / float(np.diff(solution.times).max())
     lost = lost_parts(solution, history, float(solution.times[0]), rates, np.zeros(len(rates)))
@@ -206,7 +208,7 @@ class Kick(NamedTuple):
     state: int
     jumps: np.ndarray
     changes: np.ndarray
-    history: History | None = None
+    history: ForceHistory | None = None
 
 
 def kicks(solution: Solution) -> list[Kick]:
@@ -219,7 +221,7 @@ def kicks(solution: Solution) -> list[Kick]:
     return [found[n] for n in sorted(order) if sizes[n] > QUIET]
 
 
-def _variation(history: History | None) -> float:
+def _variation(history: ForceHistory | None) -> float:
     return 1.0 if history is None else float(np.ptp(history.values))
 
 
@@ -259,7 +261,7 @@ def _of_curves(solution: Solution) -> Iterator[Kick]:
         times = _instants(solution, curve)
         numbers = np.real(curve.evaluate(times))
         for column in (0, 2):
-            history = History(times, numbers[:, column])
+            history = ForceHistory(times, numbers[:, column])
             if np.ptp(history.values) > 0 and (kick := _kick(solution, c, column, history)) is not None:
                 yield kick
 
@@ -275,7 +277,7 @@ def _instants(solution: Solution, curve: Curve) -> np.ndarray:
     return np.unique([*parts.ravel(), times[-1], *np.nextafter(before, -np.inf), *np.nextafter(corners, np.inf)])
 
 
-def _kick(solution: Solution, curve: int, column: int, history: History) -> Kick | None:
+def _kick(solution: Solution, curve: int, column: int, history: ForceHistory) -> Kick | None:
     """Accelerations by a curve that grows by one, about where it changes most in a step; None if they excite nothing."""
     system, times = solution.system, solution.times
     in_step = np.abs(np.diff(np.interp(times, *history)))

@@ -41,7 +41,7 @@ COUNTS = 0.02
 """Change of a response by lost vibrations that counts, relative to its largest magnitude."""
 
 
-class Vibration(NamedTuple):
+class LostVibration(NamedTuple):
     """One vibration that steps take out.
 
     Attributes
@@ -79,7 +79,7 @@ class LostVibrations(NamedTuple):
     values: dict[str, float]
     errors: dict[str, float]
     swings: dict[str, float]
-    vibrations: list[Vibration]
+    vibrations: list[LostVibration]
     gradients: Callable[[], dict[str, dict[str, float]] | None]
 
     def told(self, unit: str) -> str:
@@ -118,8 +118,8 @@ def _lost_by_kicks(solution: Solution, looked: Mapping[str, Response], scales: M
     if not max((float(each.max(initial=0.0)) for each in sizes), default=0.0) > FELT:
         return None
     few = _looked_at(seen, looked, FEW)
-    first = Comparison(_at(seen, few), [each.at(few) for each in lost], looked, scales)
-    return _found(solution, Comparison(seen, lost, looked, scales), sizes) if first.counts else None
+    first = VibrationComparison(_at(seen, few), [each.at(few) for each in lost], looked, scales)
+    return _found(solution, VibrationComparison(seen, lost, looked, scales), sizes) if first.counts else None
 
 
 def _looked_at(solution: Solution, responses: Mapping[str, Response], count: int) -> np.ndarray:
@@ -139,7 +139,7 @@ def _at(solution: Solution, steps: np.ndarray) -> Solution:
     return replace(solution, **{name: getattr(solution, name)[steps] for name in names})
 
 
-class Comparison:
+class VibrationComparison:
     """Responses of a motion with and without the vibrations that it has lost.
 
     Parameters
@@ -199,7 +199,7 @@ class Comparison:
         return max(self.swings.values(), default=0.0) > COUNTS
 
 
-def _found(solution: Solution, compared: Comparison, sizes: list[np.ndarray]) -> LostVibrations | None:
+def _found(solution: Solution, compared: VibrationComparison, sizes: list[np.ndarray]) -> LostVibrations | None:
     """Lost vibrations that count; None if none does."""
     if not compared.counts:
         return None
@@ -210,7 +210,7 @@ def _found(solution: Solution, compared: Comparison, sizes: list[np.ndarray]) ->
         if share > COUNTS / 4:
             fading = float(each.modes.damping[i] * each.modes.rates[i])
             lasts = min(float(each.passed[-1]), LASTING / fading if fading > 0 else np.inf)
-            vibrations.append(Vibration(float(each.modes.rates[i]), share, lasts))
+            vibrations.append(LostVibration(float(each.modes.rates[i]), share, lasts))
     errors = compared.errors(compared.with_all)
     return (
         LostVibrations(compared.with_all, errors, compared.swings, sorted(vibrations), partial(_gradients, solution, compared))
@@ -219,7 +219,7 @@ def _found(solution: Solution, compared: Comparison, sizes: list[np.ndarray]) ->
     )
 
 
-def _gradients(solution: Solution, compared: Comparison) -> dict[str, dict[str, float]] | None:
+def _gradients(solution: Solution, compared: VibrationComparison) -> dict[str, dict[str, float]] | None:
     """Changes of derivatives by lost vibrations, response -> variable; None where the run has no derivatives of its states."""
     if not solution.system.n_x or solution.dq.shape[-1] != solution.system.n_x:
         return None
@@ -237,7 +237,7 @@ def _is_extreme(response: Response) -> bool:
     return isinstance(response, TimeMax | TimeMin | TimeKS) or (isinstance(response, StressResponse) and response.when == "all")
 
 
-def _derivatives(solution: Solution, compared: Comparison, at_peaks: bool) -> dict[str, Any]:
+def _derivatives(solution: Solution, compared: VibrationComparison, at_peaks: bool) -> dict[str, Any]:
     """Derivatives of the states with the lost vibrations added."""
     found = {name: getattr(compared.seen, name) for name in ("dq", "dv", "da", "dmultipliers")}
     for each in compared.lost:

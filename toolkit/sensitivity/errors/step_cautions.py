@@ -29,14 +29,13 @@ from toolkit.responses.motion import Displacement
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.sensitivity.errors.step_error import LENIENT, Gradients, StepError, Values, first_order, shorter_steps
 from toolkit.sensitivity.preparation import evaluate_with_gradients
-from toolkit.system.flexible_bodies import deforming, elastic_coordinates
 from toolkit.system.renewal import softened
-from toolkit.system.solution import Solution
-from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.system.solution import Solution, deforming, elastic_coordinates
 from toolkit.validity.bodies.deformation import LIMIT
-from toolkit.validity.description.mesh_cautions import bodies_of_stress
-from toolkit.validity.motion.created_energy import energy_defects
-from toolkit.validity.motion.motion import ENERGY
+from toolkit.validity.bodies.known_chain import chain
+from toolkit.validity.energy_balance import energy_defects
+from toolkit.validity.motion import ENERGY
+from toolkit.validity.scene_cautions import bodies_of_stress
 
 VALUES, GRADIENTS = 0.042, 0.1
 """Estimated errors above which values and gradients are not trusted: estimates are right to a factor of about two."""

@@ -132,14 +132,14 @@ BEYOND = 1e-4
 Acting = Callable[[float], Inputs]
 
 
-class Limit(NamedTuple):
+class LimitPosition(NamedTuple):
     """Limit position: the last place on the way of the drivers where the joints close, and coordinates (n,) there."""
 
     place: float
     q: np.ndarray
 
 
-def limit_position(bodies: RigidBodies, acting: Acting, q: np.ndarray, first: float, last: float) -> Limit | None:
+def limit_position(bodies: RigidBodies, acting: Acting, q: np.ndarray, first: float, last: float) -> LimitPosition | None:
     """Place where the way to the last place ends, from a first one near which the bodies are at q (n,).
 
     None if it is not known to end.
@@ -158,7 +158,7 @@ def limit_position(bodies: RigidBodies, acting: Acting, q: np.ndarray, first: fl
         return None
     beyond = min(place + BEYOND * (last - first), last)
     opens = np.abs(nearest(bodies, acting(beyond), here).gaps).max() > 10 * CLOSED
-    return Limit(place, here) if opens else None
+    return LimitPosition(place, here) if opens else None
 
 
 def closed(bodies: RigidBodies, inputs: Inputs, q: np.ndarray) -> np.ndarray | None:
@@ -185,7 +185,7 @@ LATE = 0.5
 drivers work on."""
 
 
-def limit_of_drivers(system: System, acting: Acting, q: np.ndarray, places: tuple[float, float, float]) -> Limit | None:
+def limit_of_drivers(system: System, acting: Acting, q: np.ndarray, places: tuple[float, float, float]) -> LimitPosition | None:
     """Limit position of the drivers between places (first, here, last), from coordinates (n_q,) or (n,) that bodies have here.
 
     None if they lead to the last place, or if nothing is known of that.
@@ -204,7 +204,7 @@ def limit_of_drivers(system: System, acting: Acting, q: np.ndarray, places: tupl
     return found if stiff is not None and stiff.place >= first + LATE * (found.place - first) else None
 
 
-def told_limit(system: System, acting: Acting, limit: Limit, last: float, where: str) -> str:
+def told_limit(system: System, acting: Acting, limit: LimitPosition, last: float, where: str) -> str:
     """Sentences on a limit position; `where` are the words for its place."""
     said = [
         _limit_sentence(system, acting, name, curve, limit.place, last)

@@ -29,7 +29,7 @@ from toolkit.solvers.static.critical_state import is_stable, soft_motion, softes
 from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at
 from toolkit.solvers.static.path_equations import GrowingLoads, PathEquations, parts
 from toolkit.solvers.static.path_steps import Arc, Corrected, arcs, correct, first_point, measure
-from toolkit.system.static_path import LimitPoint, StaticPath
+from toolkit.system.solution import LimitPoint, StaticPath
 from toolkit.system.system import System
 
 EXACT = 1e-12
@@ -40,7 +40,7 @@ FULL = 1 - 1e-12
 """Load factor that is the full load to round-off."""
 
 
-class Place(NamedTuple):
+class PathPlace(NamedTuple):
     """Point z of the path by its distance from the beginning of an arc, across its planes, and dz by that distance."""
 
     length: float
@@ -53,13 +53,13 @@ class Place(NamedTuple):
         return bool(self.z[-1] >= FULL)
 
 
-def ends(arc: Arc) -> tuple[Place, Place]:
+def ends(arc: Arc) -> tuple[PathPlace, PathPlace]:
     """Places at both ends of an arc."""
     cubic = arc.cubic
-    return Place(0.0, cubic.begin, cubic.begin_slope), Place(arc.length, cubic.end, cubic.end_slope)
+    return PathPlace(0.0, cubic.begin, cubic.begin_slope), PathPlace(arc.length, cubic.end, cubic.end_slope)
 
 
-def limit_point(equations: PathEquations, arc: Arc) -> Place | None:
+def limit_point(equations: PathEquations, arc: Arc) -> PathPlace | None:
     """Place of an arc where the load turns back, None without one; about that of an arc that is too short to look into."""
     if not arc.turns:
         return None
@@ -68,7 +68,7 @@ def limit_point(equations: PathEquations, arc: Arc) -> Place | None:
     return _where(equations, arc, *ends(arc), _rate)
 
 
-def full_load(equations: PathEquations, arc: Arc, first: Place, last: Place) -> Place | None:
+def full_load(equations: PathEquations, arc: Arc, first: PathPlace, last: PathPlace) -> PathPlace | None:
     """Place between two of an arc where the load factor is one, if they lie on both sides of it."""
     if first.loaded == last.loaded:
         return None
@@ -76,15 +76,17 @@ def full_load(equations: PathEquations, arc: Arc, first: Place, last: Place) -> 
     return near[0] if near else _where(equations, arc, first, last, _missing_load)
 
 
-def _rate(place: Place) -> float:
+def _rate(place: PathPlace) -> float:
     return float(place.slope[-1])
 
 
-def _missing_load(place: Place) -> float:
+def _missing_load(place: PathPlace) -> float:
     return float(place.z[-1] - 1)
 
 
-def _where(equations: PathEquations, arc: Arc, first: Place, last: Place, vanishing: Callable[[Place], float]) -> Place:
+def _where(
+    equations: PathEquations, arc: Arc, first: PathPlace, last: PathPlace, vanishing: Callable[[PathPlace], float]
+) -> PathPlace:
     found = {first.length: first, last.length: last}
 
     def value(length: float) -> float:
@@ -99,12 +101,12 @@ def _where(equations: PathEquations, arc: Arc, first: Place, last: Place, vanish
     return found[length]
 
 
-def _place(equations: PathEquations, arc: Arc, length: float) -> Place:
+def _place(equations: PathEquations, arc: Arc, length: float) -> PathPlace:
     """Place on the path at a distance across the planes of an arc, to round-off."""
     cubic = arc.cubic
     allowed = ALLOWED * measure(equations, cubic.end - cubic.begin)
     point: Corrected = correct(equations, arc.border, cubic.at(length), allowed, exact=True)
-    return Place(length, point.z, point.crossing.ahead())
+    return PathPlace(length, point.z, point.crossing.ahead())
 
 
 NEAR = 1e-6
@@ -182,7 +184,7 @@ def to_full_load(
     raise _no_arrival(options, trail)
 
 
-def _stable_end(equations: PathEquations, trail: Trail, place: Place) -> Equilibrium | None:
+def _stable_end(equations: PathEquations, trail: Trail, place: PathPlace) -> Equilibrium | None:
     """Point of the path under the full load, to round-off, if it is stable."""
     system, options = equations.system, equations.options
     q, acc = equations.padded(place.z)
@@ -203,14 +205,14 @@ def _stable_end(equations: PathEquations, trail: Trail, place: Place) -> Equilib
     return None
 
 
-def _add_limit(system: System, trail: Trail, place: Place, past_limits: bool) -> None:
+def _add_limit(system: System, trail: Trail, place: PathPlace, past_limits: bool) -> None:
     """Add the last point as a limit point; the first one is refused if nobody asked to pass it."""
     trail.limits.append(LimitPoint(float(place.z[-1]), system.most_moved(place.slope), len(trail.points) - 1))
     if not past_limits:
         raise _end_of_path(trail.limits[0])
 
 
-def _places(equations: PathEquations, arc: Arc) -> list[Place]:
+def _places(equations: PathEquations, arc: Arc) -> list[PathPlace]:
     """Beginning and end of an arc, and the limit point between them."""
     (first, last), limit = ends(arc), limit_point(equations, arc)
     return [first, *([limit] if limit else []), last]
@@ -242,7 +244,7 @@ def _rounded_off(options: RunOptions, error: Exception) -> ConvergenceError:
     )
 
 
-def _critical_full_load(system: System, place: Place, error: Exception | str) -> CriticalPointError:
+def _critical_full_load(system: System, place: PathPlace, error: Exception | str) -> CriticalPointError:
     coordinate = system.most_moved(place.slope)
     return CriticalPointError(
         f"the full load is that of a limit point or bifurcation to round-off, where nothing holds {coordinate} ({error}). Use a little "

@@ -16,7 +16,7 @@ from toolkit.solvers.static.static_matrix import Softness, StaticArray, balance,
 from toolkit.system.system import System
 
 
-class Acting(Protocol):
+class PathLoads(Protocol):
     """Interface of what acts along a path of equilibria, by its factor.
 
     Everything is linear in the loads, and drivers enter the equations by their values alone.
@@ -88,7 +88,7 @@ class PathEquations:
     Of a complex step the path is that of its real design: real parts alone decide where it goes.
     """
 
-    def __init__(self, system: System, options: RunOptions, acting: Acting) -> None:
+    def __init__(self, system: System, options: RunOptions, acting: PathLoads) -> None:
         self.system, self.options, self.acting = system, options, acting
         self.n, self.n_q = system.n, system.n_q
         self.scale = np.ones(system.n)

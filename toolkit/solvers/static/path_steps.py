@@ -219,7 +219,7 @@ class Arc(NamedTuple):
         return bool((cubic.begin_slope[-1] > 0) != (cubic.end_slope[-1] > 0))
 
 
-class Plan(NamedTuple):
+class StepPlan(NamedTuple):
     """A step to be tried: its plane, its direction with b^T t = 1, and its length; also in parts of the box."""
 
     border: np.ndarray
@@ -291,7 +291,7 @@ def _step(
             length = plan.length * (error.part if isinstance(error, _TooLong) else USUAL)
 
 
-def _plan(box: Box, begin: PathPoint, before: Arc | None, most: float, length: float) -> Plan:
+def _plan(box: Box, begin: PathPoint, before: Arc | None, most: float, length: float) -> StepPlan:
     """Plan of the next step.
 
     It has the given length by the metric of the box, or leads to the full load where that is near and grows well.
@@ -306,7 +306,7 @@ def _plan(box: Box, begin: PathPoint, before: Arc | None, most: float, length: f
     if before is not None:
         length = min(length, before.growth * abs(border @ (before.begin.z - begin.z)))
     length = min(length, most / max(abs(slope[-1]), most * SHORTEST))
-    plan = Plan(border, slope, length, length)
+    plan = StepPlan(border, slope, length, length)
     missing = (1 - begin.factor) / slope[-1] if slope[-1] * np.sqrt(metric[-1]) > STEEP else np.inf
     if 0 < missing <= length * (1 + LENGTH_TOLERANCE):
         return plan._replace(
@@ -315,7 +315,7 @@ def _plan(box: Box, begin: PathPoint, before: Arc | None, most: float, length: f
     return plan
 
 
-def _attempt(equations: PathEquations, box: Box, begin: PathPoint, before: Arc | None, plan: Plan) -> Arc:
+def _attempt(equations: PathEquations, box: Box, begin: PathPoint, before: Arc | None, plan: StepPlan) -> Arc:
     """Result of one step along the path.
 
     Raises

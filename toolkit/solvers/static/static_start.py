@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from toolkit.compilation.frame_hints import hint_of_floating
+from toolkit.compilation.redundant_rows import hint_of_floating
 from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Terms
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError

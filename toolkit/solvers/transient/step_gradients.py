@@ -5,8 +5,19 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import LEFT_OUT
-from toolkit.equations.design_sums import DesignSums, GatheredPlan, add_up, design_sums, gather
-from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
+from toolkit.equations.equations import (
+    DesignSums,
+    GatheredPlan,
+    Inputs,
+    Plan,
+    Terms,
+    Work,
+    add_up,
+    allocate_terms,
+    allocate_work,
+    design_sums,
+    gather,
+)
 from toolkit.foundation.compiled.rows import add_rows, filled_up
 from toolkit.foundation.kernel import inner, loop
 from toolkit.linear.linear_solver import (

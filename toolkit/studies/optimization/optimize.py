@@ -14,7 +14,7 @@ from toolkit.studies.design_work import Evaluator, cut_off
 from toolkit.studies.optimization.explored import SearchResult
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum, RobustnessCheck, compared
 from toolkit.studies.optimization.program import Price, Program, dependent, objective_of, prices
-from toolkit.studies.optimization.search import Search, starts_of
+from toolkit.studies.optimization.search import SearchRun, starts_of
 from toolkit.studies.optimization.verification import Verification, certified, said_of_norms, said_of_runs, solved_again
 from toolkit.studies.problem import ONLY, Problem
 from toolkit.studies.store import DesignOutcome, DesignStore, opened_store
@@ -69,7 +69,7 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
         searches: list[SearchResult] = []
         for k, start in enumerate(starts):
             known = next((each.best.design for each in searches if each.best is not None), None)
-            searches.append(Search(Program(problem), evaluator, 2 * k, options.warm_starts, tell).run(start, known))
+            searches.append(SearchRun(Program(problem), evaluator, 2 * k, options.warm_starts, tell).run(start, known))
         _refuse_all_failed(problem, store, searches)
         order = sorted((k for k, each in enumerate(searches) if each.best is not None), key=lambda k: _rank(searches[k]))
         chosen, again = searches[order[0]], None
@@ -112,7 +112,7 @@ def _verified(
     assert found.best is not None
     again = solved_again(problem, found.best)
     if again.refusal and problem.kind == "static" and found.lane % 2 == 0 and problem.study.search.warm_starts:
-        repeated = Search(Program(problem), evaluator, found.lane + 1, False, tell).run(found.start, problem.start)
+        repeated = SearchRun(Program(problem), evaluator, found.lane + 1, False, tell).run(found.start, problem.start)
         if repeated.best is not None:
             return repeated, solved_again(problem, repeated.best)
     return found, again

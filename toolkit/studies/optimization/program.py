@@ -32,7 +32,7 @@ from toolkit.studies.problem import Problem, by_case
 from toolkit.studies.store import DesignOutcome
 
 
-class Row(NamedTuple):
+class ConstraintRow(NamedTuple):
     """One constraint: a limit of a response in one case."""
 
     response: str
@@ -71,13 +71,15 @@ class Program:
     unit: float = 1.0
 
     @property
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[ConstraintRow]:
         """All constraints, cases within limits within responses."""
         found = []
         for wanted in self.problem.limits:
             size = wanted.limit.scale or abs(wanted.bound) or 1.0
             labels = by_case(self.problem.cases, wanted.response)
-            found += [Row(wanted.response, case, wanted.sign, wanted.bound, size, label) for case, label in enumerate(labels)]
+            found += [
+                ConstraintRow(wanted.response, case, wanted.sign, wanted.bound, size, label) for case, label in enumerate(labels)
+            ]
         return found
 
     def scaled(self, design: np.ndarray) -> np.ndarray:

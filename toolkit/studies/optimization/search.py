@@ -136,7 +136,7 @@ def starts_of(problem: Problem, count: int) -> np.ndarray:
     return np.vstack([problem.start, low + plain(count - 1, len(low)) * (high - low)])
 
 
-class Search:
+class SearchRun:
     """One search."""
 
     def __init__(self, program: Program, evaluator: Evaluator, lane: int, warm: bool, tell: Tell) -> None:

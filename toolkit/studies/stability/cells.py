@@ -40,7 +40,7 @@ from toolkit.sensitivity.preparation import by_name, evaluate_with_gradients, pr
 from toolkit.studies.store import RunOutcome, scene_fingerprint
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
-from toolkit.validity.motion.created_energy import created_energy
+from toolkit.validity.energy_balance import created_energy
 
 Status = Literal["ended", "failed", "refused"]
 Slopes = dict[str, dict[str, float]]

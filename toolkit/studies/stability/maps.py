@@ -15,7 +15,7 @@ from toolkit.description.run_options import Baumgarte, time_grid
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LABELLED, unit
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.dimensions import dimensions, number_dimension
+from toolkit.scene_file.gradient_units import dimensions, number_dimension
 
 Judge = Literal["reference", "half step", "own units"]
 

@@ -11,7 +11,7 @@ from toolkit.foundation.errors import InputError, meant
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.conversion import converted, number_factor, response_factor
+from toolkit.scene_file.gradient_units import converted, number_factor, response_factor
 from toolkit.sensitivity.direct import typical_size
 from toolkit.studies.executor import Executor, Progress, run_jobs
 from toolkit.studies.stability.cells import (
@@ -27,7 +27,7 @@ from toolkit.studies.stability.cells import (
 from toolkit.studies.stability.map_result import Cell, FineReference, MapResult, StabilityResult
 from toolkit.studies.stability.maps import PHYSICS, Axis, Map, baumgarte_map, finest_first, refined, step_map, steps_needed
 from toolkit.studies.store import RunFolder
-from toolkit.validity.description.scene_cautions import cautions_of_scene
+from toolkit.validity.scene_cautions import cautions_of_scene
 
 MAPS = ("step", "baumgarte", *PHYSICS, "units")
 

@@ -48,7 +48,7 @@ Measure = Callable[[list[Setting]], list[SettingOutcome]]
 
 
 @dataclass(frozen=True)
-class Limit:
+class ExtrapolatedLimit:
     """A value, how far off it may be, and the observed order; nan if the runs show none, so that nothing was extrapolated.
 
     `stalled`: the last halving changed as much as the one before, so that more of them may change it without end.
@@ -59,12 +59,12 @@ class Limit:
     order: float
     stalled: bool = False
 
-    def plus(self, other: Limit, at: float) -> Limit:
+    def plus(self, other: ExtrapolatedLimit, at: float) -> ExtrapolatedLimit:
         """Both corrections of a value `at` at which both sequences meet; their errors add up."""
-        return Limit(self.value + other.value - at, self.error + other.error, self.order, self.stalled)
+        return ExtrapolatedLimit(self.value + other.value - at, self.error + other.error, self.order, self.stalled)
 
 
-def limit(runs: list[float], order: int | None) -> Limit:
+def limit(runs: list[float], order: int | None) -> ExtrapolatedLimit:
     """Limit of the last three of runs, each with half the step of the one before.
 
     If the order is known and observed, the value is e_2 and its error |e_2 - e_1| / (2^(p+1) - 1): what the next power of h leaves.
@@ -76,11 +76,11 @@ def limit(runs: list[float], order: int | None) -> Limit:
     observed = _observed(f_1 - f_2, f_2 - f_3)
     if order is not None and abs(observed - order) <= NEAR:
         e_1, e_2 = (fine + (fine - coarse) / (2**order - 1) for coarse, fine in ((f_1, f_2), (f_2, f_3)))
-        return Limit(e_2, abs(e_2 - e_1) / (2 ** (order + 1) - 1), observed)
+        return ExtrapolatedLimit(e_2, abs(e_2 - e_1) / (2 ** (order + 1) - 1), observed)
     if order is None and ORDERS[0] <= observed <= ORDERS[1]:
         correction = (f_3 - f_2) / (2**observed - 1)
-        return Limit(f_3 + correction, abs(correction), observed)
-    return Limit(f_3, max(abs(f_3 - f_2), abs(f_2 - f_1)), math.nan, abs(observed) < STALLED)
+        return ExtrapolatedLimit(f_3 + correction, abs(correction), observed)
+    return ExtrapolatedLimit(f_3, max(abs(f_3 - f_2), abs(f_2 - f_1)), math.nan, abs(observed) < STALLED)
 
 
 def _observed(before: float, after: float) -> float:
@@ -94,8 +94,8 @@ class Reference:
     `limits` has response -> Limit, `slopes` response -> variable -> Limit; `sizes` say what a relative change of a variable is.
     """
 
-    limits: dict[str, Limit]
-    slopes: dict[str, dict[str, Limit]]
+    limits: dict[str, ExtrapolatedLimit]
+    slopes: dict[str, dict[str, ExtrapolatedLimit]]
     sizes: dict[str, float]
     units: dict[str, str]
     in_time: list[Setting]
@@ -201,7 +201,7 @@ def _reference(
 ) -> Reference:
     last = times[-1]
 
-    def both(number: Callable[[SettingOutcome], float]) -> Limit:
+    def both(number: Callable[[SettingOutcome], float]) -> ExtrapolatedLimit:
         found = limit([number(each) for each in times], ORDER)
         if not meshes:
             return found

@@ -195,7 +195,7 @@ REPEATS = 5
 
 
 @dataclass(frozen=True)
-class Plan:
+class TradeoffPlan:
     """What a study is about to do, checked."""
 
     case: Case
@@ -209,7 +209,7 @@ class Plan:
 class Tradeoff:
     """What came out: all settings from the fastest to the slowest, failed ones last; the Pareto set; the cheapest within the budget."""
 
-    plan: Plan
+    plan: TradeoffPlan
     reference: Reference
     settings: list[JudgedSetting]
     pareto: list[JudgedSetting]
@@ -247,7 +247,7 @@ def plan(
     axes: str | None = None,
     budgets: Sequence[str] = (),
     gradient_budgets: Sequence[str] = (),
-) -> Plan:
+) -> TradeoffPlan:
     """Everything that can be wrong is found here, before the work begins.
 
     Parameters
@@ -279,7 +279,7 @@ def plan(
     read = read_axes(scene, axes)
     budget = read_budget(list(responses_of(scene)), budgets, gradient_budgets, bool(names))
     case = Case(path.resolve(), changes, tuple(names), folder.resolve(), fingerprint(scene, names))
-    return Plan(case, scene, read, grid(scene, read), budget)
+    return TradeoffPlan(case, scene, read, grid(scene, read), budget)
 
 
 @contextmanager
@@ -288,7 +288,7 @@ def silent(_: str) -> Iterator[Progress]:
     yield lambda done, total: None
 
 
-def tradeoff(planned: Plan, stage: Stage = silent, jobs: int = 1, repeats: int = REPEATS) -> Tradeoff:
+def tradeoff(planned: TradeoffPlan, stage: Stage = silent, jobs: int = 1, repeats: int = REPEATS) -> Tradeoff:
     """Run a plan; what its folder has already is not run again.
 
     Parameters

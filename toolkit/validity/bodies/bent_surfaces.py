@@ -1,10 +1,23 @@
 """How far bodies bend whose finite elements are not at hand: reduced beams in space by the lines of their surface, solids by its points.
 
+Bending of the pieces of a solid between their ends, which no frame that carries a whole piece has.
+
+Ends that turn by theta_1 and theta_2 against the line through both bow a piece of length L as a beam, and bring them nearer by
+
+    L (2 theta_1^2 - theta_1 . theta_2 + 2 theta_2^2) / 30
+
+of which the linear piece has nothing. All of these together are about how far a node of the body is from where it should be.
+
 A line that turns by theta in the body's frame stays as long as it is and so loses theta^2 / 2 of its length along where it was, which a
 linear body gains instead. The mean of that over all lines that turn, times the body's extent L, is how far its end is off: with d the
 deflection of a cantilever's tip 0.6 d^2 / L, of an arc between the ends that hold its frame 2.7 d^2 / L. What a body without lines has is
 taken for a cantilever; members of a frame that rest do not count. A force along the body, see `carried_force`, adds its part of the
 critical one of the displacement across it.
+
+Numbers of frames that were chosen at the numbers of a scene, and leave more than is wanted at others.
+
+The meter of large deformation is too large rather than too small: at other numbers errors are what it finds there, or by the runs that
+have chosen, as much less as theirs is.
 """
 
 from __future__ import annotations
@@ -15,24 +28,83 @@ from typing import TypeAlias
 
 import numpy as np
 
-from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut_body import CutBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.scene.resolution import ResolvedScene
-from toolkit.system.flexible_bodies import design_point, elastic_coordinates
-from toolkit.system.solution import Solution
-from toolkit.validity.bodies.chains.known_chain import has_chain
-from toolkit.validity.bodies.compressed.carried_force import Carried, carried, still_points
-from toolkit.validity.bodies.cut.more_frames import divided
+from toolkit.system.solution import Solution, deforming, design_point, elastic_coordinates, is_in_pieces
+from toolkit.validity.bodies.carried_force import Carried, carried, still_points
+from toolkit.validity.bodies.chain import sides_of
 from toolkit.validity.bodies.deformation import (
     LIMIT,
     ROUND_OFF,
     Deformation,
     deformations,
+    displacements,
+    divided,
     instants_of,
     whole_bodies,
 )
+from toolkit.validity.bodies.known_chain import chain, has_chain
+from toolkit.validity.frame_choice import choices_in
+
+
+@check("bent-pieces", STATES)
+def bent_pieces(solution: Solution) -> Iterator[Caution]:
+    """A solid in pieces bends inside of its pieces so far that they shorten, which no frame of a whole piece knows.
+
+    Limit: 5 % of its largest displacement.
+    Fix: more pieces in the body file.
+    """
+    scene = solution.system.scene
+    for body in whole_bodies(scene):
+        if not is_in_pieces(scene, body):
+            continue
+        error, turn, count = shortening(solution, body)
+        if error > LIMIT:
+            yield bent_pieces.caution(
+                f"{body} is cut into {count} pieces, which bend by up to {turn:.2g} rad against the lines through their ends. They "
+                f"shorten, which no frame of a whole piece knows: nodes are off by about {error:.1%} of its displacement (limit "
+                f"{LIMIT:.0%}). Fix: cut it into some {int(np.ceil(count * np.sqrt(error / LIMIT)))} pieces.",
+            )
+
+
+def shortening(solution: Solution, body: str) -> tuple[float, float, int]:
+    """Shortening of the pieces of a body at the worst instant, relative to its largest displacement then.
+
+    With it the largest angle of an end in rad, and the number of pieces.
+    """
+    scene = solution.system.scene
+    instants = instants_of(solution, body)
+    bows, turns = [], []
+    for name, part in deforming(scene).items():
+        behind = chain(scene, name) if body in (name, getattr(part, "whole", None)) else None
+        if behind is not None:
+            u = behind.displacements(np.real(solution.q[instants][:, elastic_coordinates(solution, name)]))
+            sides, turned = sides_of(behind), np.einsum("ekp,tep->tek", behind.forms.rows, u[:, behind.forms.dofs])[:, :, 1:]
+            found = _across(turned, sides.along)
+            bows.append(_bow(found[0], found[1], sides.lengths))
+            turns.append(np.linalg.norm(found, axis=3).max(axis=0))
+    lost, moved = np.concatenate(bows, axis=1), displacements(solution, body, instants).max(axis=1)
+    parts = np.divide(lost.sum(axis=1), moved, out=np.zeros(len(moved)), where=moved > 0)
+    worst = first_largest(parts)
+    return float(parts[worst]), float(np.concatenate(turns, axis=1)[worst].max()), lost.shape[1]
+
+
+def _across(turns: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Rotations of both ends (2, n_t, n_e, 3) without those about the line through both, from (n_t, n_e, 6)."""
+    ends = np.stack([turns[:, :, :3], turns[:, :, 3:]])
+    found: np.ndarray = ends - np.einsum("ntec,ec->nte", ends, along)[..., None] * along
+    return found
+
+
+def _bow(first: np.ndarray, second: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Shortening of pieces by the rotations of their ends, (n_t, n_e)."""
+    squares = [np.sum(one * other, axis=2) for one, other in ((first, first), (first, second), (second, second))]
+    found: np.ndarray = lengths * (2 * squares[0] - squares[1] + 2 * squares[2]) / 30
+    return found
+
 
 CANTILEVER = 0.6
 """Of d^2 / L, for a force at its tip."""
@@ -152,3 +224,26 @@ def _told(scene: ResolvedScene, body: str, found: Bending) -> str:
         f"(limit {LIMIT:.0%}), because their lines grow where they turn. Fix: "
         f"{divided(scene, body, found.relative / LIMIT)}, or stiffen the body."
     )
+
+
+CERTAIN = 2
+"""Estimated errors are off by up to this factor: beyond so many times the wanted one it is missed for certain."""
+
+
+@check("outgrown-frames", STATES)
+def outgrown_choices(solution: Solution) -> Iterator[Caution]:
+    """Bodies whose number of frames was chosen by an error that this solution exceeds."""
+    choices = choices_in(solution.system.scene)
+    for body, metered in geometric_errors(solution).items() if choices else ():
+        if metered is None or body not in choices or choices[body][1].kept_run:
+            continue
+        number, choice = choices[body]
+        error = metered.relative * (min(choice.error / choice.metered, 1.0) if choice.metered > 0 else 1.0)
+        if error > choice.wanted:
+            needed = int(np.ceil(number * np.sqrt(error / choice.wanted)))
+            yield outgrown_choices.caution(
+                f"the number of frames of {body} was chosen at the numbers of the scene as it is written. At these it leaves about "
+                f"{error:.1%} of the largest displacement, where a geometric error of {choice.wanted:.3g} is wanted. Fix: write these "
+                f"numbers into the scene, so that the number is chosen for them, or frames = {needed}.",
+                doubt=error > CERTAIN * choice.wanted,
+            )

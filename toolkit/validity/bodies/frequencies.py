@@ -9,18 +9,17 @@ import numpy as np
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution, check
 from toolkit.scene.resolution import ResolvedScene
-from toolkit.system.flexible_bodies import elements_of, flexible_body, is_in_pieces
-from toolkit.system.solution import Solution
+from toolkit.system.solution import Solution, elements_of, flexible_body, is_in_pieces
 from toolkit.validity.bodies.beam_assumptions import beams_of, times_as_many
-from toolkit.validity.bodies.chains.known_chain import chain
-from toolkit.validity.bodies.chains.lines_on_bodies import lines_on_bodies
-from toolkit.validity.bodies.compressed.merging_vibrations import merging_of
 from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
+from toolkit.validity.bodies.few_shapes import cautions_of_few_shapes
+from toolkit.validity.bodies.full_scene import cautions_of_raised, listed_parts
+from toolkit.validity.bodies.known_chain import chain
+from toolkit.validity.bodies.led_points import lines_on_bodies
+from toolkit.validity.bodies.merging_vibrations import merging_of
 from toolkit.validity.bodies.physics import critical_loads
-from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
-from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised, listed_parts
-from toolkit.validity.bodies.shear.sheared_vibrations import sheared_vibrations
-from toolkit.validity.bodies.tension.tension_cautions import tension_of_vibrations
+from toolkit.validity.bodies.pulled_joints import tension_of_vibrations
+from toolkit.validity.bodies.sheared_beams import sheared_vibrations
 
 FACTOR = 1440.0
 ITERATIONS = 40
@@ -109,3 +108,39 @@ def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | 
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies)}
     yield from cautions_of_frequencies(solution, named, doubt=count is not None, differentiated=False)
     yield from sheared_vibrations(solution, named, differentiated=False)
+
+
+SEEN, LARGE = 0.01, 0.3
+"""Parts of the critical damping above which it is told, and of the lowest frequency above which it is a doubt: sqrt(1 - 0.3^2) is 5 %
+below one."""
+
+
+@check("damped")
+def cautions_of_damping(damping: np.ndarray, mass: np.ndarray, squares: np.ndarray, shapes: np.ndarray) -> Iterator[Caution]:
+    """Frequencies are undamped, and the scene has dampers.
+
+    Limit: 1 % of the critical damping; a doubt from 30 % of the lowest frequency's on.
+    Fix: the responses `damped-frequency` and `damping-ratio`.
+
+        zeta_k = y_k^T C y_k / (2 omega_k y_k^T M y_k),    damped frequency omega_k sqrt(1 - zeta_k^2)
+
+    Parameters
+    ----------
+    damping, mass : array (n_q, n_q)
+        C and M.
+    squares : array (n_modes,)
+        omega^2.
+    shapes : array (n_q, n_modes)
+        y.
+    """
+    vibrating = squares > 0
+    damped, inert = (np.einsum("im,ij,jm->m", shapes, each, shapes)[vibrating] for each in (damping, mass))
+    ratios = damped / (2 * np.sqrt(squares[vibrating]) * inert)
+    if not ratios.size or not ratios.max() > SEEN:
+        return
+    most = int(np.argmax(ratios > LARGE if ratios.max() > LARGE else ratios > SEEN))
+    yield cautions_of_damping.caution(
+        f"these frequencies are undamped. Damping is up to {ratios.max():.2g} of the critical one; that at "
+        + ("lowers it by " + f"{1 - np.sqrt(1 - ratios[most] ** 2):.1%}." if ratios[most] < 1 else "does not vibrate at all."),
+        doubt=bool(ratios[0] > LARGE),
+    )

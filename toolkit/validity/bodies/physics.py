@@ -6,20 +6,19 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.bodies.framed_part import FramedPart
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import MOTION, SPIN, STATES, Caution, check
 from toolkit.responses.least_frequency import LeastFrequency, LoadMargin
 from toolkit.responses.vibration import OfVibration
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.chains.known_chain import has_chain
-from toolkit.validity.bodies.compressed.critical_load import Compression, critical_compressions
-from toolkit.validity.bodies.cut.more_frames import divided
-from toolkit.validity.bodies.deformation import LIMIT, Deformation, deformations
-from toolkit.validity.bodies.spinning.critical_speed import critical_speed, too_fast_in_motion
-from toolkit.validity.bodies.turning_frame import turning_frames
-from toolkit.validity.description.frame_choice import advice_of_frame
+from toolkit.validity.bodies.carried_force import turning_frames
+from toolkit.validity.bodies.critical_load import Compression, critical_compressions
+from toolkit.validity.bodies.critical_speed import critical_speed, too_fast_in_motion
+from toolkit.validity.bodies.deformation import LIMIT, Deformation, deformations, divided
+from toolkit.validity.bodies.known_chain import has_chain
+from toolkit.validity.frame_choice import advice_of_frame
 
 SMALL = 0.05
 """Rotation, rad, of which the growth of the elements is half of `LIMIT` of a displacement at most."""

@@ -1,1 +1,0 @@
-"""Bodies in the plane, as a scene describes them."""

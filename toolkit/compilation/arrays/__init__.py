@@ -1,1 +1,0 @@
-"""Bodies, markers, joints and loads as the flat arrays of the compiled loop."""

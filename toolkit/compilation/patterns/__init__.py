@@ -1,1 +1,0 @@
-"""Which entries of the loop's matrices can differ from zero."""

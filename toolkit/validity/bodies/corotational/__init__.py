@@ -1,1 +1,0 @@
-"""Beam elements that turn with the body: the judge of small deformations."""

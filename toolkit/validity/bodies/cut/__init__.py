@@ -1,1 +1,0 @@
-"""Bodies with several floating frames, looked at as one body."""

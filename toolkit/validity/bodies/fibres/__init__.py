@@ -1,1 +1,0 @@
-"""What the stress along fibres of beams in space leaves out."""

@@ -1,1 +1,0 @@
-"""What cut bodies lack whose parts keep some of their shapes only, in runs and in frequencies."""

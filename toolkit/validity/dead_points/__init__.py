@@ -1,1 +1,0 @@
-"""Whether a motion passes positions in which joints repeat each other."""

@@ -1,1 +1,0 @@
-"""What a scene makes one ask before anything runs."""

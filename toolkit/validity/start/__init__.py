@@ -1,1 +1,0 @@
-"""What the search for a consistent start did to what was written."""
