@@ -63,7 +63,7 @@ stubs = {"plane": stub(2), "space": stub(3)}
 if __name__ == "__main__":
     here = Path(__file__)
     files = {here.with_name(f"{name}.json"): text for name, text in texts.items()}
-    files |= {here.parents[1] / "toolkit" / "door" / f"{name}.pyi": text for name, text in stubs.items()}
+    files |= {here.parents[1] / "toolkit" / "api" / f"{name}.pyi": text for name, text in stubs.items()}
     for path, text in files.items():
         with replaced(path) as temporary:
             temporary.write_text(text)
