@@ -28,7 +28,7 @@ from preprocessing.builders.body_file import (
 from preprocessing.builders.frame_file import FrameFile
 from preprocessing.builders.frame_tables import BeamTable, FrameMaterial, FramePoint, FrameSection, PolarNode
 from preprocessing.builders.skin_file import (
-    Airfoil,
+    AirfoilTable,
     ContourPoint,
     ElementGroup,
     Material,
@@ -129,7 +129,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "baumgarte": table(Baumgarte),
     **{group: _sections(group) for group in kinds()},
     "skin-file": table(SkinFile),
-    "airfoil": table(Airfoil),
+    "airfoil": table(AirfoilTable),
     "skin": table(SkinCut),
     "start-and-end": table(ContourPoint),
     "section": table(SectionTable),

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
-from preprocessing.builders.tables import BasisTable, Damping, FileName, InterfaceName, Positive, Table
+from preprocessing.builders.tables import BasisTable, Damping, FileName, InputTable, InterfaceName, Positive
 
 NodeNumber = Annotated[int, Field(ge=0)]
 Coordinates = Annotated[list[FiniteFloat], Field(min_length=2, max_length=3)]
@@ -18,7 +18,7 @@ OF_CALCULIX = (".sti", ".mas")
 """Endings of the matrices of CalculiX, whose rows a file of the same name and with the ending .dof explains."""
 
 
-class MeshTable(Table):
+class MeshTable(InputTable):
     """A mesh: gmsh (.msh), Abaqus and CalculiX (.inp), Nastran (.bdf, .nas, .fem), VTK (.vtk, .vtu), MED, UNV, Ansys (.cdb), and others.
 
     The page "From your FE program" tells what of them is read. Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6 or 15)
@@ -31,7 +31,7 @@ class MeshTable(Table):
     leave_out: list[str] = Field(default_factory=list)  # element types, keywords, cards that are not part of the body: "S4R"
 
 
-class MatricesTable(Table):
+class MatricesTable(InputTable):
     """Finished matrices of displacement-based finite elements, free of supports: x and y of node 0, x and y of node 1, and so on.
 
     In space they have x, y and z of every node. Matrix Market (.mtx), the text of Abaqus' MATRIX OUTPUT (.mtx, in any of its formats), the
@@ -60,7 +60,7 @@ class MatricesTable(Table):
         return str(PurePath(name).with_suffix(".dof")) if PurePath(name).suffix.lower() in OF_CALCULIX else None
 
 
-class Region(Table):
+class Region(InputTable):
     """Some nodes: those of a group of the mesh, those in a box, or by their numbers."""
 
     group: str | None = None  # physical group, node set or element set of the mesh file
@@ -95,7 +95,7 @@ class TiedRegion(Region):
     at: Coordinates | None = None  # the point's undeformed place; by default the mean of the nodes as above
 
 
-class PiecesTable(Table):
+class PiecesTable(InputTable):
     """Groups of elements that the body is cut into, one behind the other from the clamp on: then `frames` of a scene gives it as many
     floating frames as there are pieces, or fewer.
 
@@ -108,13 +108,13 @@ class PiecesTable(Table):
     faces: Literal["averaged", "rigid"] = "averaged"  # how the pieces are joined
 
 
-class SolidSection(Table):
+class SolidSection(InputTable):
     """What stands across the plane."""
 
     width: Positive  # length
 
 
-class SolidMaterial(Table):
+class SolidMaterial(InputTable):
     """Linear elastic, isotropic material. With finished matrices these are the values that they were made with."""
 
     youngs_modulus: Positive  # stress
@@ -123,7 +123,7 @@ class SolidMaterial(Table):
     state: Literal["plane-stress", "plane-strain"] | None = None  # plane bodies: thin (default), or kept from contracting across
 
 
-class StressTable(Table):
+class StressTable(InputTable):
     """What the stress operator gives, linear in the displacements.
 
     Of plane bodies it is one number for each stress point. `tangential`, the default, is the stress along the boundary in the middle of
@@ -135,19 +135,19 @@ class StressTable(Table):
     quantity: Literal["tangential", "xx", "yy", "xy", "surface", "none"] | None = None
 
 
-class ShapeVariable(Table):
+class ShapeVariable(InputTable):
     """A parameter that moves the nodes of a spatial mesh: x = x_file + value * field."""
 
     field: FileName  # (.npy, .npz, .csv) displacement x, y, z of every node of the mesh file, per unit of the variable
     value: FiniteFloat = 0.0
 
 
-def given(table: Table) -> dict[str, Any]:
+def given(table: InputTable) -> dict[str, Any]:
     """Keys of a table that are not left out."""
     return table.model_dump(exclude_none=True)
 
 
-class BodyFile(Table):
+class BodyFile(InputTable):
     """Schema of body.toml; all numbers in the units of the named system.
 
     It has a mesh, or finished matrices, or both: then the mesh gives the nodes, their groups and the stress.

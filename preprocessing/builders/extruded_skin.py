@@ -13,7 +13,7 @@ from preprocessing.builders.recipe import Remark
 from preprocessing.builders.skin_file import SkinFile
 from preprocessing.builders.skin_geometry import Geometry, read_geometry
 from preprocessing.builders.skin_recipe import SkinRecipe
-from preprocessing.builders.tables import Table
+from preprocessing.builders.tables import InputTable
 from preprocessing.elements.solid_elements import CUBE, CUBE_MIDDLES
 from preprocessing.mesh.input_files import at_key
 from toolkit.foundation.errors import InputError
@@ -177,7 +177,7 @@ def _description(file: SkinFile, mesh: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _inline(table: Table | dict[str, Any]) -> str:
+def _inline(table: InputTable | dict[str, Any]) -> str:
     """A table on one line."""
     given = table if isinstance(table, dict) else table.model_dump(exclude_none=True)
     return "{ " + ", ".join(f"{key} = {json.dumps(value)}" for key, value in given.items()) + " }"

@@ -31,7 +31,7 @@ from preprocessing.builders.frame_tables import (
     loose_contacts,
     positions,
 )
-from preprocessing.builders.tables import BasisTable, Damping, InterfaceName, Table
+from preprocessing.builders.tables import BasisTable, Damping, InputTable, InterfaceName
 from preprocessing.elements.beams import BeamPatch, PlanarBeam, SpatialBeam
 from preprocessing.elements.section import Patch, Sheared
 from preprocessing.reduction.discretisation import DesignSpace, Discretisation
@@ -42,7 +42,7 @@ MOST_ELEMENTS = 500
 """Largest number of elements of a frame, whose matrices are dense in the reduction."""
 
 
-class FrameFile(Table):
+class FrameFile(InputTable):
     """Schema of frame.toml; all numbers in the units of the named system."""
 
     units: Literal["mm-t-s", "m-kg-s"]

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
-from preprocessing.builders.tables import InterfaceName, Positive, Table
+from preprocessing.builders.tables import InputTable, InterfaceName, Positive
 from preprocessing.elements.section import SectionShape, circle, general, rectangle, tube
 
 Coordinates = Annotated[list[FiniteFloat], Field(min_length=2, max_length=3)]
@@ -38,7 +38,7 @@ SHEAR_FACTORS = {"rectangle": 5 / 6, "circle": 9 / 10}
 """Kind of a section -> kappa (Reissner); that of a tube depends on its wall, from 0.5 if it is thin."""
 
 
-class PolarNode(Table):
+class PolarNode(InputTable):
     """A node of a plane frame at a length and an angle from another one; both are design variables, `length_B` and `angle_B`."""
 
     start: str = Field(alias="from")  # name of a node
@@ -46,7 +46,7 @@ class PolarNode(Table):
     angle: FiniteFloat = 0.0  # rad, from the x axis, counter-clockwise
 
 
-class BeamTable(Table):
+class BeamTable(InputTable):
     """A straight beam between two nodes, of equal elements."""
 
     start: str = Field(alias="from")  # name of a node
@@ -58,7 +58,7 @@ class BeamTable(Table):
     )
 
 
-class FrameSection(Table):
+class FrameSection(InputTable):
     """A section by its dimensions, or by its numbers (`general`), and the material that it is made of.
 
     The third axis of a section is the orientation of its beam, the second one is perpendicular to that and to the beam: the width of a
@@ -121,7 +121,7 @@ class FrameSection(Table):
         return circle() if self.kind == "circle" else tube()
 
 
-class FrameMaterial(Table):
+class FrameMaterial(InputTable):
     """Linear elastic, isotropic material; G = E / (2 (1 + nu)) in torsion and shear."""
 
     youngs_modulus: Positive  # stress
@@ -129,7 +129,7 @@ class FrameMaterial(Table):
     poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] | None = None  # in space, where beams twist, and with shear
 
 
-class FramePoint(Table):
+class FramePoint(InputTable):
     """A node where joints and loads may grip."""
 
     node: str

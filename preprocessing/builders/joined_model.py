@@ -19,7 +19,7 @@ from preprocessing.reduction.chosen_basis import clamped_in_tangent_frame
 from preprocessing.reduction.solid_basis import solid_shapes
 from preprocessing.reduction.ties import freedom
 from toolkit.reduced_model.cut_part import symmetric
-from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.model import InterfacePoint, StressPoints
 from toolkit.reduced_model.parts import (
     PAIRS,
@@ -50,7 +50,7 @@ class PlacedArrays(NamedTuple):
 
     arrays: dict[str, np.ndarray]
     derivatives: dict[str, Derivatives]
-    affine: dict[str, Polynomial]
+    affine: dict[str, SparsePolynomial]
 
 
 def placement(array: np.ndarray, letters: str, numbers: Mapping[str, np.ndarray], lengths: Mapping[str, int]) -> PiecePlacement:
@@ -81,7 +81,7 @@ def placed(pieces: Sequence[Mapping[str, Any]], places: Sequence[Mapping[str, Pi
     pieces : fields of their reduced models
     places : of each piece, item -> placement
     """
-    arrays, slopes, terms = dict[str, np.ndarray](), dict[str, list[Derivatives]](), dict[str, list[Polynomial]]()
+    arrays, slopes, terms = dict[str, np.ndarray](), dict[str, list[Derivatives]](), dict[str, list[SparsePolynomial]]()
     for piece, own in zip(pieces, places, strict=True):
         for item, place in own.items():
             values = np.ravel(_item(piece, item))
@@ -115,7 +115,7 @@ def _moved(found: Any, to: np.ndarray) -> Any:
     return replace(found, entry=to[found.entry[here]], value=found.value[here], **along)
 
 
-def _sum(each: Sequence[Polynomial]) -> Polynomial:
+def _sum(each: Sequence[SparsePolynomial]) -> SparsePolynomial:
     """Sum of polynomials, whose terms are given the same number of factors."""
     width = max(one.factor.shape[1] for one in each)
     starts = np.cumsum([0, *(len(one.factor) for one in each[:-1])])
@@ -123,7 +123,7 @@ def _sum(each: Sequence[Polynomial]) -> Polynomial:
     def padded(table: np.ndarray, blank: int) -> np.ndarray:
         return np.pad(table, ((0, 0), (0, width - table.shape[1])), constant_values=blank)
 
-    return Polynomial(
+    return SparsePolynomial(
         np.concatenate([padded(one.factor, -1) for one in each]),
         np.concatenate([padded(one.power, 0) for one in each]),
         np.concatenate([one.term + start for one, start in zip(each, starts, strict=True)]),

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 
 import numpy as np
 
-from preprocessing.builders.tables import Table, put, validated
+from preprocessing.builders.tables import InputTable, put, validated
 from preprocessing.foreign_files.child import LARGEST_FILE
 from preprocessing.mesh.input_files import at_key, origin
 from toolkit.foundation.errors import InputError, listed, meant
@@ -24,7 +24,7 @@ from toolkit.reduced_model.model import ReducedModel
 WRITER_VERSION = "0.1.0"
 """Version of this distribution; part of the input hash, so that a new version builds its files again."""
 
-File = TypeVar("File", bound=Table)
+File = TypeVar("File", bound=InputTable)
 Remark = Callable[[str], None]
 
 

@@ -29,7 +29,7 @@ from preprocessing.reduction.stored_entries import ROUND_OFF, with_held_points
 from preprocessing.reduction.ties import Freedom, chord_turn, freedom
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
-from toolkit.reduced_model.dependence import Polynomial
+from toolkit.reduced_model.dependence import SparsePolynomial
 from toolkit.reduced_model.model import MEAN_AXES, Chord, InterfacePoint, Outline, StressPoints
 from toolkit.reduced_model.parts import SPIN_STIFFENING, Interior, Spin
 
@@ -88,7 +88,7 @@ class SolidSpin:
     floats: bool
     found: SpinStiffening
 
-    def polynomial(self, spin: Spin, names: list[str]) -> dict[str, Polynomial]:
+    def polynomial(self, spin: Spin, names: list[str]) -> dict[str, SparsePolynomial]:
         """Stress by centrifugal forces grows with the density, in the plane its forces with the width too, and no modulus changes it.
 
         Forces on concentrated masses are the same at every density. Where they are balanced by the inertia of a body that floats, they are

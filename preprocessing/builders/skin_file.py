@@ -10,10 +10,10 @@ from preprocessing.builders.tables import (
     BasisTable,
     Damping,
     FileName,
+    InputTable,
     InterfaceName,
     NonNegative,
     Positive,
-    Table,
     interface_name,
 )
 
@@ -60,7 +60,7 @@ ModeName = Annotated[str, AfterValidator(mode_name)]
 AirfoilUnits = Literal["chord", "percent", "mm", "m"]
 
 
-class Airfoil(Table):
+class AirfoilTable(InputTable):
     """The undeformed and the wanted section, files in one common frame, and the length of their chord."""
 
     file: FileName  # relative to skin.toml
@@ -82,14 +82,14 @@ takes 5 GB of memory. And of any other skin: in space there are six arrays with 
 those of dense matrices, with the third power."""
 
 
-class ContourPoint(Table):
+class ContourPoint(InputTable):
     """Where a side of the contour has one x."""
 
     x: FiniteFloat  # length
     side: Literal["upper", "lower"]
 
 
-class SkinCut(Table):
+class SkinCut(InputTable):
     """The part of the contour that is the skin, from F (start) round the nose to G (end), and its elements."""
 
     start: ContourPoint
@@ -101,7 +101,7 @@ class SkinCut(Table):
     separate: list[Quantity] = Field([])  # what every element has of its own: thickness_0 is that of the first element, and so on
 
 
-class ShapeMode(Table):
+class ShapeMode(InputTable):
     """A smooth bump of the contour along its outward normal: height (1 - q^2)^4 for |q| < 1, q = distance / half_width.
 
     Its centre is the place where the contour has an x on one side, or an arc length from F; it and the distance from it along the
@@ -125,14 +125,14 @@ class ShapeMode(Table):
         return self
 
 
-class SectionTable(Table):
+class SectionTable(InputTable):
     """Rectangular section: thickness in the plane of the airfoil, width along the span."""
 
     thickness: Positive  # length
     width: Positive  # length
 
 
-class Material(Table):
+class Material(InputTable):
     """Linear elastic material.
 
     Poisson's ratio enters in plane strain, where a wide skin bends with E / (1 - nu^2) instead of E, and in space, where a skin twists with
@@ -151,7 +151,7 @@ class Material(Table):
         return self
 
 
-class ElementGroup(Table):
+class ElementGroup(InputTable):
     """Elements that have quantities of their own; each becomes a design variable, for example `thickness_nose` of a group `nose`."""
 
     elements: Annotated[list[ElementNumber], Field(min_length=2, max_length=2)]  # the first and the last one, counted from 0 at F
@@ -174,7 +174,7 @@ class ElementGroup(Table):
         return self.model_dump(exclude={"elements"}, exclude_none=True)
 
 
-class Place(Table):
+class Place(InputTable):
     """A place on the skin: a node (0 at F), an arc length from F, or an x on one side."""
 
     node: Annotated[int, Field(ge=0)] | None = None
@@ -195,13 +195,13 @@ class Place(Table):
         return self.model_dump(exclude_none=True)
 
 
-class SkinFile(Table):
+class SkinFile(InputTable):
     """Schema of skin.toml; all numbers in the units of the named system."""
 
     units: Literal["mm-t-s", "m-kg-s"]
     dimension: Literal[2, 3] = 2  # of space; 3: the skin also bends out of its plane and twists, which needs Poisson's ratio
     rotary_inertia: bool = True  # of the section's bending in the plane; false: its mass lies on the middle line
-    airfoil: Airfoil
+    airfoil: AirfoilTable
     skin: SkinCut
     section: SectionTable
     material: Material

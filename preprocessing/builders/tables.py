@@ -37,18 +37,18 @@ FileName = Annotated[str, AfterValidator(file_name)]
 InterfaceName = Annotated[str, AfterValidator(interface_name)]
 
 
-class Table(BaseModel):
+class InputTable(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
-class Damping(Table):
+class Damping(InputTable):
     """Rayleigh damping D = mass M + stiffness K; the first acts on the whole velocity of the body, not on its deformation alone."""
 
     mass: NonNegative = 0.0  # 1 / time
     stiffness: NonNegative = 0.0  # time
 
 
-class BasisTable(Table):
+class BasisTable(InputTable):
     """What the elastic coordinates stand for; all nodal coordinates if left out. One of count, frequency, static_error says how many."""
 
     kind: Literal["full", "eigenmodes", "craig-bampton", "static"] = "full"

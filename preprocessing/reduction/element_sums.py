@@ -16,7 +16,7 @@ from preprocessing.reduction.chosen_basis import undeformed
 from preprocessing.reduction.discretisation import DesignChange, DesignSpace, Discretisation, derivative_of
 from preprocessing.reduction.invariants import Term, polynomial_of
 from preprocessing.reduction.stored_entries import ROUND_OFF, joined_rates
-from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.parts import BeamSections, Elements, SpatialElements
 
 KINDS: dict[int, Any] = {2: Elements, 3: SpatialElements}
@@ -39,7 +39,7 @@ class ElementSums(NamedTuple):
 
     elements: Elements | SpatialElements
     derivatives: dict[str, Derivatives]
-    affine: dict[str, Polynomial]
+    affine: dict[str, SparsePolynomial]
 
 
 def element_sums(space: DesignSpace, nominal: Discretisation, held: Sequence[int]) -> ElementSums:
@@ -237,7 +237,7 @@ class KeptSections(NamedTuple):
 
     sections: BeamSections | None = None
     section_derivatives: dict[str, Derivatives] | None = None
-    section_affine: dict[str, Polynomial] | None = None
+    section_affine: dict[str, SparsePolynomial] | None = None
 
 
 def beam_sections(space: DesignSpace, nominal: Discretisation, changes: Mapping[str, DesignChange]) -> KeptSections:
@@ -272,7 +272,7 @@ def _sums(element: LineElement, terms: list[SectionTerm], values: Mapping[str, A
     return {name: array[:, 0] if name in BY_ELEMENT else array for name, array in found.items()}
 
 
-def _polynomials(terms: list[SectionTerm], arrays: Mapping[str, np.ndarray], names: list[str]) -> dict[str, Polynomial]:
+def _polynomials(terms: list[SectionTerm], arrays: Mapping[str, np.ndarray], names: list[str]) -> dict[str, SparsePolynomial]:
     by_item: dict[str, list[Term]] = {}
     for name, rows, column, factors, number in terms:
         width = 1 if arrays[name].ndim == 1 else arrays[name].shape[1]

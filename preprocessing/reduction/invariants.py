@@ -22,7 +22,7 @@ from scipy.sparse import coo_array, csr_array, issparse, vstack
 from preprocessing.elements.element import Coordinates, ElementForm, sparse_of, without_cancelled
 from preprocessing.elements.section import Monomial
 from preprocessing.reduction.assembly import PARTS, Matrices, MatrixPart, Parts, energies, energy, symmetric
-from toolkit.reduced_model.dependence import Polynomial
+from toolkit.reduced_model.dependence import SparsePolynomial
 
 
 def contract(matrices: Matrices, z: Any) -> Any:
@@ -113,7 +113,7 @@ def _moment(form: ElementForm, matrix: Any, product: Product) -> Any:
     return PARTS[form.part](product(matrix - matrix.T if form.part == "antisymmetric" else matrix))
 
 
-def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray, computed: bool = True) -> dict[str, Polynomial]:
+def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray, computed: bool = True) -> dict[str, SparsePolynomial]:
     """Exact dependence of every invariant on the parameters, for a constant Z (n, 1 + n_f).
 
     The contractions are linear in the matrices, so every part of the matrices gives one term of those invariants that it enters;
@@ -134,7 +134,7 @@ Term = tuple[Monomial, np.ndarray, np.ndarray]
 """A monomial, places in the flattened invariant, and the coefficients there."""
 
 
-def polynomial_of(terms: list[Term], parameters: list[str]) -> Polynomial:
+def polynomial_of(terms: list[Term], parameters: list[str]) -> SparsePolynomial:
     """Polynomial of a list of terms, in the numbers of the parameters."""
     width = max(len(factors) for factors, _, _ in terms)
     factor, power = np.full((len(terms), width), -1), np.zeros((len(terms), width), np.int64)
@@ -142,7 +142,7 @@ def polynomial_of(terms: list[Term], parameters: list[str]) -> Polynomial:
         for j, (name, exponent) in enumerate(factors):
             factor[k, j], power[k, j] = parameters.index(name), exponent
     numbers = np.repeat(np.arange(len(terms)), [len(entry) for _, entry, _ in terms])
-    return Polynomial(
+    return SparsePolynomial(
         factor, power, numbers, np.concatenate([entry for _, entry, _ in terms]), np.concatenate([value for _, _, value in terms])
     )
 

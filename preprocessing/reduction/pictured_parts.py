@@ -11,7 +11,7 @@ from preprocessing.elements.beams import SpatialBeam
 from preprocessing.elements.section import Monomial, SectionShape, value_of
 from preprocessing.reduction.invariants import polynomial_of
 from preprocessing.reduction.reduced import ReducedParts
-from toolkit.reduced_model.dependence import Polynomial
+from toolkit.reduced_model.dependence import SparsePolynomial
 from toolkit.reduced_model.parts import SURFACE_POSITION, Surface, SurfaceLoad
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def fibre_lines(beams: SpatialBeam, z: np.ndarray, values: Mapping[str, Any]) ->
     return Surface(position, np.zeros((0, 3), int), np.arange(len(position)).reshape(-1, 2))
 
 
-def fibre_polynomial(beams: SpatialBeam, z: np.ndarray, parameters: list[str]) -> Polynomial:
+def fibre_polynomial(beams: SpatialBeam, z: np.ndarray, parameters: list[str]) -> SparsePolynomial:
     """The positions of the ends of the lines as a polynomial of the sizes of the sections, in which they are linear, at a fixed Z."""
     first, triad = beams.first_rows, beams.axes
     found: dict[Monomial, list[tuple[np.ndarray, np.ndarray]]] = {}

@@ -41,7 +41,7 @@ from toolkit.reduced_model.composition import (
     place_of,
     plain_text,
 )
-from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
 from toolkit.reduced_model.parts import SPIN_STIFFENING, Elements, LeftOutShapes, SpatialElements, SpatialInvariants, Spin
 
@@ -110,7 +110,7 @@ class Contracted(NamedTuple):
 
     invariants: AnyInvariants
     derivatives: dict[str, Derivatives]
-    affine: dict[str, Polynomial]
+    affine: dict[str, SparsePolynomial]
 
 
 def contracted(
@@ -255,12 +255,12 @@ class ReducedParts:
     basis: ReductionBasis
     invariants: Invariants | SpatialInvariants
     derivatives: dict[str, Derivatives]
-    affine: dict[str, Polynomial]
+    affine: dict[str, SparsePolynomial]
     interfaces: dict[str, InterfacePoint]
     stress: StressPoints
     elements: Elements | SpatialElements | None = None
     element_derivatives: dict[str, Derivatives] | None = None
-    element_affine: dict[str, Polynomial] | None = None
+    element_affine: dict[str, SparsePolynomial] | None = None
     sections: KeptSections = field(default_factory=KeptSections)
     spin: Spin | None = None
     left_out_shapes: LeftOutShapes | None = None

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, issparse
 
-from toolkit.reduced_model.dependence import Derivatives, Polynomial, listed
+from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial, listed
 from toolkit.reduced_model.model import InterfacePoint, Invariants
 from toolkit.reduced_model.parts import SpatialInvariants
 from toolkit.reduced_model.shapes import EntryScale, entry_factors
@@ -144,8 +144,8 @@ def _of_item(item: str, rate: np.ndarray, computed: bool, interfaces: Mapping[st
 
 
 def polynomials_without_round_off(
-    polynomials: Mapping[str, Polynomial], inv: AnyInvariants, nominal: Sequence[float]
-) -> dict[str, Polynomial]:
+    polynomials: Mapping[str, SparsePolynomial], inv: AnyInvariants, nominal: Sequence[float]
+) -> dict[str, SparsePolynomial]:
     """Polynomials of a full basis without coefficients that are round-off of what one monomial contributes.
 
     Parameters
@@ -164,7 +164,7 @@ def polynomials_without_round_off(
         if kept.any():
             terms, number = np.unique(polynomial.term[kept], return_inverse=True)  # without those of which nothing is left
             parts = (polynomial.factor[terms], polynomial.power[terms], number, polynomial.entry[kept], polynomial.value[kept])
-            found[item] = Polynomial(*parts)
+            found[item] = SparsePolynomial(*parts)
     return found
 
 
@@ -172,7 +172,7 @@ Monomial = tuple[tuple[int, int], ...]
 """Numbers of parameters and their powers."""
 
 
-def _by_monomial(polynomial: Polynomial) -> Iterator[tuple[Monomial, np.ndarray]]:
+def _by_monomial(polynomial: SparsePolynomial) -> Iterator[tuple[Monomial, np.ndarray]]:
     """Monomials with the numbers of all coefficients of all terms that have it."""
     terms: dict[Monomial, list[int]] = {}
     for k, (factor, power) in enumerate(zip(polynomial.factor.tolist(), polynomial.power.tolist(), strict=True)):
@@ -185,7 +185,9 @@ def _value(monomial: Monomial, nominal: Sequence[float]) -> float:
     return float(np.prod([nominal[f] ** p for f, p in monomial]))
 
 
-def _inertia_by_monomial(polynomials: Mapping[str, Polynomial], inv: AnyInvariants) -> Iterator[tuple[Monomial, np.ndarray]]:
+def _inertia_by_monomial(
+    polynomials: Mapping[str, SparsePolynomial], inv: AnyInvariants
+) -> Iterator[tuple[Monomial, np.ndarray]]:
     """Diagonal (z,) of G, or of the sum of the Q_aa, that every monomial contributes."""
     item, planes = ("second_moment", 3) if isinstance(inv, SpatialInvariants) else ("inertia", 1)
     z = getattr(inv, item).shape[-1]
@@ -199,7 +201,7 @@ def _inertia_by_monomial(polynomials: Mapping[str, Polynomial], inv: AnyInvarian
 def _scale(
     item: str,
     shape: tuple[int, ...],
-    polynomial: Polynomial,
+    polynomial: SparsePolynomial,
     here: np.ndarray,
     inertia: np.ndarray | None,
     inv: AnyInvariants,

@@ -18,7 +18,7 @@ from preprocessing.builders.body_recipe import BodyRecipe
 from preprocessing.builders.build_model import RECIPES, read_recipe
 from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.builders.recipe import WRITER_VERSION, Recipe, Remark, Seal
-from preprocessing.builders.tables import BasisTable, Positive, Table
+from preprocessing.builders.tables import BasisTable, InputTable, Positive
 from preprocessing.commands.cli import main
 from preprocessing.elements.beams import PlanarBeam
 from preprocessing.elements.section import Section, distribute
@@ -140,7 +140,7 @@ def test_what_is_up_to_date_is_so_without_the_library_that_would_build_it(tmp_pa
     assert "meshed bodies need scikit-fem, which cannot be loaded" in lacking.stderr
 
 
-class BladeFile(Table):
+class BladeFile(InputTable):
     """A straight beam along x."""
 
     length: Positive

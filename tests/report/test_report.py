@@ -30,7 +30,7 @@ from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.render.packages import RenderError
 from toolkit.render.pictures import file_names
-from toolkit.report.answer import Answer, Table, write
+from toolkit.report.answer import Answer, AnswerTable, write
 from toolkit.report.figures import _scale, color_range, monitor_curves, stress_sensitivity
 from toolkit.report.material import JUDGES, PATIENCE, ReportMaterial, judge
 from toolkit.report.page import typeset
@@ -482,7 +482,7 @@ def test_an_answer_holds_without_pictures_where_they_are_not_what_was_asked_for(
             return {"x": float("nan"), "y": [1.0, (float("inf"), "z")]}
 
         def tables(self):
-            return [Table(["a"], [(1 / 3,)], "rows"), Table(["b"], [(2,)]), "said"]
+            return [AnswerTable(["a"], [(1 / 3,)], "rows"), AnswerTable(["b"], [(2,)]), "said"]
 
     def missing(*_):
         raise RenderError("pictures need matplotlib")

@@ -44,7 +44,7 @@ from toolkit.command_line.run_answer import RunAnswer
 from toolkit.foundation.processes import SINGLE
 from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, usage_in_json
-from toolkit.sensitivity.preparation import Method
+from toolkit.sensitivity.preparation import GradientMethod
 
 if TYPE_CHECKING:
     from toolkit.api.model import Model
@@ -152,8 +152,8 @@ def statics(
 def sensitivity(
     scene: SceneFile,
     method: Annotated[
-        Method, typer.Option(help="How the gradients are computed; auto takes the cheaper exact method and says why.")
-    ] = Method.auto,
+        GradientMethod, typer.Option(help="How the gradients are computed; auto takes the cheaper exact method and says why.")
+    ] = GradientMethod.auto,
     variables: Variables = None,
     static: Static = False,
     changes: Changes = None,

@@ -16,7 +16,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import leave_nothing, list_own, missing, refuse_foreign
 from toolkit.foundation.terminal import print_json
 from toolkit.foundation.verdict import PAGE, Verdict
-from toolkit.report.answer import Answer, Table, write
+from toolkit.report.answer import Answer, AnswerTable, write
 
 WIDE = 1000
 """Columns of the output: a number that the terminal wraps is better than one that is cut."""
@@ -70,7 +70,7 @@ def print_tables(answer: Answer) -> None:
             Console(width=WIDE, highlight=False).print(rich_table(part))
 
 
-def rich_table(content: Table) -> RichTable:
+def rich_table(content: AnswerTable) -> RichTable:
     """Table for the terminal: columns of words to the left, of numbers to the right with six digits."""
     shown = RichTable(box=SIMPLE)
     for k, head in enumerate(content.head):

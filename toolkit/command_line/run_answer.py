@@ -8,7 +8,7 @@ from math import isnan
 from typing import TYPE_CHECKING
 
 from toolkit.foundation.units import unit
-from toolkit.report.answer import Answer, Record, Table
+from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
     from toolkit.sensitivity.run import Run
@@ -53,12 +53,12 @@ class RunAnswer(Answer):
             **({"deformation": deformation_record(solution, bodies)} if bodies else {}),
         }
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """Values, gradients and deformations, then how exact the run was, how it was solved, and what it cost."""
         from toolkit.results.tables import table_of_gradients, table_of_values
 
         for short in filter(None, (table_of_values(self.result), table_of_gradients(self.result))):
-            yield Table(short.columns, short.rows)
+            yield AnswerTable(short.columns, short.rows)
         if self.deformations:
             yield deformation_table(self.result.solution, self.deformations)
         yield from remarks(self.result)
@@ -96,7 +96,7 @@ def deformation_record(solution: Solution, found: Deformations) -> Record:
     }
 
 
-def deformation_table(solution: Solution, found: Deformations) -> Table:
+def deformation_table(solution: Solution, found: Deformations) -> AnswerTable:
     """Table with one row per flexible body."""
     length, rows = unit(solution.system.scene.units, "length"), []
     for body, each in found.items():
@@ -104,7 +104,7 @@ def deformation_table(solution: Solution, found: Deformations) -> Table:
         words = ["-" if isnan(number) else f"{number:.3g}" for number in numbers] if numbers else ["not available"] * 5
         rows.append((body, *words))
     sizes = ["largest rotation, rad", f"displacement, {length}", f"geometric error, {length}", "of displacement", "of size"]
-    return Table(["deformation of", *sizes], rows)
+    return AnswerTable(["deformation of", *sizes], rows)
 
 
 def accuracy(result: Run) -> list[str]:

@@ -22,7 +22,7 @@ from toolkit.compilation.numbering import Numbering
 from toolkit.curves.curve import Curve
 from toolkit.description.design import Design
 from toolkit.foundation.errors import InputError
-from toolkit.joints.joint import BetweenPoints
+from toolkit.joints.joint import JointBetweenPoints
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import Load
 from toolkit.loads.pressure import Pressure, PressureNumbers
@@ -58,7 +58,7 @@ class Quantities:
 GROUPS = tuple(field.name for field in fields(Quantities) if field.name != "gravity")
 
 
-class Part(NamedTuple):
+class ItemPart(NamedTuple):
     """Share of one item in a group: what the scene writes about it, and its numbers as they follow from a scene."""
 
     written: tuple[Any, ...]
@@ -74,7 +74,7 @@ class Seen(NamedTuple):
     """Record of how some numbers of a scene came about."""
 
     scene: ResolvedScene
-    parts: dict[str, dict[int, Part]]
+    parts: dict[str, dict[int, ItemPart]]
     asked: Asked  # of the scene, for the numbers of an item
 
     @property
@@ -114,7 +114,7 @@ def seen_quantities(
     return _quantities(groups, scene), Seen(scene, parts, asked)
 
 
-def made_of(parts: Mapping[str, Mapping[int, Part]], scene: ResolvedScene) -> Quantities:
+def made_of(parts: Mapping[str, Mapping[int, ItemPart]], scene: ResolvedScene) -> Quantities:
     """Quantities from the parts of a scene."""
     return _quantities({group: {k: part.make(scene) for k, part in owners.items()} for group, owners in parts.items()}, scene)
 
@@ -152,7 +152,7 @@ def _owners_of(scene: ResolvedScene, numbering: Numbering, affected: Affected | 
     }
 
 
-def parts_of(scene: ResolvedScene, numbering: Numbering, owners: Owners) -> dict[str, dict[int, Part]]:
+def parts_of(scene: ResolvedScene, numbering: Numbering, owners: Owners) -> dict[str, dict[int, ItemPart]]:
     """Parts that some owners have numbers from, by group and number."""
     everybody: Mapping[str, Any] = scene.all_bodies()
     bodies, joints = list(everybody.values()), list(scene.joints.values())
@@ -161,16 +161,16 @@ def parts_of(scene: ResolvedScene, numbering: Numbering, owners: Owners) -> dict
     curves = [curve for _, curve in curves_of(scene)] if owners["curves"] else []
     gravity, width = scene.gravity, scene.space.load_parameters
     heavy = tuple(each for each in scene.loads.values() if isinstance(each, UniformGravity))
-    part: dict[str, Callable[[int], Part]] = {
-        "start": lambda b: Part((bodies[b],), bodies[b].initial_state),
-        "constant": lambda b: Part((bodies[b], *heavy), partial(_constant, bodies[b], gravity)),
-        "floating": lambda b: Part((bodies[b],), bodies[b].floating),
-        "drag": lambda b: Part((bodies[b],), bodies[b].drag),
+    part: dict[str, Callable[[int], ItemPart]] = {
+        "start": lambda b: ItemPart((bodies[b],), bodies[b].initial_state),
+        "constant": lambda b: ItemPart((bodies[b], *heavy), partial(_constant, bodies[b], gravity)),
+        "floating": lambda b: ItemPart((bodies[b],), bodies[b].floating),
+        "drag": lambda b: ItemPart((bodies[b],), bodies[b].drag),
         "markers": lambda m: _marker(scene, everybody, numbering.markers[m]),
-        "joints": lambda j: Part((joints[j],), partial(_rows, joints[j])),
-        "loads": lambda k: Part((loads[k],), partial(_parameters, loads[k], width)),
+        "joints": lambda j: ItemPart((joints[j],), partial(_rows, joints[j])),
+        "loads": lambda k: ItemPart((loads[k],), partial(_parameters, loads[k], width)),
         "pressures": lambda p: _under_pressure(pressures[p], everybody),
-        "curves": lambda c: Part((curves[c],), partial(_itself, curves[c])),
+        "curves": lambda c: ItemPart((curves[c],), partial(_itself, curves[c])),
     }
     return {group: {k: part[group](k) for k in some} for group, some in owners.items()}
 
@@ -184,9 +184,9 @@ def _rows(joint: Any, placed: Any) -> np.ndarray:
     return np.array(joint.parameters(placed))
 
 
-def _under_pressure(pressure: Pressure, everybody: Mapping[str, Any]) -> Part:
+def _under_pressure(pressure: Pressure, everybody: Mapping[str, Any]) -> ItemPart:
     body = everybody[pressure.body]
-    return Part((pressure, body), partial(_pressure, pressure, body))
+    return ItemPart((pressure, body), partial(_pressure, pressure, body))
 
 
 def _pressure(pressure: Pressure, body: Any, placed: Any) -> PressureNumbers:
@@ -197,14 +197,14 @@ def _itself(curve: Curve, _: Any) -> Curve:
     return curve
 
 
-def _marker(scene: ResolvedScene, everybody: Mapping[str, Any], grip: tuple[str, ...]) -> Part:
+def _marker(scene: ResolvedScene, everybody: Mapping[str, Any], grip: tuple[str, ...]) -> ItemPart:
     """Part of one marker, in space with the axes of its component if it has some."""
     body, point = grip[:2]
     if len(grip) == 2:
-        return Part((everybody[body],), partial(_placed_marker, everybody[body], point, body, ()))
+        return ItemPart((everybody[body],), partial(_placed_marker, everybody[body], point, body, ()))
     group, name = _owner(grip)
     component = getattr(scene, group)[name]
-    return Part((everybody[body], component), partial(_placed_marker, everybody[body], point, body, (component.axes,)))
+    return ItemPart((everybody[body], component), partial(_placed_marker, everybody[body], point, body, (component.axes,)))
 
 
 def _placed_marker(body: Any, point: str, name: str, axes: tuple[Any, ...], placed: Any) -> Any:
@@ -286,7 +286,7 @@ def check_numbers(scene: ResolvedScene) -> None:
 def pairs(scene: Scene) -> dict[str, tuple[str, str]]:
     """Everything that has a direction from one point to another: rods, distance joints, springs along a line."""
     rods = {f"bodies.{name}": getattr(body, "between", None) for name, body in scene.bodies.items()}
-    links = {f"joints.{name}": joint.points for name, joint in scene.joints.items() if isinstance(joint, BetweenPoints)}
+    links = {f"joints.{name}": joint.points for name, joint in scene.joints.items() if isinstance(joint, JointBetweenPoints)}
     springs = {f"loads.{name}": load.points for name, load in scene.loads.items() if isinstance(load, PointSpring)}
     return {user: pair for user, pair in {**rods, **links, **springs}.items() if pair is not None}
 
@@ -336,7 +336,7 @@ def _is_reached(group: str, part: Any) -> bool:
     return group in OPEN or isinstance(part, Curve) or np.iscomplexobj(part)
 
 
-def _stirred(seen: Seen, moved: ResolvedScene) -> Callable[[str, int, Part], bool]:
+def _stirred(seen: Seen, moved: ResolvedScene) -> Callable[[str, int, ItemPart], bool]:
     """Test whether the numbers of an item can be others in a scene of which other numbers are `moved`."""
     same: dict[Any, bool] = {}
 
@@ -345,7 +345,7 @@ def _stirred(seen: Seen, moved: ResolvedScene) -> Callable[[str, int, Part], boo
             same[question] = answers_alike(seen.scene, moved, question)
         return same[question]
 
-    def stirred(group: str, owner: int, part: Part) -> bool:
+    def stirred(group: str, owner: int, part: ItemPart) -> bool:
         before = seen.parts[group][owner].written
         written = len(before) == len(part.written) and all(map(is_, before, part.written))
         return not (written and all(map(unchanged, seen.asked[group, owner])))

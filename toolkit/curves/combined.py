@@ -7,7 +7,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from toolkit.curves.curve import Curve, Part, Rates
+from toolkit.curves.curve import Curve, CurvePart, Rates
 from toolkit.description.description import OF_OWNER, Number, Quantity, Scalar
 
 
@@ -46,9 +46,9 @@ class Sum(Curve):
         """Periods of the oscillations of all terms."""
         return tuple(period for term in self.terms for period in term.periods())
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[CurvePart, ...]:
         """Terms that the sum is made of."""
-        return tuple(Part(f"terms.{n}", term) for n, term in enumerate(self.terms))
+        return tuple(CurvePart(f"terms.{n}", term) for n, term in enumerate(self.terms))
 
 
 class Product(Curve):
@@ -92,9 +92,9 @@ class Product(Curve):
         """Periods of the oscillations of all factors."""
         return tuple(period for part in self.parts() for period in part.curve.periods())
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[CurvePart, ...]:
         """Curve and factors that the product is made of."""
-        return Part("curve", self.curve), *(Part(f"factors.{n}", factor) for n, factor in enumerate(self.factors))
+        return CurvePart("curve", self.curve), *(CurvePart(f"factors.{n}", factor) for n, factor in enumerate(self.factors))
 
 
 MEETS = 1e-9
@@ -191,11 +191,11 @@ class Sequence(Curve):
         """Periods of the oscillations of all curves."""
         return tuple(period for curve in self.curves for period in curve.periods())
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[CurvePart, ...]:
         """Curves of the sequence, each with its turn."""
         bounds = (-np.inf, *(float(np.real(time)) for time in self.times), np.inf)
         starts = (0.0, *self.times)
-        return tuple(Part(f"curves.{k}", curve, starts[k], bounds[k], bounds[k + 1]) for k, curve in enumerate(self.curves))
+        return tuple(CurvePart(f"curves.{k}", curve, starts[k], bounds[k], bounds[k + 1]) for k, curve in enumerate(self.curves))
 
 
 def _depth(curve: Curve) -> int:
@@ -203,6 +203,6 @@ def _depth(curve: Curve) -> int:
     return isinstance(curve, Sequence) + max((_depth(part.curve) for part in curve.parts()), default=0)
 
 
-def _within(part: Part) -> list[Scalar]:
+def _within(part: CurvePart) -> list[Scalar]:
     """Corners of a curve within its turn, in its own time."""
     return [corner for corner in part.curve.corners() if part.begin < np.real(part.shift + corner) < part.end]

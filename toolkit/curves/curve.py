@@ -46,7 +46,7 @@ def _any_curve(value: Any) -> Curve:
     return found
 
 
-class Part(NamedTuple):
+class CurvePart(NamedTuple):
     """A curve inside of another one, with the times between which it counts."""
 
     path: str
@@ -87,7 +87,7 @@ class Curve(Registered):
         """Periods of the oscillations that the curve holds, in time."""
         return ()
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[CurvePart, ...]:
         """Curves that this curve is made of."""
         return ()
 

@@ -177,7 +177,7 @@ class Terms(NamedTuple):
     A_x: np.ndarray
 
 
-class Work(NamedTuple):
+class ScratchMemory(NamedTuple):
     """Scratch memory of `evaluate`."""
 
     markers: Any  # MarkerState or SpatialMarkerState
@@ -223,9 +223,9 @@ def of_variables(plan: Plan, terms: Terms) -> Terms:
     return terms._replace(I_x=terms.I_x[: plan.n, : plan.n_x], A_x=terms.A_x[: plan.n, : plan.n_x])
 
 
-def allocate_work(plan: Plan, dtype: type) -> Work:
+def allocate_work(plan: Plan, dtype: type) -> ScratchMemory:
     """Scratch memory for `evaluate`."""
-    return Work(
+    return ScratchMemory(
         markers=plan.markers.state(dtype),
         scratch=np.zeros((3, 3), dtype),
         rest=np.zeros(plan.n, dtype),

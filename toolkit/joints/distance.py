@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.description.description import Scalar
-from toolkit.joints.joint import BetweenPoints, Joint, PlanarJoint, SpatialJoint
+from toolkit.joints.joint import Joint, JointBetweenPoints, PlanarJoint, SpatialJoint
 from toolkit.joints.rows import Row
 from toolkit.markers.component import Skeleton
 
 
-class KeptDistance(BetweenPoints, Joint):
+class KeptDistance(JointBetweenPoints, Joint):
     """(d . d / L - L) / 2 = 0, d from point b to point a: the two points keep their distance L.
 
     Without `length` it is the distance in the undeformed configuration and follows when a point moves.

@@ -135,7 +135,7 @@ class AtPoints(Description):
         return scene.position(self.points[0]) - scene.position(self.points[1])
 
 
-class BetweenPoints(AtPoints):
+class JointBetweenPoints(AtPoints):
     """Base of joints that keep two points apart.
 
     Attributes

@@ -19,7 +19,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LABELLED, NONE, Dimension, dimension_of_label, factor, unit
-from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.frozen_basis import RICHER_PARTS, richer_model
 from toolkit.reduced_model.model import OWN_GROUPS, ReducedModel
 from toolkit.reduced_model.shapes import letters_of
@@ -74,7 +74,7 @@ def _converted(model: ReducedModel, units: str, moving: np.ndarray) -> ReducedMo
     def rates(item: str, found: Derivatives) -> Derivatives:
         return _derivatives(found, scale.flat(item), parameter)
 
-    def terms(item: str, found: Polynomial) -> Polynomial:
+    def terms(item: str, found: SparsePolynomial) -> SparsePolynomial:
         return _polynomial(found, scale.flat(item), parameter)
 
     dependences: dict[str, Any] = {
@@ -193,7 +193,7 @@ def _derivatives(found: Derivatives, scale: np.ndarray, parameter: np.ndarray) -
     return replace(found, value=found.value * scale[found.entry] / parameter[found.parameter])
 
 
-def _polynomial(found: Polynomial, scale: np.ndarray, parameter: np.ndarray) -> Polynomial:
+def _polynomial(found: SparsePolynomial, scale: np.ndarray, parameter: np.ndarray) -> SparsePolynomial:
     """Polynomial with converted coefficients c_k' = f_item c_k / prod_j f_kj ** power_kj."""
     term = np.prod(np.append(parameter, 1.0)[found.factor] ** found.power, axis=1)
     return replace(found, value=found.value * scale[found.entry] / term[found.term])

@@ -93,7 +93,7 @@ class Derivatives:
 
 
 @dataclass(frozen=True)
-class Polynomial:
+class SparsePolynomial:
     """Exact dependence of an array on the parameters p, a sum of terms with few non-zero entries each.
 
         value(p) = sum_k c_k prod_j p[factor_kj] ** power_kj
@@ -111,7 +111,7 @@ class Polynomial:
         """The flattened array (size,) at parameters p (n_parameters,), real or complex."""
         return scattered(self.entry, self._weights(p, self.power)[self.term] * self.value, size)
 
-    def on(self, places: np.ndarray) -> Polynomial:
+    def on(self, places: np.ndarray) -> SparsePolynomial:
         """Polynomial of the array's values at some places in their order, which include all that are not zero."""
         return replace(self, entry=np.searchsorted(places, self.entry))
 
@@ -149,7 +149,7 @@ class Polynomial:
         return np.prod(np.append(p, 1.0)[self.factor] ** power, axis=1)  # a factor of -1 is the 1 at the end
 
     @classmethod
-    def joined(cls, polynomials: Sequence[Polynomial], sizes: Sequence[int]) -> Polynomial:
+    def joined(cls, polynomials: Sequence[SparsePolynomial], sizes: Sequence[int]) -> SparsePolynomial:
         """Polynomial of several arrays of the given sizes, one behind the other."""
         width, terms, places = max(each.factor.shape[1] for each in polynomials), 0, 0
         parts = []
@@ -176,14 +176,14 @@ class Told(NamedTuple):
 
     here: np.ndarray | slice  # places in the flattened array, ascending, or all
     own: np.ndarray  # what stands there at the nominal design
-    polynomial: Polynomial | None  # whose entries, as those of the tangents, are places among these
+    polynomial: SparsePolynomial | None  # whose entries, as those of the tangents, are places among these
     tangents: dict[int, tuple[np.ndarray, np.ndarray]]  # parameter -> places and values of its derivative
     complex: bool  # whether the polynomial meets a complex parameter
 
 
 def told_of(
     nominal: np.ndarray,
-    polynomial: Polynomial | None,
+    polynomial: SparsePolynomial | None,
     tangents: Mapping[int, tuple[np.ndarray, np.ndarray]],
     steps: Collection[int],
 ) -> Told:
@@ -202,7 +202,7 @@ class Together(NamedTuple):
     """Polynomials of several items, evaluated at once, all at real parameters or all at complex ones."""
 
     places: dict[str, slice]  # item -> where its values are among those of all
-    polynomial: Polynomial
+    polynomial: SparsePolynomial
     complex: bool
 
     @classmethod
@@ -211,7 +211,7 @@ class Together(NamedTuple):
         ends = np.cumsum([len(each.own) for each in told.values()]).tolist()
         places = {item: slice(end - len(each.own), end) for (item, each), end in zip(told.items(), ends, strict=True)}
         found: list[Any] = [each.polynomial for each in told.values()]
-        joined = Polynomial.joined(found, [len(each.own) for each in told.values()])
+        joined = SparsePolynomial.joined(found, [len(each.own) for each in told.values()])
         return cls(places, joined, any(each.complex for each in told.values()))
 
     def __call__(self, p: np.ndarray) -> dict[str, np.ndarray]:

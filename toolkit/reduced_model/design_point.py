@@ -14,8 +14,8 @@ from toolkit.foundation.itself import Itself
 from toolkit.reduced_model.dependence import (
     SMALL,
     Derivatives,
-    Polynomial,
     Slopes,
+    SparsePolynomial,
     Together,
     Told,
     places,
@@ -381,7 +381,7 @@ def rates_at(design: DesignPoint, item: str, numbers: Mapping[str, int]) -> Deri
 
 def _told(
     design: DesignPoint, item: str, numbers: tuple[tuple[str, int], ...]
-) -> tuple[Derivatives, Polynomial | None, Slopes | None]:
+) -> tuple[Derivatives, SparsePolynomial | None, Slopes | None]:
     """File's data on an item's derivatives; looked up once for all designs of a kind."""
     known, key = design.model.told, (design.kind, item, numbers)
     if key not in known:
@@ -391,5 +391,5 @@ def _told(
         polynomial, tangent = (polynomials or {}).get(item), (derivatives or {}).get(item, NONE)
         design.check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
         known[key] = tangent.renumbered(wanted), polynomial, polynomial and polynomial.slopes_by(wanted)
-    found: tuple[Derivatives, Polynomial | None, Slopes | None] = known[key]
+    found: tuple[Derivatives, SparsePolynomial | None, Slopes | None] = known[key]
     return found

@@ -15,7 +15,7 @@ from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
 from toolkit.foundation.files.safe_files import meant_path, read_start
 from toolkit.reduced_model.check import check
-from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.parts import (
     BeamSections,
@@ -54,7 +54,7 @@ WHOLE = frozenset(_WHOLE.split())
 PARTS: dict[str, Any] = {
     "invariants": Invariants,
     "derivatives": Derivatives,
-    "affine": Polynomial,
+    "affine": SparsePolynomial,
     "interfaces": InterfacePoint,
     "stress": StressPoints,
     "shape": Shape,
@@ -63,10 +63,10 @@ PARTS: dict[str, Any] = {
     "interior": Interior,
     "elements": Elements,
     "element_derivatives": Derivatives,
-    "element_affine": Polynomial,
+    "element_affine": SparsePolynomial,
     "sections": BeamSections,
     "section_derivatives": Derivatives,
-    "section_affine": Polynomial,
+    "section_affine": SparsePolynomial,
     "surface": Surface,
     "surface_loads": SurfaceLoad,
     "spin": Spin,
@@ -75,7 +75,7 @@ PARTS: dict[str, Any] = {
     "piece_loads": PieceLoads,
     "richer_invariants": Invariants,
     "richer_derivatives": Derivatives,
-    "richer_affine": Polynomial,
+    "richer_affine": SparsePolynomial,
     "richer_interfaces": InterfacePoint,
     "richer_shape": Shape,
     "richer_spin": Spin,

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.parts import (
     BeamSections,
     Elements,
@@ -195,7 +195,7 @@ class ReducedModel:
     writers: dict[str, str]  # program -> version
     invariants: Invariants | SpatialInvariants
     derivatives: dict[str, Derivatives] | None = None  # item -> derivatives by all parameters, as far as no polynomial tells them
-    affine: dict[str, Polynomial] | None = None  # invariant -> polynomial of the parameters
+    affine: dict[str, SparsePolynomial] | None = None  # invariant -> polynomial of the parameters
     interfaces: dict[str, InterfacePoint] | None = None
     stress: StressPoints | None = None
     shape: Shape | None = None
@@ -204,10 +204,10 @@ class ReducedModel:
     interior: Interior | None = None
     elements: Elements | SpatialElements | None = None  # of bodies that keep all nodal coordinates
     element_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`, of the items of `elements`
-    element_affine: dict[str, Polynomial] | None = None  # the same as `affine`
+    element_affine: dict[str, SparsePolynomial] | None = None  # the same as `affine`
     sections: BeamSections | None = None  # of bodies of beams
     section_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`, of the items of `sections`
-    section_affine: dict[str, Polynomial] | None = None  # the same as `affine`
+    section_affine: dict[str, SparsePolynomial] | None = None  # the same as `affine`
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     spin: Spin | None = None  # of bodies whose file asks for it
@@ -216,7 +216,7 @@ class ReducedModel:
     piece_loads: dict[str, PieceLoads] | None = None  # of these: the same as `surface_loads`, piece by piece
     richer_invariants: Invariants | SpatialInvariants | None = None  # of a frozen basis: the same as `invariants`, in more shapes
     richer_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`
-    richer_affine: dict[str, Polynomial] | None = None  # the same as `affine`
+    richer_affine: dict[str, SparsePolynomial] | None = None  # the same as `affine`
     richer_interfaces: dict[str, InterfacePoint] | None = None  # the same as `interfaces`
     richer_shape: Shape | None = None  # the same as `shape`
     richer_spin: Spin | None = None  # the same as `spin`
@@ -289,7 +289,7 @@ class ReducedModel:
         """Name of the file in quotes, for messages."""
         return repr(self.path.name) if self.path else "(not from a file)"
 
-    def dependence(self, item: str) -> tuple[dict[str, Derivatives] | None, dict[str, Polynomial] | None]:
+    def dependence(self, item: str) -> tuple[dict[str, Derivatives] | None, dict[str, SparsePolynomial] | None]:
         """Derivatives and polynomials of the group that an item belongs to; None where they were not loaded."""
         group = dependence_group(item)
         return getattr(self, f"{group}derivatives"), getattr(self, f"{group}affine")
@@ -300,7 +300,7 @@ class ReducedModel:
         return {**(self.derivatives or {}), **(self.element_derivatives or {}), **(self.section_derivatives or {})}
 
     @property
-    def all_polynomials(self) -> dict[str, Polynomial]:
+    def all_polynomials(self) -> dict[str, SparsePolynomial]:
         """Polynomials by item, of all groups that were loaded."""
         return {**(self.affine or {}), **(self.element_affine or {}), **(self.section_affine or {})}
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.units import LARGEST
-from toolkit.reduced_model.dependence import Derivatives, Polynomial, is_sparse, sparing
+from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial, is_sparse, sparing
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, Shape, StressPoints
 from toolkit.reduced_model.parts import (
     BeamSections,
@@ -55,7 +55,7 @@ SHAPES: dict[Any, dict[str, str]] = {
         "stress_operator": "sf",
     },
     InterfacePoint: {"arc_length": "", "arc_length_range": "2", "position": "k2z", "rotation": "kz"},
-    Polynomial: {"factor": "tj", "power": "tj", "term": "n", "entry": "n", "value": "n"},
+    SparsePolynomial: {"factor": "tj", "power": "tj", "term": "n", "entry": "n", "value": "n"},
     Derivatives: {"parameter": "n", "entry": "n", "value": "n"},
     StressPoints: {"element": "s", "end": "s", "fibre": "s"},
     Shape: {"position": "k2z", "target": "k2", "arc_length": "k"},

@@ -12,7 +12,7 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.joints.joint import AtPoint, AtPoints, BetweenPoints, Joint
+from toolkit.joints.joint import AtPoint, AtPoints, Joint, JointBetweenPoints
 from toolkit.joints.rigid_joint import Tie
 from toolkit.loads.torque import SpatialTorque
 from toolkit.markers.component import Component
@@ -86,7 +86,7 @@ class Moment(ABC):
         every = [
             each for each in self.components() if not isinstance(each, AT_ONE_PLACE) and each.grips[0][1] != each.grips[1][1]
         ]
-        return [each for each in every if isinstance(each, BetweenPoints) or not isinstance(each, AtPoints)]
+        return [each for each in every if isinstance(each, JointBetweenPoints) or not isinstance(each, AtPoints)]
 
     @abstractmethod
     def across(self, joint: AtPoints, side: int) -> np.ndarray:

@@ -20,12 +20,13 @@ from toolkit.render.packages import RenderError, require
 if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict
 
+
 Record = dict[str, Any]
 """JSON object; numbers in it that do not exist may be nan, and become null."""
 
 
 @dataclass(frozen=True)
-class Table:
+class AnswerTable:
     """Rows of numbers and words under a head.
 
     Attributes
@@ -93,7 +94,7 @@ class Answer:
         own: Record = self.result.record()
         return own
 
-    def tables(self) -> Iterable[Table | str]:
+    def tables(self) -> Iterable[AnswerTable | str]:
         """Tables and sentences, in the order in which they are read."""
         return ()
 
@@ -121,7 +122,7 @@ def write(
     tables, figures
         Folders for these in the folder, which exist.
     """
-    files = [each.save(folder / tables) for each in answer.tables() if isinstance(each, Table) and each.name]
+    files = [each.save(folder / tables) for each in answer.tables() if isinstance(each, AnswerTable) and each.name]
     files.append(write_json(folder / f"{answer.name}.json", answer.record()))
     if not pictures:
         return files

@@ -15,7 +15,7 @@ from string import Template
 from typing import Any, NamedTuple
 
 from toolkit.render.readable_units import MINUS
-from toolkit.report.answer import Table
+from toolkit.report.answer import AnswerTable
 
 DASH = "\N{EN DASH}"
 LONG = 40
@@ -96,7 +96,7 @@ def viewer(data: dict[str, Any]) -> str:
     return _template("viewer.html").substitute(data=text)
 
 
-def table(content: Table) -> str:
+def table(content: AnswerTable) -> str:
     """HTML of a table that scrolls on its own if it is wider than the screen."""
     head = "".join(f"<th>{escape(str(name))}</th>" for name in content.head)
     rows = "".join(f"<tr>{''.join(_cell(value) for value in row)}</tr>" for row in content.rows)

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.description.design import label
 from toolkit.foundation.units import unit
-from toolkit.report.answer import Table
+from toolkit.report.answer import AnswerTable
 from toolkit.report.material import ReportMaterial
 from toolkit.responses.stress import KSStress, gap_bound, kreisselmeier_steinhauser
 from toolkit.scene_file.gradient_units import per, variable_unit
@@ -23,29 +23,31 @@ _JUDGES = {
 """Sentences on the methods that gradients are compared with."""
 
 
-def response_table(material: ReportMaterial) -> Table:
+def response_table(material: ReportMaterial) -> AnswerTable:
     """Values of all responses."""
     results = material.results
     rows = [[name, value, results.response_units[name]] for name, value in results.responses.items()]
-    return Table(["response", "value", "unit"], rows, "responses", "Responses", "Value of every response of the scene.")
+    return AnswerTable(["response", "value", "unit"], rows, "responses", "Responses", "Value of every response of the scene.")
 
 
-def variable_table(material: ReportMaterial) -> Table:
+def variable_table(material: ReportMaterial) -> AnswerTable:
     """Design variables with their values."""
     rows = [
         [n, label(each), each["value"], variable_unit(material.scene, each["path"])]
         for n, each in material.results.variables.items()
     ]
-    return Table(["variable", "path", "value", "unit"], rows, "variables", "Design variables", "What the derivatives are by.")
+    return AnswerTable(
+        ["variable", "path", "value", "unit"], rows, "variables", "Design variables", "What the derivatives are by."
+    )
 
 
-def ks_tables(material: ReportMaterial) -> list[Table]:
+def ks_tables(material: ReportMaterial) -> list[AnswerTable]:
     """Tables of the smooth maximum over its parameter, with the most it can exceed the true one, ln(n) / rho (paper, table 1)."""
     known = {name: response for name, response in material.scene.responses.items() if isinstance(response, KSStress)}
     return [_ks_table(material, name, response) for name, response in known.items()]
 
 
-def _ks_table(material: ReportMaterial, name: str, response: KSStress) -> Table:
+def _ks_table(material: ReportMaterial, name: str, response: KSStress) -> AnswerTable:
     stress, label = response.considered(material.solution), unit(material.scene.units, "stress")
     largest = float(stress.max())
     rows = []
@@ -63,10 +65,10 @@ def _ks_table(material: ReportMaterial, name: str, response: KSStress) -> Table:
         "parameter" if response.reference_stress else f"rho in 1/{label}", f"KS in {label}", f"KS minus maximum in {label}",
         f"bound ln(n)/rho in {label}", "relative excess",
     ]  # fmt: skip
-    return Table(head, rows, f"ks_{name}", "Smooth maximum and its parameter", caption)
+    return AnswerTable(head, rows, f"ks_{name}", "Smooth maximum and its parameter", caption)
 
 
-def gradient_table(material: ReportMaterial) -> Table:
+def gradient_table(material: ReportMaterial) -> AnswerTable:
     """Gradients, and how far the other methods are from them (paper, table 2)."""
     results, rows = material.results, []
     for name, slopes in results.gradients.items():
@@ -80,10 +82,10 @@ def gradient_table(material: ReportMaterial) -> Table:
         known.append("Where these steps hardly move a response, differences are round-off, and the last columns say nothing.")
     caption = " ".join(["Total derivatives of the responses.", *known])
     head = ["response", "variable", f"derivative ({results.method})", "unit", *compared]
-    return Table(head, rows, "gradients", "Gradients", caption)
+    return AnswerTable(head, rows, "gradients", "Gradients", caption)
 
 
-def cost_table(material: ReportMaterial) -> Table:
+def cost_table(material: ReportMaterial) -> AnswerTable:
     """Wall times (paper, table 3)."""
     run, count = material.results.run, len(material.results.variables)
     primal = np.nan if run["wall_primal"] is None else run["wall_primal"]
@@ -102,30 +104,30 @@ def cost_table(material: ReportMaterial) -> Table:
         f"short.{' The other methods compile the numbers of the scene anew for every run.' * bool(material.judges)}"
         f"{' The complex step runs as plain Python.' * ('complex-step' in material.judges)}"
     )
-    return Table(["analysis", "runs", "wall time in s", "relative to primal"], rows, "cost", "Cost", caption)
+    return AnswerTable(["analysis", "runs", "wall time in s", "relative to primal"], rows, "cost", "Cost", caption)
 
 
-def settings_table(material: ReportMaterial) -> Table:
+def settings_table(material: ReportMaterial) -> AnswerTable:
     """Solver settings."""
     flat: dict[str, Any] = {}
     for key, value in material.results.settings.items():
         flat |= {f"{key}.{name}": item for name, item in value.items()} if isinstance(value, dict) else {key: value}
     rows = [[f"solver.{key}", "default" if value is None else value] for key, value in flat.items()]
     rows += [[f"changed: {key}", value] for key, value in material.results.scene.changes.items()]
-    return Table(["setting", "value"], rows, "settings", "Settings", "Everything that the solver was told.")
+    return AnswerTable(["setting", "value"], rows, "settings", "Settings", "Everything that the solver was told.")
 
 
-def origin_table(material: ReportMaterial) -> Table:
+def origin_table(material: ReportMaterial) -> AnswerTable:
     """Hashes of the files, versions of the programs."""
     results = material.results
     rows = [["scene file", results.scene.sha256 or "made in Python"]]
     rows += [[model, sha256] for model, sha256 in results.scene.models.items()]
     rows += [[f"version of {name}", version] for name, version in results.writers.items()]
     caption = "SHA-256 of the files that were read, versions of the programs."
-    return Table(["file or program", "hash or version"], rows, "origin", "Files and versions", caption)
+    return AnswerTable(["file or program", "hash or version"], rows, "origin", "Files and versions", caption)
 
 
-def monitor_table(material: ReportMaterial) -> list[Table]:
+def monitor_table(material: ReportMaterial) -> list[AnswerTable]:
     """Energies and drift at every time."""
     if not material.moving:
         return []
@@ -133,10 +135,10 @@ def monitor_table(material: ReportMaterial) -> list[Table]:
     energies = ("kinetic", "strain", "work", "defect")
     head = [f"time in {unit(material.scene.units, 'time')}", *(f"{name} in {energy}" for name in energies), "relative drift"]
     columns = (material.solution.times, *(getattr(found.energy, name) for name in energies), found.drift)
-    return [Table(head, np.column_stack(columns).tolist(), "monitors", "Monitors", "Energies and drift over time.")]
+    return [AnswerTable(head, np.column_stack(columns).tolist(), "monitors", "Monitors", "Energies and drift over time.")]
 
 
-def all_tables(material: ReportMaterial) -> list[Table]:
+def all_tables(material: ReportMaterial) -> list[AnswerTable]:
     """Every table that has something in it, in the order of the report."""
     tables = [
         response_table(material), variable_table(material), *ks_tables(material), gradient_table(material), cost_table(material),

@@ -14,7 +14,7 @@ from toolkit.foundation.files.safe_files import list_own, refuse_foreign, write_
 from toolkit.joints.rigid_joint import Tie
 from toolkit.render.pictures import file_names
 from toolkit.report import page
-from toolkit.report.answer import Answer, Record, Table, write
+from toolkit.report.answer import Answer, AnswerTable, Record, write
 from toolkit.report.drawing import Drawing
 from toolkit.report.figures import FIGURES_IN
 from toolkit.report.material import Progress, ReportMaterial
@@ -86,7 +86,7 @@ class Report(Answer):
         """JSON object of all tables."""
         return {table.name: table.record() for table in self.tables()} | self.verdict.record()
 
-    def tables(self) -> list[Table]:
+    def tables(self) -> list[AnswerTable]:
         """Tables that have something in them."""
         return all_tables(self.result)
 

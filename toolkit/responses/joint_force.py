@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from toolkit.equations.equations import Work, allocate_work
+from toolkit.equations.equations import ScratchMemory, allocate_work
 from toolkit.foundation.compiled.calls import in_memory
 from toolkit.foundation.errors import InputError
 from toolkit.joints.kernels.planar_joint import change_number, evaluate_planar_joint
@@ -96,7 +96,7 @@ def _by_pose(evaluate: Callable[[], Any], rate: np.ndarray, side: int, lam: np.n
     return found.T
 
 
-def _add_number_designs(system: System, j: int, work: Work, lam: np.ndarray, by_x: np.ndarray) -> None:
+def _add_number_designs(system: System, j: int, work: ScratchMemory, lam: np.ndarray, by_x: np.ndarray) -> None:
     """Add the force's derivatives by design variables that change numbers of the joint's rows, such as a length."""
     joints, joint = system.plan.joints, in_memory(work.joint) if system.compiled else work.joint
     for d in range(joints.of[j, DESIGN], joints.of[j, DESIGN + 1]):

@@ -198,7 +198,7 @@ def response_scales(exact: Differentiated, sizes: Mapping[str, float]) -> dict[s
     }
 
 
-class Method(StrEnum):
+class GradientMethod(StrEnum):
     """How gradients are computed; `auto` takes the cheaper of the exact ones, direct and adjoint."""
 
     auto = "auto"
@@ -209,5 +209,7 @@ class Method(StrEnum):
     central_difference = "central-difference"
 
 
-METHODS = tuple(method.value for method in Method)
-NUMERICAL = tuple(method.value for method in (Method.complex_step, Method.forward_difference, Method.central_difference))
+METHODS = tuple(method.value for method in GradientMethod)
+NUMERICAL = tuple(
+    method.value for method in (GradientMethod.complex_step, GradientMethod.forward_difference, GradientMethod.central_difference)
+)

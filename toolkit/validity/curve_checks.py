@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from toolkit.compilation.quantities import STEP, curves_of
-from toolkit.curves.curve import Curve, Part
+from toolkit.curves.curve import Curve, CurvePart
 from toolkit.curves.table import Table
 from toolkit.foundation.units import LABELLED
 from toolkit.foundation.verdict import MOTION, Caution, check
@@ -264,7 +264,7 @@ def idle_curves(solution: Solution) -> Iterator[Caution]:
             yield _idle(f"{where} keeps its first value until t = {begin:g}", end)
 
 
-def _parts(curve: Curve, path: str = "", shift: float = 0.0) -> Iterator[Part]:
+def _parts(curve: Curve, path: str = "", shift: float = 0.0) -> Iterator[CurvePart]:
     """Curves within a curve at any depth, with the times of the whole."""
     for part in curve.parts():
         inner = part._replace(path=path + part.path, begin=part.begin + shift)

@@ -15,7 +15,7 @@ from toolkit.command_line.arguments import Changes, SceneFile, read
 from toolkit.command_line.printing import prepare_folder, tell
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet
-from toolkit.report.answer import Answer, Record, Table
+from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
     from toolkit.analyses.modes import Campbell
@@ -98,15 +98,15 @@ class CampbellAnswer(Answer):
             **self.verdict.record(),
         }
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """Frequencies, one row per speed; with all damping ratios as a file."""
         found, modes = self.result, range(1, self.result.frequencies.shape[1] + 1)
         rows = list(zip(found.speeds.tolist(), found.frequencies.tolist(), found.damping.tolist(), strict=True))
         heads = ["speed in rad/s", *(f"frequency {k} in Hz" for k in modes), *(f"damping ratio {k}" for k in modes)]
-        yield Table(heads, [(speed, *f, *d) for speed, f, d in rows], "campbell")
+        yield AnswerTable(heads, [(speed, *f, *d) for speed, f, d in rows], "campbell")
         least = [min((each for each in d if math.isfinite(each)), default=None) for *_, d in rows]
         shown = [(speed, *f, "" if low is None else f"{low:.3g}") for (speed, f, _), low in zip(rows, least, strict=True)]
-        yield Table(["speed in rad/s", *(f"{k}, Hz" for k in modes), "least damping ratio"], shown)
+        yield AnswerTable(["speed in rad/s", *(f"{k}, Hz" for k in modes), "least damping ratio"], shown)
         yield "Frequencies are those that the frame sees which spins with the scene, in their order at every speed."
         if (found.frequencies < 0).any():
             yield "A negative frequency f means an unstable spin: motions grow like exp(2 pi |f| t)."

@@ -16,7 +16,7 @@ from toolkit.command_line.printing import print_record, print_tables, verdict_te
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet, answered
 from toolkit.foundation.verdict import Verdict
-from toolkit.report.answer import Answer, Record, Table
+from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing
@@ -103,25 +103,25 @@ class CertificateAnswer(Answer):
             "verified": found.verified(self.tolerance),
         }
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """Gradients with their agreeing digits, Taylor rates, and the V of the differences."""
         found = self.result
         first, *others = [method.replace("-", " ") for method in found.differences]
         gradients = [(f, x, slope) for f, slopes in found.exact.gradients.items() for x, slope in slopes.items()]
         by_method = [*found.differences.values(), found.limits]
         rows = [(f, x, f"{slope:.10g}", *(digits_of(each[f][x]) for each in by_method)) for f, x, slope in gradients]
-        yield Table(["gradient", "by", "direct", f"agreeing digits: {first}", *others, "round-off leaves"], rows)
+        yield AnswerTable(["gradient", "by", "direct", f"agreeing digits: {first}", *others, "round-off leaves"], rows)
         rates = [
             (f, "-" if math.isnan(rate) else f"{rate:.2f}" if math.isfinite(rate) else "linear")
             for f, rate in found.rates.items()
         ]
-        yield Table(["response", "Taylor rate (2 if smooth)"], rates)
+        yield AnswerTable(["response", "Taylor rate (2 if smooth)"], rates)
         quotients = [
             (f, f"{found.along[f]:.10g}", f"{each.slope:.10g}", f"{each.uncertainty:.1e}") for f, each in found.quotients.items()
         ]
-        yield Table(["along one direction", "gradient", "best central difference", "uncertain by"], quotients)
+        yield AnswerTable(["along one direction", "gradient", "best central difference", "uncertain by"], quotients)
         curve = [(f"{step:.0e}", f"{value:.1e}") for step, value in found.curve]
-        yield Table(["central difference, relative step", "largest relative difference"], curve)
+        yield AnswerTable(["central difference, relative step", "largest relative difference"], curve)
         if self.fresh:
             yield from _tables_afresh(self.afresh, found.exact)
 
@@ -132,7 +132,7 @@ class CertificateAnswer(Answer):
         yield certificate_drawing(self.result)
 
 
-def _tables_afresh(found: FreshGradients | None, exact: Run) -> Iterator[Table | str]:
+def _tables_afresh(found: FreshGradients | None, exact: Run) -> Iterator[AnswerTable | str]:
     """Table of gradients by fresh models, and what is missing in it."""
     if found is None:
         yield "No comparison with reduced models built afresh: the preprocessing is not installed."
@@ -144,7 +144,7 @@ def _tables_afresh(found: FreshGradients | None, exact: Run) -> Iterator[Table |
             difference = abs(slope - fresh.slope) / abs(slope) if slope else abs(fresh.slope)
             rows.append((response, x + mark, f"{slope:.10g}", f"{fresh.slope:.10g}", f"{difference:.1e}"))
     if found.slopes:
-        yield Table(["gradient", "by", "direct", "models built afresh", "relative difference"], rows)
+        yield AnswerTable(["gradient", "by", "direct", "models built afresh", "relative difference"], rows)
     for name, reason in found.left_out.items():
         yield f"{name} is not compared with models built afresh: {reason}."
     if found.frozen:

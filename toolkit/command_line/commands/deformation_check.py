@@ -12,7 +12,7 @@ from toolkit.command_line.printing import tell
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet
 from toolkit.foundation.units import unit
-from toolkit.report.answer import Answer, Record, Table
+from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -82,7 +82,7 @@ class DeformationAnswer(Answer):
         }
         return {"deformation": checked, "mechanism": self.whole and _mechanism_record(self.whole), **self.verdict.record()}
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """One row per body with what is compared, then the mechanism."""
         if self.result:
             length, stress = unit(self.units, "length"), unit(self.units, "stress")
@@ -90,7 +90,7 @@ class DeformationAnswer(Answer):
                 "body", f"displacement, {length}", f"geometric error, {length}", "of displacement", f"estimate, {length}",
                 f"stress, {stress}", f"corotational, {stress}", f"largest difference, {stress}",
             ]  # fmt: skip
-            yield Table(head, [
+            yield AnswerTable(head, [
                 (
                     body, each.estimate.displacement, f"{each.error:.4g}", f"{each.relative:.2%}", f"{each.estimate.error:.4g}",
                     each.stress, each.corotational_stress, f"{each.stress_error:.4g}",
@@ -123,21 +123,21 @@ def _mechanism_record(found: Mechanism) -> Record:
     return {**record, "responses": responses, "gradients": gradients}
 
 
-def _mechanism_tables(found: Mechanism) -> Iterator[Table | str]:
+def _mechanism_tables(found: Mechanism) -> Iterator[AnswerTable | str]:
     """Values and gradients of both mechanisms, then distances of the bodies."""
     if found.own is None or found.corotational is None:
         return
     own, exact = found.own, found.corotational
     head = ["response", "of these frames", "a frame to every element", "off by", "unit"]
     values = [(f, value, exact.values[f], _off(value, exact.values[f]), own.units[f]) for f, value in own.values.items()]
-    yield Table(head, values)
+    yield AnswerTable(head, values)
     slopes = []
     for f, x, slope in ((f, x, slope) for f, row in own.gradients.items() for x, slope in row.items()):
         true = exact.gradients[f][x]
         off = "wrong sign" if slope * true < 0 else _off(slope, true)
         slopes.append((f, x, slope, true, off, found.quotients[f].get(x, "-")))
     if own.gradients:
-        yield Table(["gradient", "by", *head[1:4], "its central difference"], slopes)
+        yield AnswerTable(["gradient", "by", *head[1:4], "its central difference"], slopes)
     for body, count in found.elements.items():
         apart = (
             f": nodes are up to {found.distances[body]:.2%} of the largest displacement from where they are with the frames of the scene"

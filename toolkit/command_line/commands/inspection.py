@@ -15,7 +15,7 @@ from toolkit.command_line.printing import print_tables, verdict_text
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.terminal import AsJson, Quiet, print_json
 from toolkit.reduced_model.told_body import body_lines
-from toolkit.report.answer import Answer, Record, Table
+from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict
@@ -174,7 +174,7 @@ class FileAnswer(Answer):
         """JSON object."""
         return self.result if self.summary is None else {**self.result, "cost_summary": self.summary}
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """Content line by line, the verdict, and the cost summary."""
         yield from described({key: value for key, value in self.result.items() if key not in ("verdict", "warnings")})
         if "verdict" in self.result:
@@ -202,7 +202,7 @@ def _text(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _costs(found: Record) -> Iterator[Table | str]:
+def _costs(found: Record) -> Iterator[AnswerTable | str]:
     """Table for every section, then the costs and the gain."""
     if "none" in found:
         yield f"no cost summary: {found['none']}"
@@ -210,7 +210,7 @@ def _costs(found: Record) -> Iterator[Table | str]:
     for section, lines in found.items():
         if section not in ("cost", "meshes"):
             rows = [(line["what"], line["kept"], line["dropped"] or "", line["why"]) for line in lines]
-            yield Table([section, "kept", "dropped", "why"], rows)
+            yield AnswerTable([section, "kept", "dropped", "why"], rows)
     counts, rows = ("coordinates", "rows", "variables", "factorization", "solution", "bytes_read"), []
     for each in found["cost"]:
         step, first = each["step_us"], found["cost"][0]["step_us"]
@@ -221,7 +221,7 @@ def _costs(found: Record) -> Iterator[Table | str]:
                 *([f"{step:.1f}", f"{step / first:.2f}"] if step and first else ["", ""]),
             )
         )
-    yield Table(["cost", *counts[:-1], "bytes read", "us per step", "ratio"], rows)
+    yield AnswerTable(["cost", *counts[:-1], "bytes read", "us per step", "ratio"], rows)
     for file, judged in found["meshes"].items():
         yield f"{file}: estimated: {judged['told']}."
     yield from remarks(found["cost"])

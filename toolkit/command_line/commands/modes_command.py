@@ -11,7 +11,7 @@ from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import Changes, SceneFile, read
 from toolkit.command_line.printing import tell
 from toolkit.foundation.terminal import AsJson, Quiet
-from toolkit.report.answer import Answer, Record, Table
+from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
     from toolkit.analyses.modes import Modes
@@ -50,11 +50,11 @@ class ModesAnswer(Answer):
         ratios = {} if damping is None else {"damping_ratios": {"value": damping.tolist(), "unit": "1"}}
         return {"frequencies": {"value": self.result.frequencies.tolist(), "unit": "Hz"}, **ratios, **self.verdict.record()}
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """One row per mode."""
         frequencies, damping = self.result.frequencies.tolist(), self.result.damping
         ratios = [[]] * len(frequencies) if damping is None else [[f"{each:.3g}"] for each in damping]
         rows = [(k, frequency, *ratio) for k, (frequency, ratio) in enumerate(zip(frequencies, ratios, strict=True), 1)]
-        yield Table(["mode", "frequency in Hz", *([] if damping is None else ["damping ratio"])], rows)
+        yield AnswerTable(["mode", "frequency in Hz", *([] if damping is None else ["damping ratio"])], rows)
         if frequencies and frequencies[0] < 0:
             yield "A negative frequency f means an unstable equilibrium: motions grow like exp(2 pi |f| t)."

@@ -12,7 +12,7 @@ from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import StudyFile, with_options
 from toolkit.command_line.printing import prepare_folder, tell
 from toolkit.foundation.terminal import AsJson, Quiet, answered
-from toolkit.report.answer import Answer, Picture, Table
+from toolkit.report.answer import Answer, AnswerTable, Picture
 
 if TYPE_CHECKING:
     from toolkit.studies.optimization.explored import SearchResult
@@ -72,20 +72,20 @@ class OptimumAnswer(Answer):
 
     name = "optimum"
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """All designs as a file; variables with their bounds, responses, prices of limits, and searches."""
         found, problem, before = self.result, self.result.problem, self.result.values_before
-        yield Table(*found.history, "history")
+        yield AnswerTable(*found.history, "history")
         bounds = zip(found.variables.items(), problem.start, problem.bounds.T, strict=True)
         rows = [(name, start, value, *ends, problem.unit_of_variable(name)) for (name, value), start, ends in bounds]
-        yield Table(["variable", "start", "optimum", "least", "largest", "unit"], rows)
+        yield AnswerTable(["variable", "start", "optimum", "least", "largest", "unit"], rows)
         responses = [(f, before.get(f, ""), value, found.units[f]) for f, value in found.values.items()]
-        yield Table(["response", "start", "optimum", "unit"], responses)
+        yield AnswerTable(["response", "start", "optimum", "unit"], responses)
         if found.prices:
             told = [(f"{x.name} {x.limit}", f"{x.price:.4g}" if x.active else "0", x.unit, x.text) for x in found.prices]
-            yield Table(["limit", "price", "unit", "why"], told)
+            yield AnswerTable(["limit", "price", "unit", "why"], told)
         head = ["search", "objective", "KKT residual", "to gain", "violation", "designs", "failed", "why"]
-        yield Table(head, [_search(each, bool(problem.curved)) for each in found.searches])
+        yield AnswerTable(head, [_search(each, bool(problem.curved)) for each in found.searches])
         yield from found.said
 
     def figures(self) -> Iterator[Picture]:

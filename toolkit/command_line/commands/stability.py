@@ -14,7 +14,7 @@ from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, read
 from toolkit.command_line.printing import prepare_folder, tell
 from toolkit.foundation.terminal import AsJson, Quiet
-from toolkit.report.answer import Answer, Record, Table
+from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing
@@ -89,13 +89,13 @@ class StabilityAnswer(Answer):
 
         return record_of(self.result)
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """Limits of every map, what happens beyond them, and what the names mean."""
         from toolkit.studies.stability.map_result import breakdowns, criteria, mapped_range, stable_where
 
         maps, best = self.result.maps, self.result.reference
         rows = [(each.map.title, mapped_range(each), stable_where(each, "run"), stable_where(each, "gradient")) for each in maps]
-        yield Table(["map", "mapped", "motion stable", "gradient stable"], rows, wrap=60)
+        yield AnswerTable(["map", "mapped", "motion stable", "gradient stable"], rows, wrap=60)
         for beyond in (each for mapped in maps for each in breakdowns(mapped)):
             of = "gradient" if beyond.of == "gradient" else "motion"
             yield f"{beyond.place}: {of} {beyond.verdict.name}, {first_sentence(beyond.verdict.reason)}"

@@ -12,7 +12,7 @@ from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import Dask, Jobs, StudyFile, with_options
 from toolkit.command_line.printing import note, prepare_folder, tell
 from toolkit.foundation.terminal import AsJson, Quiet
-from toolkit.report.answer import Answer, Table
+from toolkit.report.answer import Answer, AnswerTable
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing
@@ -104,18 +104,18 @@ class SweepAnswer(Answer):
     name = "sweep"
     written = "{files} are written; all designs are in {folder}."
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """All designs as a file; variables with their bounds, and extremes of the responses."""
         columns, swept = self.result.columns, self.record()["sweep"]
-        yield Table(
+        yield AnswerTable(
             [*columns], [["" if cell != cell else cell for cell in row] for row in zip(*columns.values(), strict=True)], "sweep"
         )
         unit = self.result.problem.unit_of_variable
         variables = [(name, each["least"], each["largest"], unit(name)) for name, each in swept["variables"].items()]
-        yield Table(["variable", "least", "largest", "unit"], variables)
+        yield AnswerTable(["variable", "least", "largest", "unit"], variables)
         ends = [(name, each["least"], each["largest"], each["unit"]) for name, each in swept["responses"].items()]
         rows = [(name, low["value"], low["design"], high["value"], high["design"], unit) for name, low, high, unit in ends]
-        yield Table(["response", "least", "of design", "largest", "of design", "unit"], rows)
+        yield AnswerTable(["response", "least", "of design", "largest", "of design", "unit"], rows)
         yield self.result.said
 
     def figures(self) -> Iterator[Drawing]:

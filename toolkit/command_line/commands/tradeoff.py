@@ -15,7 +15,7 @@ from toolkit.command_line.arguments import Changes, SceneFile, Variables, design
 from toolkit.command_line.printing import prepare_folder, tell
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.terminal import AsJson, Quiet, answered
-from toolkit.report.answer import Answer, Record, Table
+from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict
@@ -138,7 +138,7 @@ class TradeoffAnswer(Answer):
             **self.verdict.record(),
         }
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """Reference, settings, failures and recommendation."""
         from toolkit.studies.tradeoff.reference import described
 
@@ -151,7 +151,7 @@ class TradeoffAnswer(Answer):
                 value, unit = f"{reference.limits[quantity.response].value:.9g}", reference.units[quantity.response]
             error = f"{reference.error(quantity):.1e}"
             rows.append((quantity, value, unit, error, "-" if order != order else f"{order:.2f}", f"{limit:.1e}"))
-        yield Table(["quantity", "reference", "unit", "its error, relative", "observed order", "budget"], rows)
+        yield AnswerTable(["quantity", "reference", "unit", "its error, relative", "observed order", "budget"], rows)
         if not reference.enough:
             yield "The reference's own error exceeds a tenth of a budget; it counts as an error of every setting."
         yield from _settings(self.result)
@@ -177,7 +177,7 @@ def failures(found: Tradeoff) -> Iterator[str]:
         yield f"failed: {words}{f' ({len(labels)} settings)' if len(labels) > 1 else ''}: {reason}"
 
 
-def _settings(found: Tradeoff) -> Iterator[Table | str]:
+def _settings(found: Tradeoff) -> Iterator[AnswerTable | str]:
     """Table of settings in the order of their times, and what its marks and numbers mean."""
     axes, reduced = list(found.plan.axes), any(each.setting.skin for each in found.settings)
     counts = [*["coordinates"] * reduced, "steps", "Newton"]
@@ -187,7 +187,7 @@ def _settings(found: Tradeoff) -> Iterator[Table | str]:
     chosen = {id(each) for each in first[:SHOWN]}
     shown = [each for each in worked if id(each) in chosen]
     marks = [(">" if each is found.recommended else "") + "*" * (id(each) in best) + "o" * each.setting.own for each in shown]
-    yield Table(head, [(mark, *_cells(each, axes, reduced)) for mark, each in zip(marks, shown, strict=True)])
+    yield AnswerTable(head, [(mark, *_cells(each, axes, reduced)) for mark, each in zip(marks, shown, strict=True)])
     note = (
         "Errors are the largest of those with a budget. >: recommended, *: Pareto set (no other setting is both faster and nearer to the "
         "budget), o: the scene as it stands"

@@ -12,7 +12,7 @@ from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import Dask, Jobs, StudyFile, with_options
 from toolkit.command_line.printing import prepare_folder, tell
 from toolkit.foundation.terminal import AsJson, Quiet
-from toolkit.report.answer import Answer, Table
+from toolkit.report.answer import Answer, AnswerTable
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing
@@ -63,14 +63,14 @@ class UncertaintyAnswer(Answer):
     name = "uncertainty"
     written = "{files} are written; all designs are in {folder}."
 
-    def tables(self) -> Iterator[Table | str]:
+    def tables(self) -> Iterator[AnswerTable | str]:
         """Uncertain numbers, then responses by polynomials, by first derivatives and by random designs."""
         study, responses, names = self.result.study, self.result.responses, self.result.study.problem.variables
         numbers = zip(names, study.joint.marginals, strict=True)
         rows = [(name, each.mean, f"{each.sigma:.3g}", study.problem.unit_of_variable(name)) for name, each in numbers]
-        yield Table(["uncertain", "mean", "sigma", "unit"], rows)
+        yield AnswerTable(["uncertain", "mean", "sigma", "unit"], rows)
         head = ["response", "mean", "sigma", "+- of both", "unit", "degree", "left out", "first order", "random designs"]
-        yield Table(head, [(name, *_spread(each)) for name, each in responses.items()])
+        yield AnswerTable(head, [(name, *_spread(each)) for name, each in responses.items()])
         known = {
             f: (each.alone, each.together)
             for f, each in responses.items()
@@ -78,12 +78,12 @@ class UncertaintyAnswer(Answer):
         }
         shares = [(f, *(f"{alone[x]:.3f} ({whole[x]:.3f})" for x in names)) for f, (alone, whole) in known.items()]
         if shares:
-            yield Table(["share of the variance", *names], shares)
+            yield AnswerTable(["share of the variance", *names], shares)
         levels = [f"{share:g}" for share in study.options.quantiles]
-        yield Table(["quantile", *levels], [(name, *each.quantiles.values()) for name, each in responses.items()])
+        yield AnswerTable(["quantile", *levels], [(name, *each.quantiles.values()) for name, each in responses.items()])
         limits = [(f"{f} {words}", *_beyond(each, words)) for f, each in responses.items() for words in each.beyond]
         if limits:
-            yield Table(["probability", "polynomials", "random designs"], limits)
+            yield AnswerTable(["probability", "polynomials", "random designs"], limits)
         yield self.result.said
 
     def figures(self) -> Iterator[Drawing]:

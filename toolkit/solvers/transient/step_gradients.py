@@ -10,8 +10,8 @@ from toolkit.equations.equations import (
     GatheredPlan,
     Inputs,
     Plan,
+    ScratchMemory,
     Terms,
-    Work,
     add_up,
     allocate_terms,
     allocate_work,
@@ -140,7 +140,7 @@ class AdjointMemory(NamedTuple):
     transposed: np.ndarray  # (n_entries,) the transpose of one of both on the same, symmetric pattern
     mixed: np.ndarray  # (n_entries,) scratch memory of `add_transposed`
     terms: Terms
-    work: Work
+    work: ScratchMemory
     solver: LinearSolver
     sums: DesignSums
 

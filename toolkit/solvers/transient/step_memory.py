@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
+from toolkit.equations.equations import Plan, ScratchMemory, Terms, allocate_terms, allocate_work
 from toolkit.foundation.compiled.rows import LANES, add_to_each, filled_up
 from toolkit.foundation.kernel import inlined, inner
 from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
@@ -244,7 +244,7 @@ class Memory(NamedTuple):
     mixed: np.ndarray  # (n_entries,) scratch memory of `add_state_change`
     terms: Terms
     whole: Terms  # with the jacobian in the place of all derivatives by the state, see `step_matrix.mix`
-    work: Work
+    work: ScratchMemory
     solver: LinearSolver
 
 
@@ -274,7 +274,7 @@ def taken_memory(system: System, apart: bool) -> Memory:
         part = parts.pop()
         if isinstance(part, np.ndarray):
             part.fill(0)
-        elif isinstance(part, tuple) and not isinstance(part, Work | LinearSolver):
+        elif isinstance(part, tuple) and not isinstance(part, ScratchMemory | LinearSolver):
             parts.extend(part)
     cleared(memory.solver, weights)
     memory.work.care[1] = apart and len(memory.rest) > 0
