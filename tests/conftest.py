@@ -21,7 +21,7 @@ from preprocessing.foreign_files import apart
 from preprocessing.foreign_files.apart import ReaderEnded
 from preprocessing.foreign_files.child import reading
 from preprocessing.foreign_files.wire import send
-from toolkit.command_line.announcements import rehearse
+from toolkit.command_line.rehearsal import rehearse
 from toolkit.foundation import processes
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

@@ -15,8 +15,9 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import read_start, write_whole
+from toolkit.reduced_model.body_summary import body_summary
 from toolkit.reduced_model.model import Outline, ReducedModel
-from toolkit.reduced_model.told_body import body_line, body_summary, told_place
+from toolkit.reduced_model.told_body import body_line, told_place
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,6 +16,7 @@ from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.foundation.files.safe_files import told_outside
 from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
+from toolkit.reduced_model.body_summary import NOT_KEPT, body_summary
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.questions import (
@@ -27,7 +28,7 @@ from toolkit.reduced_model.questions import (
     told_faces,
     told_mesh,
 )
-from toolkit.reduced_model.told_body import NOT_KEPT, body_line, body_summary
+from toolkit.reduced_model.told_body import body_line
 
 app = typer.Typer(pretty_exceptions_enable=False)
 

@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 STAGES = """
 import sys, time
-from toolkit.command_line.announcements import rehearse, rehearse_others
+from toolkit.command_line.rehearsal import rehearse, rehearse_others
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene_file.reader import read_scene
 

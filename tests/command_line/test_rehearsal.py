@@ -15,8 +15,9 @@ from numba.core import event
 from typer.testing import CliRunner
 
 from toolkit.command_line import announcements
-from toolkit.command_line.announcements import compile_before, rehearse, rehearse_everything, rehearse_others
+from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
+from toolkit.command_line.rehearsal import rehearse, rehearse_everything, rehearse_others
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene.resolution import loaded
 from toolkit.scene.space import PLANE
@@ -31,7 +32,7 @@ PROBE = """
 import json, os, sys
 from numba.core.registry import CPUDispatcher
 from toolkit.command_line.announcements import BACKWARDS, compile_before
-from toolkit.command_line.announcements import rehearse
+from toolkit.command_line.rehearsal import rehearse
 from toolkit.command_line.cli import app
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene_file.reader import read_scene
@@ -127,8 +128,8 @@ def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, caps
         said.append(capsys.readouterr().err)
 
     others: list[int] = []
-    monkeypatch.setattr("toolkit.command_line.announcements.rehearse", pretended)
-    monkeypatch.setattr("toolkit.command_line.announcements.rehearse_others", lambda scene: others.append(scene.dimension))
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", pretended)
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse_others", lambda scene: others.append(scene.dimension))
     monkeypatch.setattr("toolkit.foundation.compiled.compiled_code._TOLD", set())
     scene = read_scene(MODELS / "pendulum" / "scene.toml")
     compile_before(scene, "transient")
@@ -160,7 +161,7 @@ def test_what_is_warmed_up_is_there_for_every_scene(model):
 
 def test_warming_up_says_what_it_has_compiled(monkeypatch):
     monkeypatch.setattr(
-        "toolkit.command_line.announcements.rehearse_everything", lambda space: space is PLANE and pretend_to_compile()
+        "toolkit.command_line.rehearsal.rehearse_everything", lambda space: space is PLANE and pretend_to_compile()
     )
     told = CliRunner().invoke(app, ["warm-up", "--json"])
     compiled = json.loads(told.stdout)["compiled"]
@@ -170,8 +171,8 @@ def test_warming_up_says_what_it_has_compiled(monkeypatch):
 
 
 def test_nothing_is_said_where_nothing_is_compiled(monkeypatch, capsys):
-    monkeypatch.setattr("toolkit.command_line.announcements.rehearse", lambda *_: None)
-    monkeypatch.setattr("toolkit.command_line.announcements.rehearse_others", lambda *_: pytest.fail("compiles for nobody"))
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", lambda *_: None)
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse_others", lambda *_: pytest.fail("compiles for nobody"))
     compile_before(read_scene(MODELS / "pendulum" / "scene.toml"), "transient")
     assert capsys.readouterr().err == ""
 

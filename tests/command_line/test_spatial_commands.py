@@ -17,6 +17,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.reduced_model.file import save
 from toolkit.results.results_file import load_results
+from toolkit.scene.resolution import loaded
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.run import restored
 from toolkit.studies.stability.maps import load_map, mass_map, speed_map, stiffness_map
@@ -180,7 +181,7 @@ def test_critical_speeds_of_a_bar_are_its_frequencies_across_each_axis(shaft):
     scene = shaft("moving", "angular_velocity = [1.0, 0.0, 0.0]")
     # rotary inertia is 1e-4 of the mass here, five cubic elements err by 1e-5
     for axis, depth in zip(np.eye(3), (0.01, 0.02, 0.01), strict=True):
-        assert critical_speed(scene, "shaft", axis) == pytest.approx(bending(depth), rel=1e-3)
+        assert critical_speed(loaded(scene), "shaft", axis) == pytest.approx(bending(depth), rel=1e-3)
 
 
 @pytest.mark.parametrize("part", [0.9, 1.1])
@@ -191,6 +192,6 @@ def test_a_bar_that_starts_too_fast_is_named_with_its_speed(frame, part, shaft):
     axis = "axis = [0.0, 0.0, 1.0], " if frame == "turning" else ""
     scene = shaft(frame, f"{axis}angular_velocity = [0.0, 0.0, {speed!r}]")
     wanted = [("shaft", pytest.approx(speed, rel=1e-3), pytest.approx(bending(0.01), rel=1e-3))] if part > 1 else []
-    assert list(too_fast_at_start(scene)) == wanted
+    assert list(too_fast_at_start(loaded(scene))) == wanted
     run_of = simulate(compile_scene(scene), RunOptions(end_time=1e-4, step=1e-5))
     assert list(too_fast_in_motion(run_of)) == wanted

@@ -13,7 +13,7 @@ from toolkit.studies.optimization.explored import SearchResult
 from toolkit.studies.optimization.program import Values
 from toolkit.studies.optimization.search import SearchRun
 from toolkit.studies.store import DesignOutcome
-from toolkit.studies.study_file import SearchRun as SearchOptions
+from toolkit.studies.study_file import Search as SearchOptions
 
 Residuals = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 """r of a z, and its derivatives (r, z)."""

@@ -15,10 +15,10 @@ from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.commands.body_picture import MOST_OF_A_KIND, body_shape, labels_at, marks_of, picture_of, save_picture
 from preprocessing.commands.cli import app
 from preprocessing.elements.section import Section
+from toolkit.reduced_model.body_summary import body_summary
 from toolkit.reduced_model.composition import KeptMass, PlaceOfNodes, read_composition
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.told_body import body_summary
 
 MODELS = Path(__file__).parents[2] / "models"
 

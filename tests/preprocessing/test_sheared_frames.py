@@ -15,6 +15,7 @@ from tests.models.timoshenko import cantilever_frequency
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import save
+from toolkit.scene.resolution import loaded
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.validity.bodies.corotational_beams import compare_with_corotational, compared
 from toolkit.validity.bodies.known_chain import chain
@@ -92,7 +93,7 @@ def test_deflection_stress_and_derivatives_by_a_force_at_the_end_are_exact(canti
 
 
 def test_elements_behind_a_model_know_their_shear(cantilever):
-    found = chain(cantilever[0], "beam").made_of
+    found = chain(loaded(cantilever[0]), "beam").made_of
     np.testing.assert_allclose(found.bending_stiffness[:, 0], E * B * T**3 / 12, rtol=1e-12)
     np.testing.assert_allclose(found.shear_stiffness, SHEAR * E * B * T, rtol=1e-12)
 

@@ -10,6 +10,7 @@ from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
 from toolkit.api.describe import describe
 from toolkit.foundation.errors import ModelFileError
+from toolkit.reduced_model.body_summary import NOT_KEPT
 from toolkit.reduced_model.composition import (
     LISTS,
     LONGEST_TEXT,
@@ -23,7 +24,7 @@ from toolkit.reduced_model.composition import (
 )
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.told_body import NOT_KEPT, body_line, body_lines
+from toolkit.reduced_model.told_body import body_line, body_lines
 
 FULL = Composition(
     nodes=20,

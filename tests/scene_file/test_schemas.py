@@ -46,7 +46,7 @@ def test_the_shipped_schema_is_valid_and_freshly_written(name):
 @pytest.mark.parametrize("name", ["plane", "space"])
 def test_type_checkers_see_the_names_that_scenes_in_python_are_made_of(name):
     stub = runpy.run_path(str(ROOT / "schemas" / "write_schemas.py"))["stubs"][name]
-    assert (ROOT / "toolkit" / "door" / f"{name}.pyi").read_text() == stub, "run: python schemas/write_schemas.py"
+    assert (ROOT / "toolkit" / "api" / f"{name}.pyi").read_text() == stub, "run: python schemas/write_schemas.py"
     assert f"import {'Spatial' * (name == 'space')}Revolute as Revolute" in stub
 
 

@@ -11,6 +11,7 @@ import ffrf
 from preprocessing.elements.section import Section
 from preprocessing.reduction.basis import BasisChoice
 from tests.models.beam_models import save_beam
+from toolkit.scene.resolution import loaded
 from toolkit.validity.bodies.beam_assumptions import times_as_many
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.frequencies import resolved_frequency
@@ -126,7 +127,9 @@ def test_a_frequency_that_elements_are_too_long_for_is_doubted(elements, far, tm
     off = run.values["f2"] / exact - 1
     assert bool(said(run, "coarse-vibrations")) == far == (off > LIMIT)
     # the estimate is of first order in (beta l)^4: twice too large at its limit at most
-    assert resolved_frequency(scene, "beam") == pytest.approx(elements**2 * np.sqrt(1440 * LIMIT) * waves / (2 * np.pi), rel=1e-9)
+    assert resolved_frequency(loaded(scene), "beam") == pytest.approx(
+        elements**2 * np.sqrt(1440 * LIMIT) * waves / (2 * np.pi), rel=1e-9
+    )
     modes = ffrf.compile(scene).modes(count=3)
     third = modes.frequencies[2] / (BETA[2] ** 2 * waves / (2 * np.pi)) - 1
     doubts = [each.doubt for each in modes.verdict.warnings if each.code == "coarse-vibrations"]

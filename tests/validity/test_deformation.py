@@ -23,6 +23,7 @@ from toolkit.foundation import processes
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.joint_force import JointForce
+from toolkit.scene.resolution import loaded
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.validity.bodies.chain import (
@@ -76,7 +77,7 @@ def true_error(behind: PlanarChain, u: np.ndarray) -> float:
 
 def test_sections_of_the_wing_are_those_of_its_skin_file_and_follow_the_scene():
     for changes, modulus, thickness in ({}, 70000.0, 1.5), ({"thickness": "1.6", "youngs_modulus": "65000.0"}, 65000.0, 1.6):
-        found = chain(read_scene(WING, {f"bodies.skin.{name}": value for name, value in changes.items()}), "skin").made_of
+        found = chain(loaded(read_scene(WING, {f"bodies.skin.{name}": value for name, value in changes.items()})), "skin").made_of
         np.testing.assert_allclose(found.stress_per_strain, modulus, rtol=1e-14)
         np.testing.assert_allclose(found.axial_stiffness, modulus * thickness * 1000.0, rtol=1e-14)
         np.testing.assert_allclose(found.bending_stiffness[:, 0], modulus * thickness**3 * 1000.0 / 12, rtol=1e-14)
@@ -262,7 +263,7 @@ def test_of_long_runs_the_instants_of_the_largest_coordinates_count():
 def test_critical_speed_of_the_beam_is_its_lowest_clamped_frequency():
     """omega = 1.8751^2 sqrt(E I / rho A) / L^2, less 4.6478 I / (2 A L^2) of it by rotary inertia (int w'^2 / int w^2 of that mode)."""
     exact = 1.875104068711961**2 * np.sqrt(210e9 * 0.02**2 / 12 / 7800.0) * (1 - 4.6478 * 0.02**2 / 24)
-    assert critical_speed(read_scene(SPINNING), "beam") == pytest.approx(exact, rel=1e-5)  # 20 cubic elements
+    assert critical_speed(loaded(read_scene(SPINNING)), "beam") == pytest.approx(exact, rel=1e-5)  # 20 cubic elements
 
 
 # what the commands say

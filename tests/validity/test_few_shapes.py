@@ -16,6 +16,7 @@ from tests.frames.test_cut_bodies import EI, SECTION
 from tests.models.solid_pieces import bar_scene, save_bar, write_bar
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.reduced_model.file import load, save
+from toolkit.scene.resolution import loaded
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.few_shapes import left_out, raised_at_most, raised_by_grips
 
@@ -65,7 +66,7 @@ def test_frequencies_are_too_high_by_no_more_than_is_told(tmp_path, body, more):
     for basis in FEW:
         of_few = scene(tmp_path, basis, body, more)
         found = solve_modes(undeformed(compile_scene(of_few)))
-        (known,) = left_out(of_few)
+        (known,) = left_out(loaded(of_few))
         seen = found.frequencies > 1e-6 * found.frequencies.max()
         true = found.frequencies[seen] / exact[: len(seen)][seen] - 1
         told = np.array([raised_at_most(each, known.slowest) for each in found.frequencies[seen]])
@@ -114,7 +115,7 @@ def test_eigenmodes_are_exact_alone_and_too_stiff_where_joints_pull_by_what_is_t
 
 
 def slowest(model) -> dict[str, float]:
-    (known,) = left_out(model.scene)
+    (known,) = left_out(loaded(model.scene))
     return {known.body: known.slowest}
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from toolkit.foundation.units import unit
+from toolkit.reduced_model.body_summary import body_summary
 from toolkit.reduced_model.file import SCHEMA, SCHEMA_VERSION, load
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel
 from toolkit.reduced_model.questions import face_record, mesh_record
-from toolkit.reduced_model.told_body import body_summary
 
 PLAIN = "plain HDF5 of another program: no checksum tells whether a bit of it was flipped"
 

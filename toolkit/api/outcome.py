@@ -17,8 +17,9 @@ from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import again, by_direct, enriched, evaluated, values_alone, with_values
+from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method, more_frames
-from toolkit.sensitivity.preparation import ANALYSES, METHODS, Kind, Progress, price, solve
+from toolkit.sensitivity.preparation import ANALYSES, Kind, Progress, price, solve
 from toolkit.sensitivity.run import Run
 from toolkit.solvers.start.initial_conditions import continued_start
 from toolkit.solvers.start.kept_start import refuse_other_run

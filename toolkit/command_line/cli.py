@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from toolkit.command_line.announcements import AnnouncedKind, at_work
+from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import Changes, KeepAll, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.commands.campbell_command import campbell
 from toolkit.command_line.commands.certification import certify
@@ -44,7 +44,7 @@ from toolkit.command_line.run_answer import RunAnswer
 from toolkit.foundation.processes import SINGLE
 from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, usage_in_json
-from toolkit.sensitivity.preparation import GradientMethod
+from toolkit.sensitivity.method_names import GradientMethod
 
 if TYPE_CHECKING:
     from toolkit.api.model import Model
@@ -167,7 +167,7 @@ def sensitivity(
     described, text = read(scene, changes, quiet), text_of(scene)
     check_output(output, described)
     names = design_of(described, variables)
-    kind: AnnouncedKind = "static" if static else "transient"
+    kind: Kind = "static" if static else "transient"
     with at_work("gradients", described, kind, names, quiet, method.value) as progress:
         model = compile_model(described, names)
         found = model.run(kind, gradients=method.value, progress=progress, timed=True, keep_states=output is not None)

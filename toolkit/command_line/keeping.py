@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from toolkit.command_line.announcements import AnnouncedKind, at_work
+from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import read, split
 from toolkit.foundation.errors import InputError
 
@@ -142,7 +142,7 @@ def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | 
     return found
 
 
-def solved(scene: Scene, kind: AnnouncedKind, quiet: bool) -> Solution:
+def solved(scene: Scene, kind: Kind, quiet: bool) -> Solution:
     """Motion or equilibrium of a scene, with a progress bar; judged as `ffrf simulate` and `ffrf statics` judge it."""
     from toolkit.api.model import compile_model
 

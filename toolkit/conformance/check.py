@@ -147,6 +147,7 @@ PARTS = np.array([0.0, 1.0, 1.3])
 
 def check_partials(response: Response, scene: Scene, seed: int = 0) -> None:
     """d value / d state at every time, and d value / d number for every number of the scene, against complex steps."""
+    scene = loaded(scene)
     response.check(scene)
     paths, markers = design_paths(scene), response.grips(scene)
     system = compile_scene(scene, paths, markers)

@@ -103,7 +103,7 @@ def _controller() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-HOME = Path(__file__).resolve().parents[3]
+HOME = Path(__file__).resolve().parents[2]
 """Folder that holds both halves of the program."""
 SAFE = "PYTHONSAFEPATH"
 """Environment variable that keeps Python from looking for modules in the current folder first."""

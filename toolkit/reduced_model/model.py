@@ -270,7 +270,7 @@ class ReducedModel:
     @property
     def nodal_shapes(self) -> np.ndarray | None:
         """Nodal coordinates of the elements, once these are loaded, per elastic coordinate (n, n_f); None if nobody stored them."""
-        if self.elements is None or (self.dimension == 3 and not self.keeps_all):
+        if self.elements is None or (self.dimension == 3 and not (self.keeps_all or self.in_pieces)):
             return None
         return self.elements.shapes(self.mesh)
 

@@ -38,7 +38,7 @@ class ResolvedScene(Scene):
     """
 
     _answers: dict[Hashable, Any] = PrivateAttr(default_factory=dict)
-    _models: dict[tuple[str, ...], ReducedModel] = PrivateAttr(default_factory=dict)
+    _models: dict[str, ReducedModel] = PrivateAttr(default_factory=dict)
     _parts: dict[str, tuple[Body, dict[str, Body]]] = PrivateAttr(default_factory=dict)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
@@ -46,6 +46,8 @@ class ResolvedScene(Scene):
         found = super().model_copy(update=update, deep=deep)
         if not (update or {}).keys() <= {"solver", "responses"}:
             found._answers, found._parts = {}, dict(self._parts)
+        if found.directory != self.directory:
+            found._models = {}
         return found
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:
@@ -58,10 +60,10 @@ class ResolvedScene(Scene):
 
     def model(self, path: str, *parts: str) -> ReducedModel:
         """Parts of the reduced model in a file, see `Scene.model`; read once for all numbers of the scene."""
-        models, key = self._models, (path, *parts)
-        if key not in models:
-            models[key] = super().model(path, *parts)
-        return models[key]
+        known = self._models.get(path)
+        if known is None or not known.bytes_read.keys() >= set(parts):
+            self._models[path] = known = super().model(path, *parts)
+        return known
 
     def all_bodies(self) -> dict[str, Body]:
         """Bodies of the scene, each with its parts behind it, and the ground."""

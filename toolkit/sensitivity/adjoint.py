@@ -23,8 +23,8 @@ from toolkit.equations.equations import Plan
 from toolkit.foundation.compiled.calls import in_memory
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import NeedsDirectError, SingularSystemError
+from toolkit.foundation.memory_sizes import GIGABYTE
 from toolkit.foundation.processes import one_thread
-from toolkit.foundation.units import GIGABYTE
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.windows import combine, steps_seen
 from toolkit.scene.scene import Scene

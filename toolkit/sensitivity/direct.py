@@ -31,10 +31,9 @@ from toolkit.foundation.processes import one_thread
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.step_error import Gradients, Repeat, Values
+from toolkit.sensitivity.method_names import METHODS, NUMERICAL
 from toolkit.sensitivity.preparation import (
     ANALYSES,
-    METHODS,
-    NUMERICAL,
     Kind,
     Progress,
     check_kind,

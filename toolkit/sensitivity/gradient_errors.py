@@ -137,9 +137,10 @@ def frame_errors(
 
 
 def _unknown(solution: Solution, bodies: Collection[str], scales: Mapping[str, float], changes: Mapping[str, float]) -> list[str]:
-    """Responses that shapes which a reduced body leaves out change by their vibrations, and not by frames."""
+    """Responses of a motion that shapes which a reduced body leaves out change by their vibrations, and not by frames."""
     scene = solution.system.scene
-    reduced = any(not scene.model(scene.bodies[body].model).keeps_all for body in bodies)  # type: ignore[attr-defined]
+    models = [scene.model(scene.bodies[body].model) for body in bodies]  # type: ignore[attr-defined]
+    reduced = moving(solution) and not all(each.keeps_all or each.in_pieces for each in models)
     return [f for f, change in changes.items() if reduced and abs(change) > BEYOND_FRAMES * scales[f]]
 
 

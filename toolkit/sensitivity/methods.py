@@ -26,7 +26,7 @@ import numpy as np
 from toolkit.description.run_options import time_grid
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.foundation.itself import Itself
-from toolkit.foundation.units import GIGABYTE, in_gigabytes
+from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint import by_adjoint
 from toolkit.sensitivity.chosen_frames import Choices, Frames

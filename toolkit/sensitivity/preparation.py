@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Collection, Iterable, Mapping
-from enum import StrEnum
 from statistics import median
 from typing import Any, Literal, Protocol, get_args
 
@@ -196,20 +195,3 @@ def response_scales(exact: Differentiated, sizes: Mapping[str, float]) -> dict[s
         f: max([abs(exact.values[f]), *(abs(slopes[x]) * size for x, size in sizes.items())], default=0.0)
         for f, slopes in exact.gradients.items()
     }
-
-
-class GradientMethod(StrEnum):
-    """How gradients are computed; `auto` takes the cheaper of the exact ones, direct and adjoint."""
-
-    auto = "auto"
-    direct = "direct"
-    adjoint = "adjoint"
-    complex_step = "complex-step"
-    forward_difference = "forward-difference"
-    central_difference = "central-difference"
-
-
-METHODS = tuple(method.value for method in GradientMethod)
-NUMERICAL = tuple(
-    method.value for method in (GradientMethod.complex_step, GradientMethod.forward_difference, GradientMethod.central_difference)
-)

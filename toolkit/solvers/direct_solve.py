@@ -8,7 +8,7 @@ import scipy
 from toolkit.compilation.redundant_rows import hint_of_floating, hint_of_grounded
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, SingularSystemError
-from toolkit.foundation.units import GIGABYTE, in_gigabytes
+from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
 from toolkit.linear.linear_solver import (
     DENSE_TOLERANCE,
     SWEEPS,

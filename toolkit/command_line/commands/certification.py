@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from toolkit.command_line.announcements import AnnouncedKind, at_work
+from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import Changes, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.printing import print_record, print_tables, verdict_text
 from toolkit.foundation.errors import InputError
@@ -48,7 +48,7 @@ def certify(
     from toolkit.sensitivity.methods import with_frames_for_gradients
     from toolkit.sensitivity.preparation import frozen
 
-    kind: AnnouncedKind = "static" if static else "transient"
+    kind: Kind = "static" if static else "transient"
     written = read(scene, changes, quiet)
     names = design_of(written, variables)
     described = with_frames_for_gradients(written, kind, names)
@@ -195,7 +195,7 @@ def refuse_no_picture(path: Path) -> None:
         raise InputError(f"the folder of {str(path)!r} does not exist. Make it first.")
 
 
-def built_afresh(scene: Scene, names: list[str], kind: AnnouncedKind, quiet: bool) -> FreshGradients | None:
+def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> FreshGradients | None:
     """Gradients by fresh models; None where there is no preprocessing to build them."""
     from toolkit.foundation.processes import is_installed
     from toolkit.sensitivity.certificate.fresh_models import fresh_gradients

@@ -25,7 +25,7 @@ def warm_up(
     quiet: Quiet = False,
 ) -> None:
     """Compile the formulas for this machine, e.g. while an image is built, so that no later command has to."""
-    from toolkit.command_line.announcements import rehearse_everything
+    from toolkit.command_line.rehearsal import rehearse_everything
     from toolkit.foundation.compiled.compiled_code import is_kept
     from toolkit.scene.space import PLANE, SPACE
 

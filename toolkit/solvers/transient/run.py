@@ -20,7 +20,7 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions, step_lengths, time_grid
 from toolkit.foundation.errors import ConvergenceError, InputError, LimitPositionError, SingularSystemError
-from toolkit.foundation.units import GIGABYTE, in_gigabytes, zeros_in_large_pages
+from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes, zeros_in_large_pages
 from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.start.open_joints import limit_of_drivers, told_limit
 from toolkit.solvers.transient.generalized_alpha import integrate

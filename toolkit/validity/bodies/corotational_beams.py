@@ -26,8 +26,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import splu
+import scipy
 
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import StressPoints
@@ -115,7 +114,7 @@ class Corotational:
         blocks += np.einsum("eik,eij,ejl->ekl", b, self.law[:, 1:, 1:], b)
         blocks += turned[:, None, None] * (_outer(r, s) + _outer(s, r))
         row, column = np.broadcast_arrays(self.dofs[:, :, None], self.dofs[:, None, :])
-        return sparse.coo_array((blocks.ravel(), (row.ravel(), column.ravel())), shape=(len(u), len(u))).tocsc()
+        return scipy.sparse.coo_array((blocks.ravel(), (row.ravel(), column.ravel())), shape=(len(u), len(u))).tocsc()
 
     def stress(self, u: np.ndarray, places: StressPoints) -> np.ndarray:
         """Stress at stress points, (n_stress,): stress_per_strain (eps - y kappa) at a fibre y of one of the ends of an element."""
@@ -230,9 +229,14 @@ class BorderedFrame:
         """Factor a symmetric K (n, n) held by the rows C (m, n)."""
         scale = _scale(stiffness)
         border = held * scale
-        border = sparse.csc_array(border / np.linalg.norm(border, axis=1)[:, None])
-        spread = sparse.diags_array(scale)
-        return cls(splu(sparse.block_array([[spread @ stiffness @ spread, border.T], [border, None]], format="csc")), scale)
+        border = scipy.sparse.csc_array(border / np.linalg.norm(border, axis=1)[:, None])
+        spread = scipy.sparse.diags_array(scale)
+        return cls(
+            scipy.sparse.linalg.splu(
+                scipy.sparse.block_array([[spread @ stiffness @ spread, border.T], [border, None]], format="csc")
+            ),
+            scale,
+        )
 
     def solve(self, loads: np.ndarray) -> np.ndarray:
         """Displacements (n,) under loads (n,) with C u = 0."""
