@@ -1,4 +1,4 @@
-"""The pieces of a body as meshes of their own that nothing holds, ready for the choice of a basis."""
+"""Where the pieces of a body meet and end, and these pieces as meshes of their own that nothing holds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All designs of a frame: its parameters, where they stand in frame.toml, and the finite elements at any values of them.
+"""The file frame.toml, straight beams between named nodes, and all designs of the frame that it describes.
 
 The parameters are named by what they are and what owns them: `youngs_modulus_steel`, `width_leg`, `x_A` of a node A, `length_B` and
 `angle_B` of a node at a length and an angle from another, and `damping_mass` and `damping_stiffness` of the whole frame. By Poisson's

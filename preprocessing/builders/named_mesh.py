@@ -1,4 +1,4 @@
-"""Concentrated masses of a mesh file as constant summands of the mass matrices of a solid.
+"""The mesh of a body.toml with its regions: nodes of the clamp and of interface points, faces, and concentrated masses.
 
 A mass m whose place P moves with the nodes that carry it, by the rows of `basis.solids.ties`, and its tensor of inertia J about P add
 

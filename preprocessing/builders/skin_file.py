@@ -1,4 +1,4 @@
-"""The design variables of the skin's shape: chord, y_scale, and the heights of the modes that skin.toml names."""
+"""The file skin.toml: its tables, checked key by key, and the design variables of the skin's shape."""
 
 from __future__ import annotations
 

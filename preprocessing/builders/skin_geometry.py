@@ -1,4 +1,4 @@
-"""The geometry of one skin: both airfoils read, F and G found, the curve cut and meshed, the target matched.
+"""The geometry of one skin: airfoils, F and G, the meshed curve and its target; and whether the skin is thin enough for beams.
 
 A target shape for a skin that has none: the same skin with its nose drooped, without stretching it anywhere.
 

@@ -1,4 +1,4 @@
-"""The content of an input file checked against its schema, and what is said about every wrong key."""
+"""Tables and numbers that files of every kind have, and what is said about every key that is wrong."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The volume of solid elements, from their geometry alone.
+"""Matrices of isotropic elastic solids for unit moduli, their geometric stiffness, and their volume.
 
 Matrices of isotropic elastic solids of any dimension d on the nodes of a mesh, for unit width, density and Lame's constants.
 

@@ -1,4 +1,4 @@
-"""Whether finished matrices of another program are those of a free body of displacement-based elements.
+"""Whether finished matrices are those of one isotropic material that fills its elements, or of a free body at all.
 
 Whether finished matrices are those of one isotropic material that fills the elements of a mesh.
 

@@ -1,4 +1,4 @@
-"""Interface points: position and rotation of a place on the skin as polynomials of its arc length.
+"""Sparse matrices of a whole body on its coordinates, their contractions with a basis, and its interface points.
 
 Mesh, arc lengths and basis may carry a complex step in a parameter of the shape; real parts decide where the point lies.
 """

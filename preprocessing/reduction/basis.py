@@ -1,4 +1,4 @@
-"""What a person chooses of a reduction basis: its kind, its number of modes, and whether it follows the design.
+"""The basis Z = [xi, Psi] of a reduced body: what a person chooses of it, its columns, and their derivatives by the design.
 
 The basis Z = [xi, Psi] of a reduced body and its derivatives by the design.
 

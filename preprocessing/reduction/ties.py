@@ -1,4 +1,4 @@
-"""Constraint modes of a solid whose frame goes through two of its points: those of all points, less what the chord takes from both.
+"""Clamped nodes, and nodes that are tied to a point with position and rotation: what they leave of a solid's coordinates.
 
 Clamped nodes, and nodes that are tied to a point with position and rotation: what they leave free, and how the point moves.
 

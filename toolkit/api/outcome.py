@@ -1,4 +1,4 @@
-"""What becomes of one design among many: numbers, or the reason why there are none."""
+"""One analysis of a compiled scene, and what becomes of one design among many: numbers, or the reason why there are none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A flexible body in space that is cut at nodes."""
+"""A flexible body that is cut at nodes, in the plane and in space: to the scene one body, inside parts with floating frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Joints as flat arrays, in the plane and in space."""
+"""Markers, loads and joints as flat arrays, in the plane and in space."""
 
 from __future__ import annotations
 

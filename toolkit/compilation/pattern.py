@@ -1,4 +1,4 @@
-"""Numbers of a scene on the entries that the same scene had at other numbers, if these are enough.
+"""The common sparsity pattern of all derivatives by the state: entries of bodies, markers and joints, which move, which stay.
 
 Entries of bodies and markers that the scene needs: what is not zero at its numbers, or has a derivative that was asked for.
 

@@ -1,4 +1,4 @@
-"""Programs of the preprocessing, run in a process of their own: the runtime never imports it, as `git` never imports its commands."""
+"""Processes of their own: limits of memory and time, one thread of linear algebra, and programs of the preprocessing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Orientation in space: the only place that knows how it is parametrised.
+"""Orientation in the plane and in space: the only place that knows how it is parametrised.
 
 A frame's rotation matrix A depends on coordinates beta: a unit quaternion p of four, or one angle about a fixed axis n,
 

@@ -1,4 +1,4 @@
-"""Craig-Bampton shapes of a part: constraint modes where it is tied and gripped, and some shapes with these places held.
+"""The elements of a body as chains, where its points lie along them, and Craig-Bampton shapes of a part of a chain.
 
 With the elastic coordinates of the part sorted into kept ones b and inner ones i,
 

@@ -1,4 +1,4 @@
-"""A part of a body as a reduced model of its own, for all that looks at the finite elements behind a body.
+"""A part of a chain of elements with a frame of its own through both of its ends, in the plane and in space.
 
 A part of a chain of elements with a frame of its own, which goes through both of its ends.
 

@@ -1,4 +1,4 @@
-"""How large the entries of a body's invariants could be at most: what their round-off, and their symmetry, are judged by.
+"""Shapes of all arrays of a reduced model, how large their entries could be, and the refusal of arrays that do not fit.
 
 Mass, stiffness and damping are sums of squares, so that by the inequality of Cauchy and Schwarz
 

@@ -1,4 +1,4 @@
-"""Whether vibrations about an equilibrium or a spin grow: a frequency alone does not tell that nothing comes to rest there.
+"""Whether small motions about an equilibrium or a steady spin grow: statics and a frequency alone do not tell.
 
 Whether small motions about an equilibrium or a steady spin grow: statics alone do not see what flutters.
 

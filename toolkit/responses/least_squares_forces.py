@@ -1,4 +1,4 @@
-"""Forces and moments of joints on both of their bodies, without derivatives: about the price of one evaluation each.
+"""Multipliers of redundant constraints by least squares, and forces and moments of joints on both bodies.
 
 Multipliers of redundant constraints: of all that give the same forces on the bodies those of least squares.
 

@@ -1,4 +1,4 @@
-"""Integral, mean and mean square over time, by the trapezoidal rule: second order, as the default scheme."""
+"""Base of responses over time, one number of what another response is at each time; and integral, mean and mean square."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Angles in space that have gone round: an angle about an axis is known up to whole turns only."""
+"""Angle of a body against another, which counts turns, and angles in space that are known up to whole turns only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values and gradients of a run as tables of words: for a terminal, for a notebook, for `print`."""
+"""Results as tables: CSV files with names and units in the first line, and short tables of words for a terminal or a notebook."""
 
 from __future__ import annotations
 

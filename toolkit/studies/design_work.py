@@ -1,4 +1,4 @@
-"""What runs at some designs of a study say about themselves."""
+"""Designs of a study solved side by side, each once, and what their runs say about themselves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All uncertain numbers together: independent germs, and the numbers that follow from them.
+"""Uncertain numbers: the distribution of each, and all of them together as functions of independent germs.
 
 The distribution of one number, and the germ that it is made from.
 

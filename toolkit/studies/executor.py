@@ -1,4 +1,4 @@
-"""Jobs in, outcomes out: what a store has already does not run again, and what fails is kept with its reason."""
+"""Jobs of a study, one after another, in threads, in processes or on a Dask cluster; what a store has does not run again."""
 
 from __future__ import annotations
 

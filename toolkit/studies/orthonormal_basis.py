@@ -1,4 +1,4 @@
-"""Points of Sobol's sequence in the unit cube: the same everywhere, and the first ones stay where more are asked for."""
+"""Polynomials of independent germs that are orthonormal for their distributions, and points of Sobol's sequence."""
 
 from __future__ import annotations
 

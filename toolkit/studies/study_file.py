@@ -1,4 +1,4 @@
-"""Studies in TOML: the same objects as in Python, with errors that name the file, the key and what would be right."""
+"""The file of a study: a scene, its variables or uncertain numbers, what is wanted of it, and how an optimum is looked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What follows from uncertain numbers.
+"""Responses as polynomials of the germs, the statistics of each, and all that follows from uncertain numbers.
 
 Responses as polynomials of the germs, fitted to values and gradients of some designs.
 

@@ -1,4 +1,4 @@
-"""Names in a study that lead to no response, and what cannot be asked of one.
+"""Terms of objective and limits: responses, or their mean and standard deviation over uncertain numbers; and names that are none.
 
 Mean and standard deviation over uncertain numbers by some points of them, with exact derivatives by the design.
 

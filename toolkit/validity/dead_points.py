@@ -1,4 +1,4 @@
-"""What to say about dead points that a motion passes.
+"""Dead points that a motion passes: positions in which joints repeat each other, so that bodies may go on in two ways.
 
 Dead points that a motion passes: positions in which joints repeat each other, so that bodies can go on from them in two ways.
 

@@ -1,4 +1,4 @@
-"""How far the joints of a finished run are from closed."""
+"""Energy balance of a finished run: what the loads put in against what is there, and how far its joints are from closed."""
 
 from __future__ import annotations
 

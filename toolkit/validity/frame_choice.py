@@ -1,4 +1,4 @@
-"""Numbers of floating frames that were chosen, and the error that decided.
+"""Which reference condition a flexible body should have, and numbers of floating frames that were chosen.
 
 Which reference condition a flexible body should have, by the joints that hold it.
 

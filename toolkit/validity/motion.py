@@ -1,4 +1,4 @@
-"""Cautions about how exactly a motion was integrated: its energy, its steps, what Newton left over."""
+"""Cautions about how exactly a motion was integrated: its energy, its steps, what Newton left over, and noisy joint forces."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """HDF5 as the program uses it: written with checksums, and read as if an enemy had written it.
 
-The library is never given a file to read in this process: with the right checksums a few changed bytes end it, or worse. `hdf5_reader`
+The library is never given a file to read in this process: with the right checksums a few changed bytes end it, or worse. `hdf5_source`
 reads what this program writes, in Python, and refuses the rest of the format; `plain_hdf5` brings files of other programs into that form.
 """
 

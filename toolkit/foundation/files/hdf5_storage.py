@@ -1,4 +1,4 @@
-"""Fractal heaps: where the names of large groups and large attributes lie."""
+"""Arrays of an HDF5 file: where their bytes lie, filters on their way, and the heaps of large groups and attributes."""
 
 from __future__ import annotations
 

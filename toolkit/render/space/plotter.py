@@ -1,4 +1,4 @@
-"""How a picture is laid out: panels beside each other, the line above a panel, colour bar and words at the foot."""
+"""The canvas of a picture of space: panels beside each other, lettering, colour bar, and words at the foot."""
 
 from __future__ import annotations
 

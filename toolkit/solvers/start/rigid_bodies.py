@@ -1,4 +1,4 @@
-"""Gaps of rows of joints, in the units in which they measure, for messages.
+"""The joints of a scene whose bodies keep their shapes: gaps, and the positions in which these are smallest.
 
 Positions in which joints are open by as little as possible, by Newton's method with a trust region on the sum of their squared gaps.
 

@@ -1,4 +1,4 @@
-"""The first limit point of a scene, and how its load factor follows the design.
+"""From an equilibrium to the full load along the path of equilibria, limit points on it, and the load margin.
 
 At a limit point the static matrix K has a left null vector psi. With the residual R(q, lam, factor; x) = 0 along all designs,
 

@@ -1,4 +1,4 @@
-"""Test whether the static matrices of many states are positive, by the little in which they differ.
+"""Distance of an equilibrium from a limit point or a bifurcation, and a test of many states for it.
 
 Most of a stiffness is that of bodies in their own frames, the same in all states. With the coordinates N among which it is, and which no
 joint holds, and all others S, the matrix K + r J^T J, see `sparse_saddle`, is positive definite if and only if

@@ -1,4 +1,4 @@
-"""One equilibrium on a path: where it is, where the path goes from there, and how stable it is."""
+"""The equations of a path of equilibria, residual(z) = 0 for z = [q; lam; factor]: loads by their factor, bordered matrices, points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Steps along a path of equilibria that never pass a limit point or a bifurcation unseen, nor jump to another path.
+"""Steps along a path of equilibria, predicted and corrected, that pass no limit point and no bifurcation unseen.
 
 A step is accepted where everything that is known of the path agrees on what lies between its ends:
 

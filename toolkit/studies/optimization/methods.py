@@ -1,4 +1,4 @@
-"""All methods by the names that a study writes."""
+"""Optimisation methods of SciPy and NLopt by the names that a study writes, and the functions that they are given."""
 
 from __future__ import annotations
 

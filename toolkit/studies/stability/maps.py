@@ -1,4 +1,4 @@
-"""Maps over settings of the solver: step and rho_inf, constants of the stabilisation."""
+"""Maps, with their axes and the scene of every cell: over numbers of the scene, and over settings of the solver."""
 
 from __future__ import annotations
 

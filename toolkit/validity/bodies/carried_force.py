@@ -1,4 +1,4 @@
-"""Forces along bodies whose elements are not known, solids and reduced beams in space: what they do to bending, by rules for slender bars.
+"""Forces along bodies whose elements are not known, and frames that are tied to one end of a body between two joints.
 
 What it costs that a body between two joints has a frame which is tied to one of its ends.
 

@@ -1,4 +1,4 @@
-"""Bodies that turn so far in a step that what depends on their angle is seen at a few angles only, whatever other steps say.
+"""Bodies that spin: the critical speed of linear FFRF, equilibria that forget a spin, and steps that turn a body far.
 
 The critical speed of a flexible body that spins: linear FFRF lacks centrifugal stiffening and diverges beyond it.
 

@@ -1,4 +1,4 @@
-"""Frequencies that a reduced basis has too few shapes for.
+"""Frequencies that a reduced basis has too few shapes for, and bases that are frozen while the design changes.
 
 By how much frequencies are too high because a basis leaves out shapes that move where joints and springs hold the body.
 

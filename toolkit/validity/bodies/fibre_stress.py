@@ -1,4 +1,4 @@
-"""Skins so thick that their inner fibres fold where they are bent most: half the thickness exceeds the radius of the line they follow.
+"""Stress along fibres of beams in space beside von Mises' one, and skins so thick that their inner fibres fold.
 
 Sections of the elements of a chain in space, from what their reduced model keeps: second moments, and shear.
 

@@ -1,4 +1,4 @@
-"""Changes of the frequencies and damping ratios that responses ask for, by shapes that were left out.
+"""A scene whose reduced bodies have all coordinates: which shapes were left out, and how far they change vibrations.
 
 A scene whose cut bodies are reduced beside the same scene with all coordinates: where the parts of one are in the other.
 

@@ -1,4 +1,4 @@
-"""Compliance of a whole scene to small forces at one of its states: of bodies, joints and what else is stiff.
+"""Geometric stiffness of the beam elements behind a body, the forces at its points, and the compliance of a whole scene.
 
 The largest ratio of two forms among the motions that joints allow, where there are many coordinates: by Lanczos' iteration.
 

@@ -1,4 +1,4 @@
-"""Answers that joints along a line on a flexible body falsify: by what the deformed body in the place of the line would change.
+"""Joints that lead a point along a line or in a plane on a flexible body, and the answers that its deformation falsifies.
 
 Joints that lead a point along a line or in a plane on a flexible body, and what the deformed body in its place would change.
 

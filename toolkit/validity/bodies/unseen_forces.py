@@ -1,4 +1,4 @@
-"""Weight and inertia along bodies whose elements are not known and whose basis holds no shape that stretches them.
+"""Forces along bodies whose bases hold no shape that stretches them: of loads, weight and inertia, and what they do.
 
 Forces along bodies whose bases hold no shape that stretches them: what they do to deflections is in no equation, and is found by hand.
 
