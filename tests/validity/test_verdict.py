@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import SimpleNamespace
@@ -150,6 +151,21 @@ def test_gradients_that_the_steps_do_not_resolve_are_doubted_whatever_the_method
     assert "gradient-steps" in found.verdict.codes
     fine = method(read_scene(PENDULUM, {"solver.step": "0.002", "solver.end_time": "0.2"}), ["g_y"], "transient")
     assert "gradient-steps" not in fine.verdict.codes, fine.verdict
+
+
+def test_trusted_gradients_that_are_off_by_some_percent_have_a_remark_with_their_size():
+    """Against steps a tenth as long, relative to the largest derivative in the motion."""
+    coarse, fine = (direct(read_scene(PENDULUM, {"solver.step": step}), ["g_y"], "transient") for step in ("0.025", "0.0025"))
+    (remark,) = [each for each in coarse.verdict.warnings if each.code == "rough-gradients"]
+    assert not remark.doubt
+    told = {name: float(part) / 100 for name, part in re.findall(r"(\w+) by g_y by about ([\d.]+)%", remark.text)}
+    off = {
+        name: abs(coarse.gradients[name]["g_y"] - fine.gradients[name]["g_y"]) / coarse.gradient_scales[name]["g_y"]
+        for name in coarse.gradients
+    }
+    assert told.keys() == {name for name, error in off.items() if error > 0.05}
+    assert told == pytest.approx({name: off[name] for name in told}, rel=0.2)  # fourth-order terms of a second-order error of 8 %
+    assert "rough-gradients" not in fine.verdict.codes
 
 
 @pytest.mark.parametrize("seed", [52, 56])

@@ -39,6 +39,8 @@ from toolkit.validity.scene_cautions import bodies_of_stress
 
 VALUES, GRADIENTS = 0.042, 0.1
 """Estimated errors above which values and gradients are not trusted: estimates are right to a factor of about two."""
+ROUGH = 0.05
+"""Estimated error above which gradients that are trusted have a remark."""
 WANTED = 0.01
 """Error for which a shorter step is proposed."""
 MOST = 3
@@ -79,6 +81,8 @@ def step_cautions(found: StepError | None, values: Mapping[str, Any], gradients:
     if (wrong or slopes) and found.vibrations:
         both = " ".join([*([of_values] if wrong else []), *([of_slopes[0].upper() + of_slopes[1:]] if slopes else [])])
         yield Caution("lost-vibrations" if wrong else "gradient-steps", f"{both} {_against_vibrations(found)}")
+    if not slopes:
+        yield from _rough_gradients(found.gradients)
     small = {f: error for f, error in found.own_values.items() if f not in wrong and error > VALUES}
     small |= {
         f"the derivative of {f} by {x}": error
@@ -92,6 +96,19 @@ def step_cautions(found: StepError | None, values: Mapping[str, Any], gradients:
             "small-numbers",
             f"errors are small against the largest numbers in the motion, but here some are small themselves, and off by more of what they "
             f"are: {'; '.join(told)}{_more(small)}.",
+            doubt=False,
+        )
+
+
+def _rough_gradients(errors: Gradients) -> Iterator[Caution]:
+    """A remark on derivatives that are trusted, and whose estimated error is no small one."""
+    rough = {f"{f} by {x}": error for f, each in errors.items() for x, error in each.items() if ROUGH < error <= GRADIENTS}
+    if rough:
+        told = [f"{name} by about {error:.1%}" for name, error in _worst(rough)]
+        yield Caution(
+            "rough-gradients",
+            f"derivatives are off by the length of the steps: {'; '.join(told)}{_more(rough)} (they are doubted above {GRADIENTS:.0%}). "
+            "Fix: a shorter solver.step.",
             doubt=False,
         )
 
