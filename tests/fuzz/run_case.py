@@ -117,7 +117,7 @@ def _in_copy(case: Case, folder: Path, output: Path) -> int:
     return code if isinstance(code, int) else 1
 
 
-def reader_in_copy(reader: str, path: Path, bounds: Bounds, *more: str) -> apart.Ended:
+def reader_in_copy(reader: str, path: Path, bounds: Bounds, *more: str) -> apart.ReaderEnded:
     """What `apart.run` does, without loading the libraries again."""
     from preprocessing.foreign_files.child import reading
     from preprocessing.foreign_files.wire import send
@@ -146,7 +146,7 @@ def reader_in_copy(reader: str, path: Path, bounds: Bounds, *more: str) -> apart
     _, status = os.waitpid(child, 0)
     signal.alarm(0)
     code = os.waitstatus_to_exitcode(status)
-    return apart.Ended(None if code == -signal.SIGALRM else code, BytesIO(content))
+    return apart.ReaderEnded(None if code == -signal.SIGALRM else code, BytesIO(content))
 
 
 def run_fresh(case: Case, folder: Path, seconds: float = SECONDS) -> Ended:
