@@ -52,7 +52,7 @@ class ResolvedScene(Scene):
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:
         """Result of `make`, which depends on the scene alone, made when it is first asked for under this key."""
-        answers = self._answers
+        answers = self.__pydantic_private__["_answers"]  # type: ignore[index]  # by its name it takes five times as long
         if key not in answers:
             answers[key] = make()
         found: T = answers[key]
@@ -60,9 +60,10 @@ class ResolvedScene(Scene):
 
     def model(self, path: str, *parts: str) -> ReducedModel:
         """Parts of the reduced model in a file, see `Scene.model`; read once for all numbers of the scene."""
-        known = self._models.get(path)
+        models = self.__pydantic_private__["_models"]  # type: ignore[index]
+        known: ReducedModel | None = models.get(path)
         if known is None or not known.bytes_read.keys() >= set(parts):
-            self._models[path] = known = super().model(path, *parts)
+            models[path] = known = super().model(path, *parts)
         return known
 
     def all_bodies(self) -> dict[str, Body]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from ctypes import c_void_p
 from hashlib import sha256
 from typing import Any
 
@@ -30,9 +31,18 @@ def quiet() -> Iterator[None]:
         yield
 
 
-def address_of(array: np.ndarray) -> int:
-    """Address where the numbers of an array begin."""
+def _slow_address(array: np.ndarray) -> int:
     return int(array.__array_interface__["data"][0])
+
+
+def _fast_address(array: np.ndarray) -> int:
+    return c_void_p.from_address(id(array) + object.__basicsize__).value or 0
+
+
+_PROBE = np.zeros(3)[1:]
+address_of = _fast_address if _fast_address(_PROBE) == _slow_address(_PROBE) else _slow_address
+"""Address where the numbers of an array begin: what stands first behind the head of its object, in all of numpy so far. To have
+numpy tell it takes fifty times as long, which was a twentieth of a short run."""
 
 
 class PackedType(types.Type):
