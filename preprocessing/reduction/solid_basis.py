@@ -30,7 +30,7 @@ def count_by_static_error(modes: NormalModes, rows: Mapping[str, Any], system: A
         || C - C_k || / || C ||,     C = R K^-1 R^T,  C_k = sum_{j <= k} (R phi_j) (R phi_j)^T / lambda_j
 
     with the largest singular value as the norm, and every row of R divided by the square root of its own compliance, see
-    `mode_count.static_errors`.
+    `normal_modes.static_errors`.
 
     Raises
     ------

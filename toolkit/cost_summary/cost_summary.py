@@ -47,7 +47,7 @@ class Cost:
 
     `step_us` is the processor time of a step, None if it was not measured, and then `reason` says why.
 
-    `factorization` and `solution` are multiplications, see `unknowns.multiplications`.
+    `factorization` and `solution` are multiplications, see `cost_terms.multiplications`.
     """
 
     what: str

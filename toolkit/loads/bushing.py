@@ -39,7 +39,7 @@ def add_measured_spring(z, w, u, k, stiff, damp, force, force_z, force_w):
 
 @kernel
 def bushing(z, w, force, force_z, force_w):
-    """f = -sum (k u + c u') u_z of u_1, u_2 = e_1a . d, e_2a . d, d = r_a - r_b, and u_3 = angle_a - angle_b; see `measured_spring`.
+    """f = -sum (k u + c u') u_z of u_1, u_2 = e_1a . d, e_2a . d, d = r_a - r_b, and u_3 = angle_a - angle_b; see `add_measured_spring`.
 
     (k_1, k_2, k_3) = z[6:9], (c_1, c_2, c_3) = z[9:12]. With e' = de/d angle_a: u_z = (e, e' . d, -e, 0), u_zz in the angle is -u.
     """
@@ -115,7 +115,7 @@ def spatial_bushing(z, w, force, force_z, force_w):
         - sum k_i (2 p_i)^2_z / 2 - sum c_i s_i' s_i,z,     s_i = (e_ja . e_kb - e_ka . e_jb) / 2,    (i, j, k) in cyclic order,
 
     p being the quaternion of the rotation, (2 p_i)^2 = 1 + R_ii - R_jj - R_kk, R_ii = e_ia . e_ib; k = z[24:30], c = z[30:36]. See
-    `measured_spring`.
+    `add_measured_spring`.
     """
     for m in range(6):
         u = 0 * z[0]

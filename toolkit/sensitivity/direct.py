@@ -69,7 +69,7 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
     progress
         Called with the steps done and the steps in all.
     timed
-        Whether to measure what a run costs, without derivatives and with them, as `clock.price`; by default the scene is solved once.
+        Whether to measure what a run costs, without derivatives and with them, as `preparation.price`; by default the scene is solved once.
 
     Raises
     ------

@@ -69,7 +69,7 @@ def _sparse(system: System, values: np.ndarray, block: np.ndarray) -> np.ndarray
 
 
 def _scales(system: System, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Scales of rows and columns that bring the largest entries near 1, as `dense_lu.equilibrate`; from sizes on the pattern."""
+    """Scales of rows and columns that bring the largest entries near 1, as `linear_solver.equilibrate`; from sizes on the pattern."""
     plan = system.plan
     of_row, scales = np.repeat(np.arange(system.n), np.diff(plan.indptr)), np.ones((2, system.n))
     for _ in range(SWEEPS):

@@ -6,7 +6,7 @@ With the constant force f, in the two groups of the residual:
 
 A thin body is up to 1e9 times stiffer in stretching than in bending, so that K q is a small difference of large products. Rounded like
 any sum, it would move the state by 1e-8 of its bending, and gradients with it. So K is applied in its factors where these are known, see
-`linear.factored_matrix`, and of other bodies the stiffest entries, which make that round-off, are summed in twice the precision (Dekker
+`linear.linear_solver`, and of other bodies the stiffest entries, which make that round-off, are summed in twice the precision (Dekker
 1971), the others as usual.
 
 Bodies whose frame moves, in the plane and in space alike; which formulas run is known when they are compiled, as in `poses`.

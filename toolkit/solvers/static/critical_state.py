@@ -1,7 +1,7 @@
 """Distance of an equilibrium from a limit point or a bifurcation, and a test of many states for it.
 
 Most of a stiffness is that of bodies in their own frames, the same in all states. With the coordinates N among which it is, and which no
-joint holds, and all others S, the matrix K + r J^T J, see `sparse_saddle`, is positive definite if and only if
+joint holds, and all others S, the matrix K + r J^T J, see `static_matrix`, is positive definite if and only if
 
     K_NN    and    K_SS + r J_S^T J_S - K_SN K_NN^-1 K_NS
 

@@ -192,7 +192,7 @@ def factorised(system: System, matrix: StaticArray, scale: np.ndarray | None = N
 
 
 def is_positive(system: System, matrix: np.ndarray) -> bool:
-    """Whether a symmetric matrix (n, n) is known to be positive against all motions that the joints allow, as in `sparse_saddle`.
+    """Whether a symmetric matrix (n, n) is known to be positive against all motions that the joints allow.
 
     It takes less time than factors, and NumPy alone.
     """

@@ -13,7 +13,7 @@ Memory of the steps of stabilised index 2.
 In other formulations it is a record of the same type, so that the step loop is compiled once.
 
 As Arnold, Bruels and Cardona (2015) put it into the generalized-alpha step, with more multipliers eta, the predictions of
-`solvers.prediction` and c_q = d q_+ / d a_+, c_v = d v_+ / d a_+:
+`transient.scheme` and c_q = d q_+ / d a_+, c_v = d v_+ / d a_+:
 
     q_+ = q_predicted + c_q (a_+ + S eta),   v_+ = v_predicted + c_v a_+,   S = W^-2 phi_q(q_n)^T
     0 = coordinates' rows at (q_+, v_+, a_+, lam),   0 = (phi_q v + phi_t) / c_v,   0 = phi(q_+) / c_q
@@ -258,7 +258,7 @@ def correct_ggl(plan, scheme, weights, ggl, q, outcome):
 
 @inner
 def ggl_sensitivity_step(evaluator, plan, functions, inputs, scheme, history, step, fresh, memory, ggl):
-    """Compute total design derivatives at n + 1 from those at n, with the converged Jacobian, as `staggered.sensitivity_step`.
+    """Compute total design derivatives at n + 1 from those at n, with the converged Jacobian, as `step_gradients.sensitivity_step`.
 
     At fixed unknowns q_+ moves with the prediction and with c_q d(S eta); the rows of positions are differentiated like the others.
     """

@@ -15,7 +15,7 @@ First guess of a step's accelerations and multipliers: the way they went in the 
 With the backward differences d1, d2, ... of [a; lam] behind the last step the guesses of order 0, 1, 2, ... are a_n, a_n + d1,
 a_n + d1 + d2, ... A smooth motion makes each of them better than the one before by a factor of the size of the step, a coarse or
 sudden one makes it worse; so the order of the next step is the one that would have been best in the last, among that of the last
-and its neighbours. Where even that costs a further correction, other multiples of the differences are fitted, see `fitted_trend`.
+and its neighbours. Where even that costs a further correction, other multiples of the differences are fitted, see `fit_trend`.
 """
 
 from typing import Any, NamedTuple
@@ -228,7 +228,7 @@ class Memory(NamedTuple):
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
     trend: np.ndarray  # (HIGHEST, n) differences of [a; lam] behind the last step, see `extrapolation`
-    fitted: np.ndarray  # (HIGHEST,) multiples of them that would have guessed the last steps best, see `fitted_trend`
+    fitted: np.ndarray  # (HIGHEST,) multiples of them that would have guessed the last steps best, see `fit_trend`
     fit_sums: np.ndarray  # (HIGHEST, LANES) normal equations of these
     fit_rows: np.ndarray  # (n_q, LANES) scratch memory of a fit, as the next ones
     fit_columns: np.ndarray  # (HIGHEST, n_q)
@@ -243,7 +243,7 @@ class Memory(NamedTuple):
     rest: np.ndarray  # (n_entries,) the same without the factored stiffness; empty without that or gradients
     mixed: np.ndarray  # (n_entries,) scratch memory of `add_state_change`
     terms: Terms
-    whole: Terms  # with the jacobian in the place of all derivatives by the state, see `step_matrix.mix`
+    whole: Terms  # with the jacobian in the place of all derivatives by the state, see `scheme.mix`
     work: ScratchMemory
     solver: LinearSolver
 

@@ -103,7 +103,7 @@ class Reference:
     enough: bool
 
     def scale(self, quantity: ErrorQuantity) -> float:
-        """What an error of a quantity is divided by, see `judgement`."""
+        """What an error of a quantity is divided by, see `tradeoff`."""
         name, derived = quantity
         value = abs(self.limits[name].value)
         change = max((abs(each.value) * self.sizes[x] for x, each in self.slopes.get(name, {}).items()), default=0.0)
@@ -111,7 +111,7 @@ class Reference:
         return max(own, NEGLIGIBLE * other, TINY)
 
     def error(self, quantity: ErrorQuantity) -> float:
-        """Estimated error of a response, or of its gradient, relative as in `judgement`."""
+        """Estimated error of a response, or of its gradient, relative as in `tradeoff`."""
         name, derived = quantity
         if not derived:
             return self.limits[name].error / self.scale(quantity)

@@ -6,7 +6,7 @@ The deformations of an element, of its nodal coordinates u_e, and its energy are
 
     d = B u_e + u_e^T Q u_e / 2,    U = d^T S d / 2
 
-with B and S of the linear element and Q of one that turns with its chord (`planar_chain`, `spatial_chain`). The forces of second order
+with B and S of the linear element and Q of one that turns with its chord (`known_chain`). The forces of second order
 
     f_2 = B^T S (u_e^T Q u_e / 2) + (Q u_e)^T S B u_e
 

@@ -13,7 +13,7 @@ By Saint-Venant's torsion the largest shear stress is, for a torque T,
 
 Difference of the stress along fibres of beams in space to von Mises': shear by twist, and bending between fibres.
 
-With the torque T, bending moments M and the normal force N of an element, and the shear stress tau of `spatial_sections`,
+With the torque T, bending moments M and the normal force N of an element, and the shear stress tau of its section,
 
     round, outer radius R:                          sigma = |N| / A + |M| R / I
     rectangle, in the middle of its long side a:    sigma = |N| / A + |M_b| b / (2 I_b),   I_b, M_b of bending about that side

@@ -8,7 +8,7 @@ with B positive against these motions. Dense eigenvalues of n coordinates cost n
 
 Geometric stiffness of the beam elements behind a body: what their forces do to a lateral motion in the body's frame.
 
-An element that turns, or bows, changes its deformations by d_2 = u_e^T Q u_e / 2 (`planar_chain`, `spatial_chain`). Forces s of the linear
+An element that turns, or bows, changes its deformations by d_2 = u_e^T Q u_e / 2 (`known_chain`). Forces s of the linear
 element do the work s . d_2 on that and so add sum_k s_k Q_k to the stiffness. Linear FFRF lacks it. What the frame's own rotation does to
 the forces at joints is in the equations of motion.
 """
