@@ -308,3 +308,4 @@ def test_modes_tell_that_dampers_are_not_in_them(tmp_path, damping, doubt):
     assert [each.doubt for each in found.warnings if each.code == "damped"] == ([] if doubt is None else [doubt])
     if damping:
         assert f"up to {damping / (2 * np.sqrt(10.0)):.2g} of" in str(found)
+        assert f"that at {np.sqrt(10.0) / (2 * np.pi):.4g} Hz" in str(found)

@@ -141,6 +141,7 @@ def cautions_of_damping(damping: np.ndarray, mass: np.ndarray, squares: np.ndarr
     most = int(np.argmax(ratios > LARGE if ratios.max() > LARGE else ratios > SEEN))
     yield cautions_of_damping.caution(
         f"these frequencies are undamped. Damping is up to {ratios.max():.2g} of the critical one; that at "
+        f"{np.sqrt(squares[vibrating][most]) / (2 * np.pi):.4g} Hz, {ratios[most]:.2g} of it, "
         + ("lowers it by " + f"{1 - np.sqrt(1 - ratios[most] ** 2):.1%}." if ratios[most] < 1 else "does not vibrate at all."),
         doubt=bool(ratios[0] > LARGE),
     )
