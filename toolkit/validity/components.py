@@ -27,7 +27,7 @@ from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution, poses_at
 from toolkit.system.system import System, compile_scene
 
-FRICTION_STATES = 2000
+FRICTION_INSTANTS = 2000
 """Instants, evenly spread over the motion."""
 STILL = 1e-9
 """Part of what the width itself would creep that is round-off of a scene at rest."""
@@ -49,7 +49,7 @@ def creeping_friction(solution: Solution) -> Iterator[Caution]:
     for k, (name, load) in enumerate(named_loads(scene).items()):
         if not isinstance(load, Friction):
             continue
-        steps = np.array(spread(len(solution.times) - 1, FRICTION_STATES))
+        steps = np.array(spread(len(solution.times) - 1, FRICTION_INSTANTS))
         rates, times, width = np.abs(_rates(solution, name, k, steps)), solution.times[steps], float(np.real(load.width))
         slow = rates < width
         part = _integral(times, slow.astype(float)) / (times[-1] - times[0])
@@ -134,8 +134,8 @@ def _integral(times: np.ndarray, values: np.ndarray) -> float:
     return float(np.sum(np.diff(times) * (values[1:] + values[:-1]) / 2))
 
 
-SPRING_STATES = 500
-"""Number of instants that are compared with the next; between two that point against each other every step is."""
+LOOKED_AT = 500
+"""Instants, evenly spread over a motion, that are examined; between two in which a spring points the other way every step is."""
 
 
 @check("spring-through-zero", (MOTION,))
@@ -157,7 +157,7 @@ def springs_through_zero(solution: Solution) -> Iterator[Caution]:
     }
     if not springs:
         return
-    some = np.array(spread(last, SPRING_STATES))
+    some = np.array(spread(last, LOOKED_AT))
     for (name, spring), turns in zip(springs.items(), _turns(solution, list(springs.values()), some), strict=True):
         closer = (np.arange(some[at], some[at + 1] + 1) for at in turns)
         found = next((int(every[at[0]]) for every in closer if len(at := _turns(solution, [spring], every)[0])), None)
@@ -181,8 +181,6 @@ def _turns(solution: Solution, springs: list[PointSpring | DistanceControlled], 
 
 SMALL = np.radians(30)
 """Angle at which its sine, which the torque grows with, is off by 4.5 %."""
-BUSHING_STATES = 500
-"""So many instants are looked at."""
 
 
 @check("bushing-turned-far", STATES)
@@ -198,7 +196,7 @@ def bushings_turned_far(solution: Solution) -> Iterator[Caution]:
     if not bushings:
         return
     states = np.atleast_2d(np.real(solution.q))
-    poses = poses_at(system, states[spread(len(states) - 1, BUSHING_STATES)])
+    poses = poses_at(system, states[spread(len(states) - 1, LOOKED_AT)])
     for name, load in bushings.items():
         first, second = (system.numbering.marker(grip) for grip in load.grips)
         cosine = (np.einsum("tk,tk->t", poses[:, first, 3:], poses[:, second, 3:]) - 1) / 2
@@ -211,8 +209,6 @@ def bushings_turned_far(solution: Solution) -> Iterator[Caution]:
 
 
 STEP = 1e-30
-LOOKED_AT = 500
-"""Number of instants that are examined."""
 
 
 @check("cam-opened", STATES)

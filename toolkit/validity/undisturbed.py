@@ -101,8 +101,6 @@ def halved_steps(solution: Solution) -> Iterator[Caution]:
 
 MEANT = 1e-6
 """Part of a spin across its axis from which it is taken as meant: round-off is a tenth of a billionth of it."""
-GROWTH_OF_SPIN = 100.0
-"""Growth of a disturbance from which it is told, as of other motions that hardly anything sets off."""
 SMALL_ACROSS = 0.1
 """Part of the spin across the axis up to which the growth is that of a small one."""
 
@@ -119,7 +117,7 @@ def middle_spins(solution: Solution) -> Iterator[Caution]:
     for name, body in scene.bodies.items():
         if isinstance(body, SpatialRigidBody) and name not in held and body.turns == QUATERNION:
             aside, growth = _growth(solution, name, body)
-            if aside < MEANT and growth > np.log(GROWTH_OF_SPIN):
+            if aside < MEANT and growth > np.log(GROWTH):
                 yield middle_spins.caution(
                     f"{name} spins about the axis of its middle moment of inertia. A disturbance grows {np.exp(growth):.2g} times in this "
                     f"motion, and {aside:.1g} of the spin lies across this axis at the start. Round-off decides whether and when it turns "

@@ -36,7 +36,7 @@ from toolkit.validity.bodies.carried_force import static_deflection
 from toolkit.validity.bodies.chain import Chain
 from toolkit.validity.bodies.known_chain import chain
 
-STRAIGHT_CHORDS = 1e-9
+NO_MOMENT = 1e-9
 """Part of the largest moment of inertia of a body's nodes below which a turn moves none of them."""
 
 
@@ -88,7 +88,7 @@ def _without_best(errors: np.ndarray, places: np.ndarray) -> np.ndarray:
     arms = places - places.mean(axis=1, keepdims=True)
     inertia = np.einsum("tni,tni,jk->tjk", arms, arms, np.eye(3)) - np.einsum("tnj,tnk->tjk", arms, arms)
     moment = np.cross(arms, errors).sum(axis=1)
-    turn = np.einsum("tjk,tk->tj", np.linalg.pinv(inertia, rcond=STRAIGHT_CHORDS, hermitian=True), moment)
+    turn = np.einsum("tjk,tk->tj", np.linalg.pinv(inertia, rcond=NO_MOMENT, hermitian=True), moment)
     found: np.ndarray = errors - errors.mean(axis=1, keepdims=True) - np.cross(turn[:, None], arms)
     return found
 

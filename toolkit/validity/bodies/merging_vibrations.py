@@ -200,7 +200,7 @@ def _vibrations(solution: Solution, pencil: Pencil, of_loads: np.ndarray) -> Vib
 
 ALTERNATES = 6
 """Number of times that forces cross their mean, below which they do not alternate."""
-ENOUGH_STATES = 0.2
+LEAST_ALTERNATION = 0.2
 """Part of the stiffness that alternates, times how often it crosses its mean, below which nothing grows by more than a quarter."""
 STILL = 0.1
 """Largest move of coordinates, relative to the model size or in rad, where vibrations about the start hold for the motion."""
@@ -293,7 +293,7 @@ def _alternates(solution: Solution, body: str, law: Stiffening) -> bool:
     half = count**2 * np.ptp(part) / 2
     above = part > part.mean()
     crossings = int(np.count_nonzero(above[1:] != above[:-1])) if half > 0 else 0
-    return crossings >= ALTERNATES and crossings * half > ENOUGH_STATES
+    return crossings >= ALTERNATES and crossings * half > LEAST_ALTERNATION
 
 
 def _moved(solution: Solution) -> float:

@@ -56,12 +56,12 @@ that by as much."""
 STEEP = 5e-3
 """Part of a joint's force that a deflection pulls with from which its gradients are looked at: this part grows with the square of the
 deflection or more, by a thickness with ten times its relative change."""
-MANY_STATES = 100.0
+MANY_OF_FORCES = 100.0
 """Factor by which a force is off above which a message gives no factor."""
 HARDLY = 0.1
 """Part of the largest force in any joint below which a force does not count."""
-NAMED_JOINTS = 3
-"""Largest number of responses that are named."""
+NAMED = 3
+"""Largest number of responses, derivatives or vibrations that are named."""
 LOOKED_AT = 24
 """Number of instants among which the largest force of a joint is sought."""
 
@@ -83,13 +83,13 @@ def pulled_joints(solution: Solution) -> Iterator[Caution]:
         asked = joint_forces(scene)
         told = [
             f"{name} by {abs(each.missing):.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {each.size:.3g} at the most"
-            for name, each in list(low.items())[:NAMED_JOINTS]
+            for name, each in list(low.items())[:NAMED]
         ]
-        much = max(abs(each.missing) / each.size if each.size > 0 else MANY_STATES for each in low.values())
+        much = max(abs(each.missing) / each.size if each.size > 0 else MANY_OF_FORCES for each in low.values())
         yield pulled_joints.caution(
             f"the deflection of {body} pulls at what holds its ends, which these equations do not know: forces of joints are off, "
             f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. Fix: "
-            f"{divided(scene, body, min(much, MANY_STATES) / LIMIT)}.",
+            f"{divided(scene, body, min(much, MANY_OF_FORCES) / LIMIT)}.",
         )
 
 
@@ -174,7 +174,7 @@ def steep_joints(solution: Solution) -> Iterator[Caution]:
                 if abs(missing) > OFF * max(slope, UNIMPORTANT * each.counts * STEP / step):
                     off[name, variable.name] = missing, abs(missing) / slope if slope else np.inf
     if off:
-        worst = sorted(off, key=lambda pair: -off[pair][1])[:NAMED_JOINTS]
+        worst = sorted(off, key=lambda pair: -off[pair][1])[:NAMED]
         told = ", ".join(f"{f} by {x} by {off[f, x][0]:.3g}{_part(off[f, x][1])}" for f, x in worst)
         yield steep_joints.caution(
             f"the deflection of {most_pulled(solution)} pulls at what holds its ends, which these equations do not know: derivatives of "
@@ -245,8 +245,6 @@ def _last(solution: Solution) -> StiffenedState | None:
 
 MANY = 20.0
 """Factor by which a number is too large above which a message gives no factor."""
-NAMED = 3
-"""Largest number of vibrations that are named."""
 OF_GRADIENTS = 0.1
 """Relative error of a derivative of a motion above which there is a doubt, as of other errors of gradients."""
 GROWS = 3.0

@@ -107,7 +107,7 @@ def _states(
     by_mass: Callable[[np.ndarray], np.ndarray],
 ) -> Iterator[tuple[int, np.ndarray]]:
     """Numbers of the states of most compression and of most tension, and the axial forces (n_e,) there that the basis does not show."""
-    instants = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
+    instants = _instants(solution)
     forces = forces_at_points(solution, body, instants) if missing else {}
     axial = sum((forces[name] @ each for name, each in missing.items() if name in forces), by_mass(instants))
     softer = -(axial * law.compliances).sum(axis=1)
@@ -115,6 +115,11 @@ def _states(
         k = first_largest(sign * softer)
         if sign * softer[k] > LIMIT / 2:
             yield int(instants[k]), axial[k]
+
+
+def _instants(solution: Solution) -> np.ndarray:
+    """Numbers of the states among which those of the largest forces are looked for."""
+    return np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
 
 
 def _at(
@@ -244,10 +249,6 @@ def axial_forces(scene: ResolvedScene, body: str, behind: Chain, loads: np.ndarr
     return behind.axial_forces(behind.under(loads)), behind.axial_forces(behind.displacements(elastic))
 
 
-STATES_OF_LINES = 24
-"""Instants, evenly spread over a motion, among which the largest force along a body is looked for."""
-
-
 class UnseenLine(NamedTuple):
     """The line of one body, and what is beside it."""
 
@@ -293,7 +294,7 @@ def _found(solution: Solution, body: str, design: DesignPoint) -> UnseenLine | N
 
 def _far_states(solution: Solution, body: str, line: UnseenLine) -> Iterator[tuple[int, np.ndarray]]:
     """Numbers of the states of most compression and of most tension, and G there."""
-    instants = np.unique(np.linspace(0, len(solution.times) - 1, STATES_OF_LINES).astype(int))
+    instants = _instants(solution)
     by_mass, at_point = _forces(solution, body, line, instants)
     stiffness = np.real(design_point(solution.system.scene, body).value("stiffness"))
     for sign, forces in ((1.0, by_mass), (-1.0, by_mass + at_point[:, None])):
