@@ -9,10 +9,10 @@ from typing import Any
 
 from mkdocs.structure.files import File
 
-from docs.generators.door import table
 from docs.generators.formats import for_the_site
 from docs.generators.formulas import hide_formulas, show_formulas
 from docs.generators.house_picture import picture
+from docs.generators.public_names import table
 from docs.generators.rooms import navigation, overview, page, rooms
 from docs.generators.worked_pages import entries, worked_pages
 
@@ -54,7 +54,7 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
         "formats.md": for_the_site,
         "house.md": lambda text: hide_formulas(text.replace("<!-- house -->", picture())),
         "theory.md": hide_formulas,
-        "reference.md": lambda text: text.replace("<!-- door -->", table()).replace("<!-- rooms -->", overview()),
+        "reference.md": lambda text: text.replace("<!-- names -->", table()).replace("<!-- rooms -->", overview()),
     }
     return written.get(page.file.src_uri, str)(markdown)
 

@@ -1,4 +1,4 @@
-"""The door: what a user imports, compiled once, analysed many times, with words for all that can be typed wrong."""
+"""Public names: what a user imports, compiled once, analysed many times, with words for all that can be typed wrong."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_an_analysis_gives_what_the_analysis_below_gives_and_repeats_nothing(win
     assert len(solved) == 1
 
 
-def test_the_steps_of_a_motion_are_five_calls_below_the_door(wing, monkeypatch):
+def test_the_steps_of_a_motion_are_five_calls_below_the_public_one(wing, monkeypatch):
     """Of functions of the toolkit; the fifth is that of the compiled loop."""
     passed, steps = [], transient.take_steps
 

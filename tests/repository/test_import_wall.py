@@ -101,15 +101,7 @@ ONE_EACH = (
 """Rooms of kinds that users name: each kind has a file of its own, however small."""
 APART = {
     "toolkit.command_line.completion",
-    "toolkit.compilation.body_arrays",
-    "toolkit.linear.sparse_analysis",
-    "toolkit.render.paraview",
-    "toolkit.studies.optimization.explored",
-    "toolkit.system.evaluation",
-    "preprocessing.reduction.constrained_pencil",
     "preprocessing.projects.arm",
-    "preprocessing.builders.joined_model",
-    "preprocessing.reduction.element_sums",
 }
 """Small modules whose neighbour is long already, or uses the same names for other things."""
 

@@ -9,7 +9,7 @@ import pytest
 
 import ffrf
 from docs.generators.cells import ROOT, fenced, run, split
-from docs.generators.door import table
+from docs.generators.public_names import table
 from docs.generators.worked_pages import model_names, tutorial_names
 
 SCRIPT = '''"""What it is about."""
@@ -60,7 +60,7 @@ def test_no_tutorial_and_no_model_is_left_out_of_the_site():
 def test_the_reference_begins_with_every_name_of_the_door():
     rows = re.findall(r"^\| \[`(\w+)`\][\[(].*?[\])] \| (.+) \|$", table(), re.MULTILINE)
     assert sorted(name for name, about in rows if about) == sorted(ffrf.__all__)
-    assert "<!-- door -->" in (ROOT / "docs" / "reference.md").read_text(encoding="utf-8").partition("\n## ")[0]
+    assert "<!-- names -->" in (ROOT / "docs" / "reference.md").read_text(encoding="utf-8").partition("\n## ")[0]
 
 
 @pytest.mark.parametrize("page", ["how-to.md", "index.md"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 import re
+from bisect import insort
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -103,6 +104,11 @@ class Check(Generic[P]):
 _CHECKS: list[Check[Any]] = []
 
 
+def _order(found: Check[Any]) -> tuple[int, str]:
+    """Place among the checks, in which they are kept because every run goes through them."""
+    return len(found.applies_to), str(found.measure.__module__)
+
+
 def check(
     code: str, applies_to: Sequence[str] = (), each_design: bool = False, by_result: bool = False
 ) -> Callable[[Callable[P, Iterable[Caution]]], Check[P]]:
@@ -120,7 +126,7 @@ def check(
         )
         remedy = f"{fix[:1].upper()}{fix[1:]}"
         found = Check(code, means, limit.removesuffix("."), remedy, applies_to, measure, each_design, by_result)
-        _CHECKS.append(found)
+        insort(_CHECKS, found, key=_order)
         return found
 
     return register
@@ -135,7 +141,7 @@ def _discover() -> None:
 def checks() -> list[Check[Any]]:
     """All checks of scenes and runs: those of one kind of solution before those of all, then in the order of their modules."""
     _discover()
-    return sorted(_CHECKS, key=lambda each: (len(each.applies_to), str(each.measure.__module__)))
+    return _CHECKS
 
 
 def codes() -> Mapping[str, Check[Any]]:

@@ -154,11 +154,6 @@ def _vtp(mesh: Any) -> bytes:
     return writer.GetOutputString().encode()
 
 
-def _spatial_meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
-
-    return spatial_meshes(solution)
-
-
 def _meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
     look = choose_look(solution, range(len(solution.times)))
     fields = {body: stress_field(solution, body) for body in look.thickness}
@@ -207,4 +202,4 @@ def skin_mesh(shape: SkinShape, thickness: float, name: str) -> Any:
     return mesh
 
 
-_MESHES = {PLANE: _meshes, SPACE: _spatial_meshes}
+_MESHES = {PLANE: _meshes, SPACE: spatial_meshes}

@@ -345,9 +345,8 @@ def velocities_without_effect(solution: Solution) -> Iterator[Caution]:
     Limit: any.
     Fix: leave it out, or leave out `solver.quasi_static`.
     """
-    bodies = solution.system.scene.bodies.items()
     scene = solution.system.scene
-    written = [name for name, body in bodies if body.written_velocities() or writes_shape(body)]
+    written = [name for name, body in scene.bodies.items() if body.written_velocities() or writes_shape(body)]
     moving = [name for name in written if np.any(scene.bodies[name].initial_state(scene)[1])]
     if moving:
         yield velocities_without_effect.caution(

@@ -1,4 +1,4 @@
-"""The names of the door, `import ffrf`: what each is, in the order of the use that most people make of them."""
+"""Public names, `import ffrf`: what each is, in the order of the use that most people make of them."""
 
 from __future__ import annotations
 
