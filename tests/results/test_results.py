@@ -13,12 +13,13 @@ from typer.testing import CliRunner
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.foundation.files.safe_files import safe_name
 from toolkit.kept_run.layout import BODY, STATES, ResultsFileError
 from toolkit.responses.shape_error import shape_error, shape_error_history
 from toolkit.responses.stress import stress_field
 from toolkit.results.results import restore_scene, table_of
 from toolkit.results.results_file import load_results, save_results
-from toolkit.results.tables import export_csv, safe_name
+from toolkit.results.tables import export_csv
 from toolkit.scene_file.reader import read_scene, scene_from_table
 from toolkit.sensitivity.direct import direct, evaluated, numerical
 from toolkit.sensitivity.preparation import ANALYSES, evaluate_responses, prepare, solve

@@ -11,14 +11,13 @@ import numpy as np
 import pyvista
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from toolkit.foundation.files.safe_files import own_set, refuse_foreign, write_whole
+from toolkit.foundation.files.safe_files import own_set, refuse_foreign, safe_name, write_whole
 from toolkit.foundation.units import unit
 from toolkit.render.plane.configuration import Configuration, SkinShape, drawn_model, fibre_values, skin_shape, solid_shape
 from toolkit.render.plane.look import choose_look
 from toolkit.render.space import parts
 from toolkit.render.space.configuration import SpatialConfiguration, at_points, body_shape, has_shape
 from toolkit.responses.stress import point_stress, stress_field
-from toolkit.results.tables import safe_name
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution, flexible_body
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import re
 from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from toolkit.foundation.files.safe_files import own_set, refuse_foreign, write_whole
+from toolkit.foundation.files.safe_files import own_set, refuse_foreign, safe_name, write_whole
 from toolkit.results.results import BodyResults, Results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import variable_unit
@@ -77,11 +76,6 @@ def _body_tables(results: Results, name: str, body: BodyResults) -> dict[str, tu
         if nodes:
             tables[f"shape_error_{name}_by_{variable}"] = (nodes, body.dshape_error[:, :, x])
     return tables
-
-
-def safe_name(name: str) -> str:
-    """Name without anything that could lead to another folder."""
-    return re.sub(r"[^\w.-]", "_", name)
 
 
 def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:

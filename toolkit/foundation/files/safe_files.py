@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import secrets
 import stat
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -306,3 +307,8 @@ def told_outside(file: Path, named: Iterable[Path]) -> str:
     """Sentence on the files named by a file that lie outside of its folder; empty if there is none."""
     found = outside_files(file, named)
     return f"{file.name} takes files from outside of its folder: {', '.join(map(repr, found))}." if found else ""
+
+
+def safe_name(name: str) -> str:
+    """Name without anything that could lead to another folder."""
+    return re.sub(r"[^\w.-]", "_", name)
