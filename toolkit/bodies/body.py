@@ -130,7 +130,7 @@ class Body(InSpace):
         """sqrt(I / m) of the undeformed body about its frame's origin: its size, where points tell nothing."""
 
     @abstractmethod
-    def marker(self, scene: Placed, point: str, name: str) -> Any:
+    def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers | SpatialMarkerNumbers:
         """Marker on this body at the named point of the scene."""
 
     @abstractmethod
@@ -141,11 +141,11 @@ class Body(InSpace):
     def whole_mass(self, scene: Placed) -> Scalar:
         """Mass of the body."""
 
-    def floating(self, _scene: Placed) -> Any:
+    def floating(self, _scene: Placed) -> FloatingNumbers | SpatialFloatingNumbers | None:
         """Invariants of a flexible body with a moving frame; None of other bodies."""
         return None
 
-    def drag(self, _scene: Placed) -> Any:
+    def drag(self, _scene: Placed) -> FloatingNumbers | SpatialFloatingNumbers | None:
         """Invariants of a moving frame, each times the body's mass-proportional damping; None if it has neither."""
         return None
 
@@ -171,7 +171,7 @@ class MarkerNumbers(NamedTuple):
 class FloatingNumbers(NamedTuple):
     """Invariants of a flexible body with a moving frame; G, H and S on their common pattern."""
 
-    mass: Scalar
+    mass: Scalar | np.ndarray
     moment: np.ndarray  # (1 + n_f, 2) N^T
     row: np.ndarray
     column: np.ndarray
@@ -267,7 +267,7 @@ class SpatialMarkerNumbers(NamedTuple):
 class SpatialFloatingNumbers(NamedTuple):
     """Invariants of a body whose frame turns; all Q[a, b] and S[a, b] on their common pattern."""
 
-    mass: Scalar
+    mass: Scalar | np.ndarray
     moment: np.ndarray  # (1 + n_f, 3) N^T
     row: np.ndarray
     column: np.ndarray

@@ -8,7 +8,14 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from toolkit.bodies.body import CENTRE, QUATERNION, Body, ConstantNumbers, Placed, no_constants
+from toolkit.bodies.body import (
+    CENTRE,
+    QUATERNION,
+    Body,
+    ConstantNumbers,
+    Placed,
+    no_constants,
+)
 from toolkit.bodies.cuttable_body import CuttableBody
 from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.framed_part import (
@@ -87,13 +94,11 @@ class CutBody(CuttableBody):
         """No constant terms, since all terms belong to the parts."""
         return no_constants(0)
 
-    def floating(self, scene: Placed) -> Any:
+    def floating(self, scene: Placed) -> None:
         """None, since the parts have the invariants of floating frames."""
-        return None
 
-    def drag(self, scene: Placed) -> Any:
+    def drag(self, scene: Placed) -> None:
         """None, since the parts have the mass-proportional damping."""
-        return None
 
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
         """Undeformed global position of an interface point, or of a node that parts the body, (d,)."""

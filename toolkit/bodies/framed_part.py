@@ -11,13 +11,14 @@ import numpy as np
 
 from toolkit.bodies.body import CENTRE, Placed
 from toolkit.bodies.model_body import ModelBody
+from toolkit.description.description import Scalar
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
 from toolkit.reduced_model.cut_chain import ChainPlace, PartShapes, node_labels, nodes_of_part, part_shapes, place_at, place_of
 from toolkit.reduced_model.cut_part import ChainPart, part_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.parts import SURFACE_POSITION, Elements
+from toolkit.reduced_model.parts import SURFACE_POSITION, Elements, SpatialElements
 
 MANY = 1000
 """Parts whose shapes are remembered: every complex step asks for them again."""
@@ -55,7 +56,7 @@ class FramedPart(ModelBody):
         """Names of the elastic coordinates of a part that is not reduced, with the numbers of its nodes as users count them."""
         raise NotImplementedError
 
-    def mass_damping(self, scene: Placed) -> Any:
+    def mass_damping(self, scene: Placed) -> Scalar:
         """Mass-proportional damping alpha of the whole body, in 1/time."""
         return scene.bodies[self.whole].mass_damping(scene)
 
@@ -64,7 +65,7 @@ class FramedPart(ModelBody):
         return None
 
     @property
-    def own(self) -> tuple[Any, ...]:
+    def own(self) -> tuple[object, ...]:
         """Numbers that tell this part from all other parts of the same model."""
         return self.first, self.last, self.gripped, self.modes_per_frame
 
@@ -160,7 +161,12 @@ class FramedPart(ModelBody):
 
 @lru_cache(maxsize=MANY)
 def _shapes(
-    nominal: Itself[Any], assembled: Callable[..., ChainPart], first: int, last: int, gripped: Sequence[int], count: int
+    nominal: Itself[Elements | SpatialElements],
+    assembled: Callable[..., ChainPart],
+    first: int,
+    last: int,
+    gripped: Sequence[int],
+    count: int,
 ) -> PartShapes:
     """Shapes that a part is reduced to, by the elements of the whole at the nominal design.
 
@@ -194,7 +200,7 @@ def connectivity_of(scene: Placed, whole: str) -> np.ndarray:
     return elements.connectivity
 
 
-def elements_at(design: DesignPoint) -> Any:
+def elements_at(design: DesignPoint) -> Elements | SpatialElements:
     """Elements of a cut body at a design."""
     if Elements not in design.kept:
         nominal = design.model.elements
@@ -202,7 +208,8 @@ def elements_at(design: DesignPoint) -> Any:
         whole = {name: array for name, array in vars(nominal).items() if array.dtype.kind in "iu"}
         changed = {name: design.value(f"elements.{name}") for name in vars(nominal) if name not in whole}
         design.kept[Elements] = type(nominal)(**whole, **changed)
-    return design.kept[Elements]
+    found: Elements | SpatialElements = design.kept[Elements]
+    return found
 
 
 def place_on(scene: Placed, whole: str, point: str) -> ChainPlace:
@@ -214,7 +221,7 @@ def place_on(scene: Placed, whole: str, point: str) -> ChainPlace:
         It is none of its interface points, or lies in two parts.
     """
     design = whole_design(scene, whole)
-    elements: Elements = elements_at(design)
+    elements = elements_at(design)
     node = node_number(scene, point)
     if node is not None:
         return place_at(elements.connectivity, node)

@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import ConfigDict
 
-from toolkit.bodies.body import CENTRE, Body, Placed
+from toolkit.bodies.body import CENTRE, Body, FloatingNumbers, Placed, SpatialFloatingNumbers
 from toolkit.description.description import FileName, Number, Scalar
 from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.reduced_model.design_point import DesignPoint, design_at
@@ -68,7 +68,7 @@ def start_shape(stiffness: np.ndarray, points: dict[str, tuple[np.ndarray, np.nd
     return found
 
 
-def _solved(matrix: np.ndarray, sides: np.ndarray, where: str) -> Any:
+def _solved(matrix: np.ndarray, sides: np.ndarray, where: str) -> np.ndarray:
     try:
         return np.linalg.solve(matrix, sides)
     except np.linalg.LinAlgError as error:
@@ -244,7 +244,7 @@ class ModelBody(Body):
         own = [k for name, k in design.model.numbers.items() if name.startswith(f"{MASS_DAMPING}_")]
         return any(design.parameter(k) != 0 for k in own)
 
-    def drag(self, scene: Placed) -> Any:
+    def drag(self, scene: Placed) -> FloatingNumbers | SpatialFloatingNumbers | None:
         """Invariants times the mass-proportional damping of a body whose frame turns; None of other bodies.
 
         They damp all of its velocity, not only that of its deformation.
@@ -252,10 +252,11 @@ class ModelBody(Body):
         if not self.turns:
             return None
         alpha = self.mass_damping(scene)
-        return self.undamped(scene) if is_zero(alpha) else self.floating(scene).times(alpha)
+        floating = self.floating(scene)
+        return self.undamped(scene) if is_zero(alpha) or floating is None else floating.times(alpha)
 
     @abstractmethod
-    def undamped(self, scene: Placed) -> Any:
+    def undamped(self, scene: Placed) -> FloatingNumbers | SpatialFloatingNumbers:
         """Value of `drag` where the damping is zero: invariants without entries."""
 
     def whole_mass(self, scene: Placed) -> Scalar:

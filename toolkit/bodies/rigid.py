@@ -28,10 +28,10 @@ class AnyRigidBody(Body):
     """Base of rigid bodies in the plane and in space: mass, centre of mass, moments about it."""
 
     @abstractmethod
-    def mass_properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, Scalar]:
+    def mass_properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, Scalar | np.ndarray]:
         """Mass, undeformed centre of mass (d,), and about it the moment of inertia, in space second moments int rho x_a x_b dV (3, 3)."""
 
-    def properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, Scalar]:
+    def properties(self, scene: Placed) -> tuple[Scalar, np.ndarray, Scalar | np.ndarray]:
         """Result of `mass_properties`, kept because many ask for it."""
         return scene.of_body(self, "mass", lambda: self.mass_properties(scene))
 

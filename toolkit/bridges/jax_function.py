@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from types import ModuleType
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -11,7 +12,18 @@ from toolkit.api.model import Model
 from toolkit.bridges.vector_function import BridgeError, VectorFunction, package
 
 
-def for_jax(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> Callable[[Any], Any]:
+class JaxArray(Protocol):
+    """An array of JAX, or what stands for one while JAX traces."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes."""
+
+    def __matmul__(self, other: Self, /) -> Self:
+        """Product of matrices."""
+
+
+def for_jax(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> Callable[[JaxArray], JaxArray]:
     """A function of JAX: from the variables (n,) to the responses (m,).
 
     Parameters
@@ -56,20 +68,20 @@ def for_jax(model: Model, responses: str | Sequence[str], analysis: str = "stati
     both = (values, jax.ShapeDtypeStruct((m, n), np.float64))
 
     @jax.custom_vjp
-    def responses_of(x: Any) -> Any:
+    def responses_of(x: JaxArray) -> JaxArray:
         return jax.pure_callback(function.values, values, _vector(jax, x, n), vmap_method="sequential")
 
-    def forward(x: Any) -> Any:
+    def forward(x: JaxArray) -> tuple[JaxArray, JaxArray]:
         return jax.pure_callback(function.both, both, _vector(jax, x, n), vmap_method="sequential")
 
-    def backward(slopes: Any, cotangent: Any) -> Any:
+    def backward(slopes: JaxArray, cotangent: JaxArray) -> tuple[JaxArray]:
         return (cotangent @ slopes,)
 
     responses_of.defvjp(forward, backward)
     return responses_of
 
 
-def _vector(jax: Any, x: Any, n: int) -> Any:
+def _vector(jax: ModuleType, x: JaxArray, n: int) -> JaxArray:
     """x as doubles; another shape or kind is refused while JAX traces, where its own errors of shapes come from too."""
     if jax.numpy.iscomplexobj(x):
         raise TypeError("this function takes real numbers: its derivatives are exact, and need no complex step.")

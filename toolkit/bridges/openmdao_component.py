@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +14,11 @@ from toolkit.bridges.vector_function import VectorFunction, package
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.units import LABELLED, UNIT_SYSTEMS, unit
 from toolkit.scene_file.gradient_units import variable_unit
+
+if TYPE_CHECKING:
+    from openmdao.api import ExplicitComponent
+    from openmdao.jacobians.jacobian import Jacobian
+    from openmdao.vectors.vector import Vector
 
 WORD = re.compile("[A-Za-z]+")
 _POWER = r"[A-Za-z]+(?:\*\*\d)?"
@@ -24,7 +29,7 @@ SOLVED = "solved"
 """Output that says whether there is a value for the last design."""
 
 
-def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> Any:
+def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> ExplicitComponent:
     """A component whose inputs are the model's variables, and whose outputs are responses.
 
     Parameters
@@ -83,18 +88,18 @@ def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "
             self.add_output(SOLVED, desc="1 where the last design was solved, 0 where it failed")
             self.declare_partials(outputs, inputs)
 
-        def compute(self, inputs_: Any, outputs_: Any, *_: Any) -> None:
+        def compute(self, inputs_: Vector, outputs_: Vector, *_: object) -> None:
             outputs_[SOLVED] = 0.0
             for name, value in zip(outputs, self._both(inputs_)[0], strict=True):
                 outputs_[name] = value
             outputs_[SOLVED] = 1.0
 
-        def compute_partials(self, inputs_: Any, partials: Any, *_: Any) -> None:
+        def compute_partials(self, inputs_: Vector, partials: Jacobian, *_: object) -> None:
             for output, row in zip(outputs, self._both(inputs_)[1], strict=True):
                 for name, slope in zip(inputs, row, strict=True):
                     partials[output, name] = slope
 
-        def _both(self, given: Any) -> tuple[np.ndarray, np.ndarray]:
+        def _both(self, given: Vector) -> tuple[np.ndarray, np.ndarray]:
             try:
                 return function.both(np.array([given[name][0] for name in inputs]))
             except ToolkitError as error:

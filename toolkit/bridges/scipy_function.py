@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from toolkit.api.model import Model
-from toolkit.bridges.vector_function import VectorFunction
+from toolkit.bridges.vector_function import DesignNumbers, VectorFunction
 from toolkit.sensitivity.run import Run
 
 
@@ -31,12 +30,12 @@ class ScipyFunction:
         self._function, self._single = function, single
         self.names, self.x0 = function.names, function.start.copy()
 
-    def fun(self, x: Any) -> Any:
+    def fun(self, x: DesignNumbers) -> float | np.ndarray:
         """Value or values at x: numbers (n,) in the order of `names`, or what names them, as a row of pandas or a dictionary."""
         values = self._function.values(x)
         return float(values[0]) if self._single else values
 
-    def jac(self, x: Any) -> np.ndarray:
+    def jac(self, x: DesignNumbers) -> np.ndarray:
         """Derivatives at x, in the order of `names`."""
         slopes = self._function.slopes(x)
         return slopes[0] if self._single else slopes

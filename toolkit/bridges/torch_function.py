@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, NoReturn
 
 from toolkit.api.model import Model
 from toolkit.bridges.vector_function import BridgeError, VectorFunction, package
 
+if TYPE_CHECKING:
+    from torch import Tensor
+    from torch.autograd.function import FunctionCtx
 
-def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> Callable[[Any], Any]:
+
+def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> Callable[[Tensor], Tensor]:
     """A function of PyTorch: from the variables (n,) to the responses (m,), tensors of doubles.
 
     Parameters
@@ -50,7 +54,7 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
         """Responses of a scene by its design variables."""
 
         @staticmethod
-        def forward(context: Any, x: Any) -> Any:
+        def forward(context: FunctionCtx, x: Tensor) -> Tensor:
             if not isinstance(x, torch.Tensor) or x.dtype != torch.float64:
                 given = x.dtype if isinstance(x, torch.Tensor) else type(x).__name__
                 raise TypeError(
@@ -61,7 +65,7 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
             return torch.from_numpy(values).to(x.device)
 
         @staticmethod
-        def backward(context: Any, cotangent: Any) -> Any:
+        def backward(context: FunctionCtx, cotangent: Tensor) -> Tensor:
             return cotangent @ TorchSlopes.apply(*context.saved_tensors)
 
     class TorchSlopes(torch.autograd.Function):  # type: ignore[misc, name-defined]
@@ -71,17 +75,17 @@ def for_torch(model: Model, responses: str | Sequence[str], analysis: str = "sta
         """
 
         @staticmethod
-        def forward(_context: Any, _x: Any, slopes: Any) -> Any:
+        def forward(_context: FunctionCtx, _x: Tensor, slopes: Tensor) -> Tensor:
             return slopes.clone()
 
         @staticmethod
-        def backward(_context: Any, _cotangent: Any) -> Any:
+        def backward(_context: FunctionCtx, _cotangent: Tensor) -> NoReturn:
             raise BridgeError(
                 "second derivatives of these responses are asked for, and only first ones are known. For a Hessian take differences of the "
                 "gradients, which are exact; leave penalties on gradients out of what is minimized."
             )
 
-    def responses_of(x: Any) -> Any:
+    def responses_of(x: Tensor) -> Tensor:
         """Responses (m,) at the variables (n,)."""
         return TorchResponses.apply(x)
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from threading import Lock
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -14,12 +15,19 @@ from toolkit.foundation.errors import InputError, ToolkitError, listed, meant
 from toolkit.sensitivity.preparation import responses_of
 from toolkit.sensitivity.run import Run
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+
+DesignNumbers: TypeAlias = "ArrayLike | Mapping[str, float]"
+"""Numbers of a design in the order of the variables, or what names them: a dictionary, a named tuple, a row of a table."""
+
 
 class BridgeError(ToolkitError, RuntimeError):
     """A bridge leads to a package that is not installed, or is not set up as it must be; the message says what to do."""
 
 
-def package(name: str, extra: str) -> Any:
+def package(name: str, extra: str) -> ModuleType:
     """A package of the other side.
 
     Raises
@@ -80,14 +88,14 @@ class VectorFunction:
         self._solved: tuple[bytes, np.ndarray, np.ndarray] | None = None
         self._turn = Lock()
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         return {name: value for name, value in vars(self).items() if name not in ("last", "_solved", "_turn")}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
+    def __setstate__(self, state: dict[str, object]) -> None:
         vars(self).update(state)
         self._begin()
 
-    def both(self, x: Any) -> tuple[np.ndarray, np.ndarray]:
+    def both(self, x: DesignNumbers) -> tuple[np.ndarray, np.ndarray]:
         """Values (m,) and derivatives (m, n) at x (n,), solved unless x is the last one.
 
         What says which number is which, as a row of pandas, a dictionary or a named tuple do, is taken by its names.
@@ -99,19 +107,19 @@ class VectorFunction:
         ToolkitError
             The design cannot be solved; says why.
         """
-        x = self._checked(x)
+        numbers = self._checked(x)
         with self._turn:
-            if self._solved is None or self._solved[0] != x.tobytes():
+            if self._solved is None or self._solved[0] != numbers.tobytes():
                 self._solved = None
-                self.last, *found = self._solve(x)
-                self._solved = (x.tobytes(), *found)
+                self.last, values, slopes = self._solve(numbers)
+                self._solved = (numbers.tobytes(), values, slopes)
             return self._solved[1].copy(), self._solved[2].copy()
 
-    def values(self, x: Any) -> np.ndarray:
+    def values(self, x: DesignNumbers) -> np.ndarray:
         """Values (m,) at x (n,)."""
         return self.both(x)[0]
 
-    def slopes(self, x: Any) -> np.ndarray:
+    def slopes(self, x: DesignNumbers) -> np.ndarray:
         """Derivatives (m, n) at x (n,)."""
         return self.both(x)[1]
 
@@ -121,7 +129,7 @@ class VectorFunction:
         slopes = np.array([[run.gradients[name][each] for each in self.names] for name in self.responses])
         return run, values, slopes
 
-    def _checked(self, x: Any) -> np.ndarray:
+    def _checked(self, x: DesignNumbers) -> np.ndarray:
         try:
             found = np.asarray(_in_order(x, self.names))
             if np.iscomplexobj(found):
@@ -139,7 +147,7 @@ class VectorFunction:
         return f"{len(self.names)} finite numbers are needed, for {', '.join(self.names)}"
 
 
-def _in_order(x: Any, names: Sequence[str]) -> Any:
+def _in_order(x: DesignNumbers, names: Sequence[str]) -> object:
     """Numbers of x in the order of the names, if x names them itself; else x as it is."""
     named = _named(x)
     if named is None:
@@ -154,7 +162,7 @@ def _in_order(x: Any, names: Sequence[str]) -> Any:
     return [named[name] for name in names]
 
 
-def _named(x: Any) -> dict[Any, Any] | None:
+def _named(x: DesignNumbers) -> dict[str, float] | None:
     """Name -> number of a dictionary, a named tuple or a row of a table; none of what counts its numbers only."""
     if isinstance(x, Mapping):
         return dict(x)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.body import ConstantNumbers
+from toolkit.bodies.body import ConstantNumbers, SpatialFloatingNumbers
 from toolkit.bodies.chain_strains import Strains, no_strains
 from toolkit.bodies.kernels.constant_kernel import Changes, ConstantTerms
 from toolkit.bodies.kernels.planar_floating import Floating
@@ -152,7 +152,7 @@ def _on_pattern(pattern: Pattern, position: np.ndarray, entries: np.ndarray) -> 
 
 
 def _changes_of(
-    known: dict[Any, Changes],
+    known: dict[Hashable, Changes],
     derivatives: list[Quantities],
     first_entry: np.ndarray,
     row: np.ndarray,
@@ -260,7 +260,7 @@ def drag_alone(values: Quantities, derivatives: list[Quantities]) -> tuple[Quant
     return replace(values, floating=drag, gravity=still), rates
 
 
-def stiffened_entries(part: Any) -> np.ndarray:
+def stiffened_entries(part: SpatialFloatingNumbers) -> np.ndarray:
     """Numbers of the entries of a body's matrices that a spin stiffens, (n,)."""
     return np.flatnonzero((part.row > 0) & (part.column > 0)) if np.ndim(part.stiffening) else np.zeros(0, np.int64)
 

@@ -9,11 +9,12 @@ variables short.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
-from toolkit.description.description import Description
+from toolkit.bodies.body import Body
+from toolkit.description.description import Description, Scalar
 from toolkit.description.design import BodyPoint, Point
 from toolkit.foundation.itself import Itself
 from toolkit.loads.gravity import UniformGravity
@@ -97,7 +98,7 @@ def items_of(scene: Scene, paths: Iterable[str], users: dict[str, list[Item]]) -
     return {item for path in paths for item in affected_items(scene, path, users) or ()}
 
 
-def _words(value: Any) -> Iterator[str]:
+def _words(value: object) -> Iterator[str]:
     if isinstance(value, str):
         yield value
     elif isinstance(value, Description):
@@ -106,6 +107,10 @@ def _words(value: Any) -> Iterator[str]:
     elif isinstance(value, (tuple, list)):
         for below in value:
             yield from _words(below)
+
+
+Question: TypeAlias = tuple[Hashable, ...]
+"""What was asked of a scene: "attribute", "interface", "position" and so on, and of what."""
 
 
 class AskedScene:
@@ -119,19 +124,19 @@ class AskedScene:
 
     def __init__(self, scene: ResolvedScene) -> None:
         self._scene = scene
-        self._asked: set[Any] = set()
+        self._asked: set[Question] = set()
         self._made: dict[Any, tuple[Any, set[Any]]] = {}
 
     def __getattr__(self, name: str) -> Any:
         self._asked.add(("attribute", name))
         return getattr(self._scene, name)
 
-    def watched(self, make: Callable[[AskedScene], T]) -> tuple[T, frozenset[Any]]:
+    def watched(self, make: Callable[[AskedScene], T]) -> tuple[T, frozenset[Question]]:
         """Result of `make` for this scene, and all questions that were asked for it."""
         self._asked = set()
         return make(self), frozenset(self._asked)
 
-    def interface(self, point: str) -> Any:
+    def interface(self, point: str) -> Point | BodyPoint:
         """Description of a point as it was written."""
         self._asked.add(("interface", point))
         return self._scene.interface(point)
@@ -146,7 +151,7 @@ class AskedScene:
         self._asked.add(("model", path, *parts))
         return self._scene.model(path, *parts)
 
-    def arc_lengths(self, body: Any) -> dict[str, Any]:
+    def arc_lengths(self, body: Body) -> dict[str, Scalar]:
         """Interface points of a body that the scene puts elsewhere along it."""
         self._asked.add(("arc lengths", Itself(body)))
         return self._scene.arc_lengths(body)
@@ -157,7 +162,7 @@ class AskedScene:
         self._asked.add(("size",))
         return self._scene.size
 
-    def of_body(self, body: Any, what: Hashable, make: Callable[[], T]) -> T:
+    def of_body(self, body: Body, what: Hashable, make: Callable[[], T]) -> T:
         """Result of a computation for one body, made once; its questions count each time, as if it were made each time."""
         key, outer = (what, Itself(body)), self._asked
         if key not in self._made:
@@ -172,13 +177,13 @@ class AskedScene:
         return made
 
 
-def answers_alike(scene: ResolvedScene, other: ResolvedScene, question: Any) -> bool:
+def answers_alike(scene: ResolvedScene, other: ResolvedScene, question: Question) -> bool:
     """Whether another scene, which differs in numbers alone, has the answer to a question that `AskedScene` has noted of this one.
 
     Of things without a value of their own it has that only if it holds the very same. A position is the same if no complex number
     has met it: so that what one step in a scene's numbers leaves alone it leaves alone at all of them.
     """
-    kind, *about = question
+    kind, about = question[0], list[Any](question[1:])
     if kind == "attribute":
         return getattr(scene, about[0]) is getattr(other, about[0])
     if kind == "interface":

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from operator import itemgetter
-from typing import Any
 
 import numpy as np
 
+from toolkit.bodies.body import MarkerNumbers, SpatialMarkerNumbers
 from toolkit.compilation.numbering import Numbering, felt, grips_of, ints, starts
 from toolkit.compilation.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities, named_loads
@@ -78,7 +78,7 @@ def marker_arrays(
     )
 
 
-def marker_changes(derivatives: list[Quantities]) -> list[tuple[int, int, Any]]:
+def marker_changes(derivatives: list[Quantities]) -> list[tuple[int, int, MarkerNumbers | SpatialMarkerNumbers]]:
     """(marker, variable, derivative) of all markers that a variable moves, marker by marker."""
     found = [(m, x, part) for x, derivative in enumerate(derivatives) for m, part in derivative.markers.items()]
     return sorted((each for each in found if each[2].point.any() or each[2].shape.any()), key=itemgetter(0, 1))

@@ -11,18 +11,18 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
 from operator import is_
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.body import ConstantNumbers
+from toolkit.bodies.body import Body, ConstantNumbers, MarkerNumbers, Placed, SpatialMarkerNumbers
 from toolkit.bodies.model_body import ModelBody
-from toolkit.compilation.dependence import Affected, AskedScene, Item, answers_alike
+from toolkit.compilation.dependence import Affected, AskedScene, Item, Question, answers_alike
 from toolkit.compilation.numbering import Numbering
 from toolkit.curves.curve import Curve
 from toolkit.description.design import Design
 from toolkit.foundation.errors import InputError
-from toolkit.joints.joint import JointBetweenPoints
+from toolkit.joints.joint import Joint, JointBetweenPoints
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import Load
 from toolkit.loads.pressure import Pressure, PressureNumbers
@@ -31,6 +31,9 @@ from toolkit.markers.component import Component
 from toolkit.reduced_model.questions import check_parameters
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from toolkit.bodies.flexible import SpatialFlexible
 
 STEP = 1e-30
 """Complex step: far below round-off, so that nothing but the first derivative is left."""
@@ -65,7 +68,7 @@ class ItemPart(NamedTuple):
     make: Callable[[Any], Any]
 
 
-Asked = dict[tuple[str, int], frozenset[Any]]
+Asked = dict[tuple[str, int], frozenset[Question]]
 OPEN = ("joints", "loads")
 """Groups whose formulas anybody writes."""
 
@@ -154,7 +157,7 @@ def _owners_of(scene: ResolvedScene, numbering: Numbering, affected: Affected | 
 
 def parts_of(scene: ResolvedScene, numbering: Numbering, owners: Owners) -> dict[str, dict[int, ItemPart]]:
     """Parts that some owners have numbers from, by group and number."""
-    everybody: Mapping[str, Any] = scene.all_bodies()
+    everybody: Mapping[str, Body] = scene.all_bodies()
     bodies, joints = list(everybody.values()), list(scene.joints.values())
     loads = loads_of(scene) if owners["loads"] else []
     pressures = [pressure for _, pressure in pressures_on_pieces(scene)] if owners["pressures"] else []
@@ -175,12 +178,11 @@ def parts_of(scene: ResolvedScene, numbering: Numbering, owners: Owners) -> dict
     return {group: {k: part[group](k) for k in some} for group, some in owners.items()}
 
 
-def _constant(body: Any, gravity: np.ndarray, placed: Any) -> ConstantNumbers:
-    found: ConstantNumbers = body.constant(placed, gravity)
-    return found
+def _constant(body: Body, gravity: np.ndarray, placed: Placed) -> ConstantNumbers:
+    return body.constant(placed, gravity)
 
 
-def _rows(joint: Any, placed: Any) -> np.ndarray:
+def _rows(joint: Joint, placed: Placed) -> np.ndarray:
     return np.array(joint.parameters(placed))
 
 
@@ -189,15 +191,15 @@ def _under_pressure(pressure: Pressure, everybody: Mapping[str, Any]) -> ItemPar
     return ItemPart((pressure, body), partial(_pressure, pressure, body))
 
 
-def _pressure(pressure: Pressure, body: Any, placed: Any) -> PressureNumbers:
+def _pressure(pressure: Pressure, body: SpatialFlexible, placed: Placed) -> PressureNumbers:
     return pressure.numbers_on(placed, body)
 
 
-def _itself(curve: Curve, _: Any) -> Curve:
+def _itself(curve: Curve, _: object) -> Curve:
     return curve
 
 
-def _marker(scene: ResolvedScene, everybody: Mapping[str, Any], grip: tuple[str, ...]) -> ItemPart:
+def _marker(scene: ResolvedScene, everybody: Mapping[str, Body], grip: tuple[str, ...]) -> ItemPart:
     """Part of one marker, in space with the axes of its component if it has some."""
     body, point = grip[:2]
     if len(grip) == 2:
@@ -207,7 +209,9 @@ def _marker(scene: ResolvedScene, everybody: Mapping[str, Any], grip: tuple[str,
     return ItemPart((everybody[body], component), partial(_placed_marker, everybody[body], point, body, (component.axes,)))
 
 
-def _placed_marker(body: Any, point: str, name: str, axes: tuple[Any, ...], placed: Any) -> Any:
+def _placed_marker(
+    body: Body, point: str, name: str, axes: tuple[np.ndarray, ...], placed: Placed
+) -> MarkerNumbers | SpatialMarkerNumbers:
     return body.marker(placed, point, name, *axes)
 
 
@@ -249,7 +253,7 @@ def curves_of(scene: ResolvedScene) -> list[tuple[Item, Curve]]:
     return [(item, curve) for item, curve in found if curve is not None]
 
 
-def _parameters(component: Component, width: int, placed: Any) -> np.ndarray:
+def _parameters(component: Component, width: int, placed: Placed) -> np.ndarray:
     """A load's parameters, padded with zeros to a width."""
     row = component.parameters(placed)
     if len(row) > width:
@@ -319,7 +323,7 @@ def renewed_derivatives(
     return found
 
 
-def _rates(moved: Quantities, wanted: Callable[[str, Any], bool] = lambda _group, _part: True) -> Quantities:
+def _rates(moved: Quantities, wanted: Callable[[str, object], bool] = lambda _group, _part: True) -> Quantities:
     """Derivatives from numbers with a complex step, without those that nobody wants."""
     found: dict[str, Any] = {"gravity": _imag(moved.gravity)}
     for group in GROUPS:
@@ -340,7 +344,7 @@ def _stirred(seen: Seen, moved: ResolvedScene) -> Callable[[str, int, ItemPart],
     """Test whether the numbers of an item can be others in a scene of which other numbers are `moved`."""
     same: dict[Any, bool] = {}
 
-    def unchanged(question: Any) -> bool:
+    def unchanged(question: Question) -> bool:
         if question not in same:
             same[question] = answers_alike(seen.scene, moved, question)
         return same[question]

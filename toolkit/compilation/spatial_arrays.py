@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.bodies.body import SpatialFloatingNumbers
 from toolkit.bodies.kernels.spatial_floating import SpatialFloating
 from toolkit.compilation.body_arrays import stiffened_entries
 from toolkit.compilation.joint_arrays import marker_changes
@@ -102,7 +103,7 @@ def spatial_floating_part(
     )
 
 
-def _changes(part: Any) -> bool:
+def _changes(part: SpatialFloatingNumbers) -> bool:
     if np.any(part.axis):
         raise InputError("the axis of a turning frame cannot be a design variable: it defines the frame's coordinate.")
     return any(np.any(np.asarray(value) != 0) for value in (part.mass, part.moment, part.second, part.stiffening))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -38,6 +38,9 @@ from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
+
+if TYPE_CHECKING:
+    from toolkit.scene.resolution import ResolvedScene
 
 VECTORS = ("position", "axis 1", "axis 2", "axis 3")
 """Vectors of the pose of a marker in space."""
@@ -206,7 +209,7 @@ def _by_state(
 
 
 def _by_numbers(
-    response: Response, scene: Scene, factors: dict[str, float], times: np.ndarray, states: dict[str, np.ndarray]
+    response: Response, scene: ResolvedScene, factors: dict[str, float], times: np.ndarray, states: dict[str, np.ndarray]
 ) -> Any:
     """Derivative of the value along a direction of some numbers."""
     moved = scene.moved(DesignVariable("direction", 1.0, tuple(factors), tuple(factors.values())), 1j * STEP)
@@ -254,7 +257,7 @@ def check_curve(curve: Curve, interval: tuple[float, float] = (0.0, 1.0), seed: 
         compare(f"{name} of the time curve {curve.kind!r}", rates[:, k + 1], moved[:, k], [at], _least(rates[:, k], interval))
     for path, value in curve.numbers():
         exact = np.imag(curve.with_number(path, value + 1j * STEP).evaluate(times)) / STEP
-        _compare_with_differences(curve, path, float(value), exact, times, interval)
+        _compare_with_differences(curve, path, float(np.real(value)), exact, times, interval)
 
 
 def _times(curve: Curve, interval: tuple[float, float], rng: np.random.Generator) -> np.ndarray:

@@ -18,7 +18,7 @@ from toolkit.foundation.errors import SHORT, meant
 
 PLACEHOLDER = "any time curve"
 """Comment in a JSON schema of one class that stands for a curve of any kind."""
-Rates = tuple[Scalar, Scalar, Scalar]
+Rates = tuple[np.ndarray | Scalar, np.ndarray | Scalar, np.ndarray | Scalar]
 """Values f of a curve, and its derivatives f', f'' by time."""
 
 

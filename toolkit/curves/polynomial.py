@@ -52,7 +52,7 @@ class Polynomial(Curve):
 
     def rates(self, time: np.ndarray) -> Rates:
         """f, f', f'' at the times, by Horner's rule."""
-        t: Scalar = time - self.start
+        t: np.ndarray | Scalar = time - self.start
         f, slope, half = 0 * t, 0 * t, 0 * t
         for coefficient in reversed(self.coefficients):
             half = half * t + slope

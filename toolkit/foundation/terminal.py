@@ -6,12 +6,15 @@ import errno
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from toolkit.foundation.errors import ToolkitError, out_of_memory, refusal
 from toolkit.foundation.verdict import finite
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Json
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""
@@ -31,7 +34,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no r
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 
 
-def print_json(record: Mapping[str, Any]) -> None:
+def print_json(record: Mapping[str, Json]) -> None:
     """Print one JSON object; numbers in it that are not finite become null."""
     typer.echo(json.dumps(finite(record), indent=2, allow_nan=False))
 

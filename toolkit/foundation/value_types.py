@@ -11,7 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     import scipy.sparse
 
-Number: TypeAlias = float | complex
+Scalar: TypeAlias = float | complex
 """A number of a scene, of a design or of a result: complex where a complex step differentiates it."""
 Matrix: TypeAlias = "np.ndarray | scipy.sparse.csr_array"
 """A matrix, sparse where it is large and zero nearly everywhere."""

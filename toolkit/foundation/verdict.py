@@ -12,7 +12,10 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
-from typing import Any, Generic, ParamSpec
+from typing import TYPE_CHECKING, Any, Generic, ParamSpec
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Record
 
 PAGE = "docs/doubts.md"
 """The page with all codes of cautions."""
@@ -209,7 +212,7 @@ class Verdict:
         known = codes()
         return {code: known[code] for code in self.codes if code in known}
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """Keys of a JSON object: what was measured, `verdict` and `warnings`; a number that does not exist is None."""
         return {
             **finite(self.measures),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.description.description import Scalar
 from toolkit.joints.joint import Joint, JointBetweenPoints, PlanarJoint, SpatialJoint
 from toolkit.joints.rows import Row
 from toolkit.markers.component import Skeleton
@@ -20,9 +19,9 @@ class KeptDistance(JointBetweenPoints, Joint):
         """Row that keeps the distance of the two points."""
         return (self.poses.apart(1.0 if scene is None else self.own_length(scene)),)
 
-    def opening(self, scene: Skeleton, _row: int, violation: Scalar) -> Scalar:
+    def opening(self, scene: Skeleton, _row: int, violation: float) -> float:
         """Length by which the two points are further apart than L."""
-        length = np.real(self.own_length(scene))
+        length = float(np.real(self.own_length(scene)))
         return length * (np.sqrt(max(1 + 2 * violation / length, 0.0)) - 1)
 
 

@@ -66,7 +66,7 @@ class Joint(Component):
     def curved(self) -> bool:
         """Whether the rows have second derivatives by the poses, or the poses such by what two bodies share."""
 
-    def opening(self, _scene: Skeleton, _row: int, violation: Scalar) -> Scalar:
+    def opening(self, _scene: Skeleton, _row: int, violation: float) -> float:
         """Size by which one row is open, in the unit of what it measures, where it is violated by so much."""
         return violation
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from toolkit.description.description import Scalar
 from toolkit.joints.kernels.laws import angle_law
+
+if TYPE_CHECKING:
+    from numpy import ndarray
 
 BETWEEN = 6
 """Number of the vector r_a - r_b in the plane, behind r, e_1, e_2 of a and of b."""
@@ -104,7 +107,7 @@ class Vector:
         found = [[part] if part[0] != BETWEEN or self.size > 2 else [(0, 0, part[2]), (3, 3, -part[2])] for part in self.parts]
         return tuple(part for each in found for part in each)
 
-    def __matmul__(self, other: Vector | Scalar) -> Form:
+    def __matmul__(self, other: Vector | Sequence[Scalar] | ndarray) -> Form:
         """Scalar product with a vector of the poses or with numbers, as a form."""
         if not isinstance(other, Vector):
             return sum((self[c] * other[c] for c in range(self.size)), Form())
@@ -138,7 +141,7 @@ class Row:
 
     name: str
     quantity: RowQuantity
-    form: Form | tuple[Scalar, ...]
+    form: Form | tuple[Form | Scalar, ...]
     law: Any = None
 
     @property

@@ -158,5 +158,6 @@ def _numbers(groups: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
     for group, items in groups.items():
         for name, item in items.items():
             coordinates = group == "points" and isinstance(item, list)
-            found |= numbers_below(f"{group}.{name}", dict(zip("xyz", item, strict=False)) if coordinates else item)
+            below = numbers_below(f"{group}.{name}", dict(zip("xyz", item, strict=False)) if coordinates else item)
+            found |= {path: value for path, value in below if isinstance(value, float)}
     return found

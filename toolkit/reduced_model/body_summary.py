@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.reduced_model.composition import Composition, read_composition
+from toolkit.reduced_model.composition import Composition, PlaceOfNodes, read_composition
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.parts import SpatialInvariants, all_second_moments
+from toolkit.reduced_model.told_body import BodySummary, MassRecord, NodesRecord, PointRecord
 
 ROUND_OFF = 1e-13
 """Part of the body's size, or of its inertia, below which a coordinate of the centre or a product of inertia is round-off."""
@@ -18,7 +17,7 @@ NOT_KEPT = (
 )
 
 
-def body_summary(model: ReducedModel) -> dict[str, Any]:
+def body_summary(model: ReducedModel) -> BodySummary:
     """Summary of a reduced model's body at its nominal design, in the units of its system.
 
     Returns
@@ -46,13 +45,17 @@ def body_summary(model: ReducedModel) -> dict[str, Any]:
             "position": length,
         },
         "interface_points": _interface_points(model, kept),
-        "clamp": kept.clamp and kept.clamp._asdict(),
-        "groups": {name: each._asdict() for name, each in kept.groups.items()},
-        "masses": [each._asdict() for each in kept.masses],
+        "clamp": kept.clamp and _nodes(kept.clamp),
+        "groups": {name: _nodes(each) for name, each in kept.groups.items()},
+        "masses": [MassRecord(mass=m.mass, position=m.position, nodes=m.nodes, source=m.source) for m in kept.masses],
         "left_out": [each._asdict() for each in kept.left_out],
         "remarks": [*kept.remarks, *([] if model.composition else [NOT_KEPT])],
         "not_listed": dict(kept.not_listed),
     }
+
+
+def _nodes(place: PlaceOfNodes) -> NodesRecord:
+    return {"position": place.position, "nodes": place.nodes}
 
 
 def centre_and_inertia(model: ReducedModel) -> tuple[np.ndarray, np.ndarray]:
@@ -73,6 +76,6 @@ def _without_round_off(numbers: np.ndarray, scale: float) -> np.ndarray:
     return np.where(np.abs(numbers) > ROUND_OFF * scale, numbers, 0.0)
 
 
-def _interface_points(model: ReducedModel, kept: Composition) -> dict[str, Any]:
+def _interface_points(model: ReducedModel, kept: Composition) -> dict[str, PointRecord]:
     places = {name: np.real(point.position[0, :, 0]).tolist() for name, point in (model.interfaces or {}).items()}
     return {name: {"position": place, "nodes": kept.interface_points.get(name)} for name, place in places.items()}

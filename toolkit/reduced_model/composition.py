@@ -9,7 +9,10 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Json
 
 MOST_ENTRIES = 100
 """Groups, masses, kinds left out and remarks that a model keeps of each; it keeps the number of the others."""
@@ -84,13 +87,13 @@ def plain_text(text: str, longest: int = LONGEST_NAME) -> str:
     return shown if len(shown) <= longest else shown[: longest - 1] + "…"
 
 
-def _json(entries: Any) -> str:
+def _json(entries: Json) -> str:
     return json.dumps(entries, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
-def _shortened(entries: Any) -> Any:
+def _shortened(entries: Sequence[Json] | Mapping[str, Json]) -> Sequence[Json] | Mapping[str, Json]:
     """First entries of a list or mapping, as many as are allowed and fit into a text."""
-    items = list(entries.items()) if isinstance(entries, Mapping) else list(entries)
+    items: list[Any] = list(entries.items()) if isinstance(entries, Mapping) else list(entries)
     size, count = 2, 0
     for item in items[:MOST_ENTRIES]:
         size += len(_json(item).encode()) + 1
@@ -100,7 +103,7 @@ def _shortened(entries: Any) -> Any:
     return dict(items[:count]) if isinstance(entries, Mapping) else items[:count]
 
 
-def read_composition(attributes: Mapping[str, Any], dimension: int) -> Composition:
+def read_composition(attributes: Mapping[str, object], dimension: int) -> Composition:
     """Composition of a body from a model's attributes.
 
     Raises
@@ -108,7 +111,7 @@ def read_composition(attributes: Mapping[str, Any], dimension: int) -> Compositi
     ValueError
         An attribute is unknown, too long, or not what it has to be; says which and why.
     """
-    found = {}
+    found: dict[str, Any] = {}
     for name, value in attributes.items():
         if name not in READERS:
             raise ValueError("it has an attribute that no model has")
@@ -119,16 +122,18 @@ def read_composition(attributes: Mapping[str, Any], dimension: int) -> Compositi
     return Composition(**found)
 
 
-def _parsed(name: str, value: Any) -> Any:
+def _parsed(name: str, value: object) -> Json:
     """Value of an attribute that is a number or a JSON text."""
     if name in ("nodes", "volume"):
+        if not isinstance(value, int | float):
+            raise ValueError("it is no number")
         return value
     if not isinstance(value, str) or len(value.encode()) > LONGEST_TEXT:
         raise ValueError("it is too long or no text")
     return json.loads(value)
 
 
-def _count(value: Any, _dimension: int = 0) -> int:
+def _count(value: Json, _dimension: int = 0) -> int:
     """Whole number that counts something; MATLAB writes it as a floating-point number."""
     value = int(value) if type(value) is float and value.is_integer() else value
     if type(value) is not int or not 0 <= value < 2**53:
@@ -136,54 +141,63 @@ def _count(value: Any, _dimension: int = 0) -> int:
     return value
 
 
-def _number(value: Any) -> float:
-    if type(value) not in (int, float) or not isfinite(value):
+def _number(value: Json) -> float:
+    if (type(value) is not int and type(value) is not float) or not isfinite(value):
         raise ValueError("it is no finite number")
     return float(value)
 
 
-def _volume(value: Any, _dimension: int) -> float:
-    if _number(value) <= 0:
+def _volume(value: Json, _dimension: int) -> float:
+    found = _number(value)
+    if found <= 0:
         raise ValueError("it is not positive")
-    return float(value)
+    return found
 
 
-def _text(value: Any, longest: int = LONGEST_NAME) -> str:
+def _text(value: Json, longest: int = LONGEST_NAME) -> str:
     if not isinstance(value, str) or value != plain_text(value, longest):
         raise ValueError("it is no short text")
     return value
 
 
-def _position(value: Any, dimension: int) -> list[float]:
+def _position(value: Json, dimension: int) -> list[float]:
     if not isinstance(value, list) or len(value) != dimension:
         raise ValueError("it is no place")
     return [_number(each) for each in value]
 
 
-def _place(value: Any, dimension: int) -> PlaceOfNodes:
-    position, nodes = value
+def _entries(value: Json) -> list[Json]:
+    if not isinstance(value, list):
+        raise ValueError("it is no list")
+    return value
+
+
+def _place(value: Json, dimension: int) -> PlaceOfNodes:
+    position, nodes = _entries(value)
     return PlaceOfNodes(None if position is None else _position(position, dimension), _count(nodes))
 
 
-def _mass(value: Any, dimension: int) -> KeptMass:
-    mass, position, nodes, source = value
+def _mass(value: Json, dimension: int) -> KeptMass:
+    mass, position, nodes, source = _entries(value)
     return KeptMass(_number(mass), _position(position, dimension), _count(nodes), _text(source))
 
 
-def _left_out(value: Any, _dimension: int) -> KeptLeftOut:
-    what, number, why = value
+def _left_out(value: Json, _dimension: int) -> KeptLeftOut:
+    what, number, why = _entries(value)
     return KeptLeftOut(_text(what), _count(number), _text(why, LONGEST_SENTENCE))
 
 
-def _remark(value: Any, _dimension: int) -> str:
+def _remark(value: Json, _dimension: int) -> str:
     return _text(value, LONGEST_SENTENCE)
 
 
-Reader = Callable[[Any, int], Any]
+T = TypeVar("T")
+Reader: TypeAlias = "Callable[[Json, int], T]"
+"""What checks a value that was read, given the dimension of space, and makes of it what a composition keeps."""
 
 
-def _table(reader: Reader) -> Reader:
-    def read(value: Any, dimension: int) -> dict[str, Any]:
+def _table(reader: Reader[T]) -> Reader[dict[str, T]]:
+    def read(value: Json, dimension: int) -> dict[str, T]:
         if not isinstance(value, dict) or len(value) > LONGEST_TEXT:
             raise ValueError("it is no table")
         return {_text(name): reader(each, dimension) for name, each in value.items()}
@@ -191,8 +205,8 @@ def _table(reader: Reader) -> Reader:
     return read
 
 
-def _list(reader: Reader) -> Reader:
-    def read(value: Any, dimension: int) -> list[Any]:
+def _list(reader: Reader[T]) -> Reader[list[T]]:
+    def read(value: Json, dimension: int) -> list[T]:
         if not isinstance(value, list) or len(value) > MOST_ENTRIES:
             raise ValueError("it is no list, or too long")
         return [reader(each, dimension) for each in value]
@@ -200,7 +214,7 @@ def _list(reader: Reader) -> Reader:
     return read
 
 
-READERS: dict[str, Reader] = {
+READERS: dict[str, Reader[object]] = {
     "nodes": _count,
     "volume": _volume,
     "elements": _table(_count),

@@ -11,9 +11,9 @@ what they count as, because any s_k is the same body.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,7 +22,10 @@ from toolkit.foundation.units import LABELLED, NONE, Dimension, dimension_of_lab
 from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.frozen_basis import RICHER_PARTS, richer_model
 from toolkit.reduced_model.model import OWN_GROUPS, ReducedModel
-from toolkit.reduced_model.shapes import letters_of
+from toolkit.reduced_model.shapes import Part, letters_of
+
+T = TypeVar("T")
+P = TypeVar("P", bound=Part)
 
 LENGTH, MASS, TIME = LABELLED["length"], LABELLED["mass"], LABELLED["time"]
 ITEMS: dict[str, Dimension] = {
@@ -77,6 +80,7 @@ def _converted(model: ReducedModel, units: str, moving: np.ndarray) -> ReducedMo
     def terms(item: str, found: SparsePolynomial) -> SparsePolynomial:
         return _polynomial(found, scale.flat(item), parameter)
 
+    single: dict[str, Any] = {name: part and scale.part(part) for name, part in _single_parts(model).items()}
     dependences: dict[str, Any] = {
         **{f"{group}derivatives": _each(getattr(model, f"{group}derivatives"), rates) for group in groups},
         **{f"{group}affine": _each(getattr(model, f"{group}affine"), terms) for group in groups},
@@ -90,17 +94,17 @@ def _converted(model: ReducedModel, units: str, moving: np.ndarray) -> ReducedMo
         interfaces=_each(model.interfaces, lambda _, point: scale.part(point, point=True)),
         surface_loads=_each(model.surface_loads, lambda _, load: scale.part(load)),
         piece_loads=_each(model.piece_loads, lambda _, load: scale.part(load)),
-        **{name: part and scale.part(part) for name, part in _single_parts(model).items()},
+        **single,
     )
 
 
-def _single_parts(model: ReducedModel) -> dict[str, Any]:
+def _single_parts(model: ReducedModel) -> dict[str, Part | None]:
     names = ("invariants", "stress", "shape", "mesh", "outline", "interior", "elements", "sections", "surface")
     more = ("spin", "left_out_shapes", "pieces")
     return {name: getattr(model, name) for name in (*names, *more)}
 
 
-def _each(group: Mapping[str, Any] | None, change: Any) -> dict[str, Any] | None:
+def _each(group: Mapping[str, T] | None, change: Callable[[str, T], T]) -> dict[str, T] | None:
     return None if group is None else {name: change(name, item) for name, item in group.items()}
 
 
@@ -134,7 +138,7 @@ class _Scales:
         points = 0 if found is None else (len(found) - len(pulls)) // len(point)
         return np.concatenate([np.tile(point, points), pulls])
 
-    def part(self, part: Any, point: bool = False) -> Any:
+    def part(self, part: P, point: bool = False) -> P:
         """Object of a model with all its arrays converted."""
         shapes = letters_of(part)
         changed = {}
@@ -144,7 +148,7 @@ class _Scales:
             changed[item.name] = array if array.dtype.kind in "iu" else np.asarray(array * scale)
         return type(part)(**changed)
 
-    def entries(self, name: str, letters: str, shape: tuple[int, ...], point: bool = False) -> Any:
+    def entries(self, name: str, letters: str, shape: tuple[int, ...], point: bool = False) -> np.ndarray:
         """Conversion factors of one array, of a shape that fits it."""
         found = np.full(shape, factor(ITEMS[name], self.model.units, self.units))
         for axis, letter in enumerate(letters):

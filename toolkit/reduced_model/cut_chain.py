@@ -203,6 +203,6 @@ def _modes(stiffness: np.ndarray, mass: np.ndarray, count: int) -> np.ndarray:
     return told_apart(squares[:behind], moved @ turned[:, :behind] * squares[:behind], np.sqrt(np.diag(mass)))
 
 
-def _solved(matrix: np.ndarray, sides: np.ndarray) -> Any:
+def _solved(matrix: np.ndarray, sides: np.ndarray) -> np.ndarray:
     """Solution of a linear system with a narrow band, matrix^-1 sides, both real or complex."""
     return scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix)).solve(sides.astype(matrix.dtype))

@@ -28,7 +28,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypedDict
 
 import numpy as np
 import scipy
@@ -50,10 +50,20 @@ from toolkit.reduced_model.parts import (
     SurfaceLoad,
 )
 
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Matrix, Scalar
+
 SHORT = 1e-3
 """Distance of the ends of a part in parts of its length, below which no chord leads from one to the other."""
 WORTH = 10_000
 """Numbers of a matrix C that is worth the search for those that are not zero: it stands on both sides of many sums."""
+
+
+class PartPicture(TypedDict, total=False):
+    """Fields of a reduced model that pictures of a part need."""
+
+    mesh: Mesh
+    surface: Surface
 
 
 @dataclass(frozen=True)
@@ -82,7 +92,7 @@ class ChainPart(ABC):
 
     @property
     def n_f(self) -> int:
-        """Number of elastic coordinates."""
+        """Scalar of elastic coordinates."""
         return self.recovery.shape[1] - 1
 
     def at(self, place: ChainPlace) -> tuple[np.ndarray, np.ndarray]:
@@ -101,11 +111,11 @@ class ChainPart(ABC):
 
     @staticmethod
     @abstractmethod
-    def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
+    def functions(ends: np.ndarray, ratio: Scalar) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (d, 2 per_node) and rotation of a point of a beam per coordinate of its ends."""
 
     @abstractmethod
-    def picture(self, whole: Any) -> dict[str, Any]:
+    def picture(self, whole: ReducedModel) -> PartPicture:
         """Fields of a reduced model that pictures of the part need, from the reduced model of the whole body."""
 
 
@@ -184,13 +194,13 @@ def chord_of_part(nodes: np.ndarray, first: int, last: int) -> np.ndarray:
     return found
 
 
-def part_nodes(elements: Any, first: int, last: int) -> np.ndarray:
+def part_nodes(elements: Elements | SpatialElements, first: int, last: int) -> np.ndarray:
     """Undeformed positions (n, d) of the nodes of a part."""
     found: np.ndarray = elements.nodes[nodes_of_part(elements.connectivity, first, last)]
     return found
 
 
-def _between(shapes: Any, blocks: np.ndarray, places: np.ndarray) -> np.ndarray:
+def _between(shapes: Matrix, blocks: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Product C^T A C of shapes C (n, ..), sparse or dense; A (n, n) sums blocks (n_e, k, k) at places (n_e, k)."""
     where, size = (places[:, :, None], places[:, None, :]), (shapes.shape[0], shapes.shape[0])
     if is_sparse(shapes):
@@ -219,12 +229,12 @@ class PlanarPart(ChainPart):
         return np.array([[x, -y], [y, x]])
 
     @staticmethod
-    def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
+    def functions(ends: np.ndarray, ratio: Scalar) -> tuple[np.ndarray, np.ndarray]:
         """Shape functions of a point of a beam: displacement (2, 6) and rotation (6,)."""
         own = BeamElements.in_plane(ends[None])
         return at_place(own.shape[0], ratio), at_place(own.rotation[0], ratio)
 
-    def picture(self, whole: Any) -> dict[str, Any]:
+    def picture(self, whole: ReducedModel) -> PartPicture:
         """Mesh of the part, for pictures."""
         outline = np.zeros((0, 2)) if whole.mesh is None else whole.mesh.target_outline
         connectivity = np.arange(len(self.nodes) - 1)[:, None] + np.arange(2)
@@ -289,13 +299,13 @@ class SpatialPart(ChainPart):
         return axes_along(chord_of_part(self.nodes, self.first, self.last))
 
     @staticmethod
-    def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
+    def functions(ends: np.ndarray, ratio: Scalar) -> tuple[np.ndarray, np.ndarray]:
         """Shape functions of a point of a beam: displacement (3, 12) and rotation (3, 12)."""
         across = axes_along(chord_of_part(ends, 0, 1))[:, 0]  # bending is alike about all axes across the element
         own = BeamElements.in_space(ends[None], across[None])
         return at_place(own.shape[0], ratio), at_place(own.rotation[0], ratio)
 
-    def picture(self, whole: Any) -> dict[str, Any]:
+    def picture(self, whole: ReducedModel) -> PartPicture:
         """Surface points of pieces, or fibres with stress, each at the same offset from its node as in the whole body."""
         if whole.pieces is not None:
             rows = rows_of_pieces(whole.pieces, self.first, self.last)
@@ -304,7 +314,12 @@ class SpatialPart(ChainPart):
             position = np.einsum("pdk,pkf->pdf", whole.pieces.position[rows, :, 1:], ends)
             position[:, :, 0] = whole.pieces.position[rows, :, 0]
             return {"surface": Surface(position, np.zeros((0, 3), int), np.zeros((0, 2), int))}
-        if whole.surface is None or whole.stress is None or whole.surface.lines.size != len(whole.stress.element):
+        if (
+            whole.elements is None
+            or whole.surface is None
+            or whole.stress is None
+            or whole.surface.lines.size != len(whole.stress.element)
+        ):
             return {}
         element, end = (each[self.stress_rows].astype(int) for each in (whole.stress.element, whole.stress.end))
         at = whole.elements.nodes[whole.elements.connectivity[element, end]]

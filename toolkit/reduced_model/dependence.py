@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
 import numpy as np
 import scipy
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Matrix
 
 LARGE = 1_000_000
 """Numbers of an array that is worth the search for those that are not zero."""
@@ -21,13 +24,13 @@ def is_thin(array: np.ndarray, large: int | None = None) -> bool:
     return array.size >= (LARGE if large is None else large) and bool(np.count_nonzero(array) < SPARSE * array.size)
 
 
-def sparing(array: np.ndarray, large: int | None = None) -> Any:
+def sparing(array: np.ndarray, large: int | None = None) -> Matrix:
     """Array as a matrix with all axes but the last one in one; sparse if it is thin."""
     rows = array.reshape(-1, array.shape[-1])
     return scipy.sparse.csr_array(rows) if is_thin(array, large) else rows
 
 
-def is_sparse(array: Any) -> bool:
+def is_sparse(array: object) -> TypeGuard[scipy.sparse.csr_array]:
     """Whether an array is one of SciPy's sparse arrays.
 
     Importing those takes a tenth of a second, which a run without any need not pay.
@@ -35,7 +38,7 @@ def is_sparse(array: Any) -> bool:
     return hasattr(array, "tocsr")
 
 
-def listed(array: Any) -> tuple[np.ndarray, np.ndarray]:
+def listed(array: Matrix) -> tuple[np.ndarray, np.ndarray]:
     """Places in the flattened array in their order, and the values there: of a sparse array the stored ones, of others all."""
     if not is_sparse(array):
         return np.arange(np.size(array)), np.ravel(array)
@@ -220,7 +223,7 @@ class Together(NamedTuple):
         return {item: flat[place] for item, place in self.places.items()}
 
 
-def scattered(entry: np.ndarray, value: np.ndarray, size: int) -> Any:
+def scattered(entry: np.ndarray, value: np.ndarray, size: int) -> np.ndarray:
     """Sum of values by place: (size,), real or complex."""
     found = np.bincount(entry, np.real(value), size)
     return found + 1j * np.bincount(entry, np.imag(value), size) if np.iscomplexobj(value) else found

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property, lru_cache, reduce
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -23,8 +23,11 @@ from toolkit.reduced_model.dependence import (
     sparing,
     told_of,
 )
-from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
-from toolkit.reduced_model.parts import BeamSections
+from toolkit.reduced_model.model import InterfacePoint, Invariants, ReducedModel, Shape
+from toolkit.reduced_model.parts import BeamSections, SpatialInvariants
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Matrix, Scalar
 
 KEPT = 8
 """Design points that are kept with what was evaluated there: complex steps in other numbers of a scene ask for the same ones again."""
@@ -46,7 +49,7 @@ class DesignPoint:
     """
 
     model: ReducedModel
-    values: Mapping[str, Any] = field(default_factory=dict)
+    values: Mapping[str, Scalar] = field(default_factory=dict)
     first_order: bool = False
 
     def __post_init__(self) -> None:
@@ -60,7 +63,7 @@ class DesignPoint:
             )
 
     @cached_property
-    def kept(self) -> dict[Any, Any]:
+    def kept(self) -> dict[Hashable, Any]:
         """Objects that others have made of the model at this design, stored for as long as the design is remembered."""
         return {}
 
@@ -68,12 +71,12 @@ class DesignPoint:
     def p(self) -> np.ndarray:
         return np.array([self.values.get(name, nominal) for name, nominal in self.model.nominal.items()])
 
-    def parameter(self, number: int) -> Any:
+    def parameter(self, number: int) -> Scalar:
         """Value of the parameter with the given number, real or complex."""
         return self.p[number]
 
     @cached_property
-    def _steps(self) -> dict[int, Any]:
+    def _steps(self) -> dict[int, Scalar]:
         """Differences from the nominal design, by the number of the parameter."""
         numbers, nominal = self.model.numbers, self.model.nominal
         steps = {numbers[name]: value - nominal[name] for name, value in self.values.items()}
@@ -84,7 +87,7 @@ class DesignPoint:
         """Parameters with a complex step: items that depend on none of them are real."""
         return frozenset(k for k, step in self._steps.items() if isinstance(step, complex))
 
-    def invariants(self) -> Any:
+    def invariants(self) -> Invariants | SpatialInvariants:
         """All invariants at this design.
 
         Raises
@@ -205,7 +208,7 @@ class DesignPoint:
         return found
 
     @cached_property
-    def kind(self) -> tuple[Any, ...]:
+    def kind(self) -> tuple[bool, *tuple[tuple[int, bool, bool], ...]]:
         """Key of designs whose items follow from the same data: parameters that are off, by a real or a complex step."""
         return (self.first_order, *((k, np.real(step) != 0, k in self._complex) for k, step in self._steps.items()))
 
@@ -246,7 +249,7 @@ class DesignPoint:
         self.model.told[self.kind, told.complex] = found
         return found
 
-    def rows(self, item: str) -> Any:
+    def rows(self, item: str) -> Matrix:
         """Item as a matrix (.., n) of its last axis; sparse if it is large and zero nearly everywhere.
 
         Raises
@@ -297,13 +300,13 @@ class DesignPoint:
             )
 
 
-def design_at(model: ReducedModel, values: Mapping[str, Any], first_order: bool) -> DesignPoint:
+def design_at(model: ReducedModel, values: Mapping[str, Scalar], first_order: bool) -> DesignPoint:
     """Design point of a model at some values; the same object while it is among the last that were asked for."""
     return _design_at(Itself(model), tuple(values.items()), first_order)
 
 
 @lru_cache(maxsize=KEPT)
-def _design_at(same: Itself[ReducedModel], values: tuple[tuple[str, Any], ...], first_order: bool) -> DesignPoint:
+def _design_at(same: Itself[ReducedModel], values: tuple[tuple[str, Scalar], ...], first_order: bool) -> DesignPoint:
     return DesignPoint(same.item, dict(values), first_order)
 
 
@@ -344,7 +347,9 @@ def _inside(here: np.ndarray | slice, n_f: int, size: int) -> tuple[np.ndarray, 
     return row[elastic] * n_f + column[elastic], elastic
 
 
-def _common(n_f: int, parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray, list[Any]]:
+def _common(
+    n_f: int, parts: list[tuple[np.ndarray, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
     """Rows and columns of all matrices' entries, and for each matrix where its entries are among them and which they are."""
     every = np.sort(np.concatenate([place for place, _ in parts]), kind="stable")  # of sorted runs, which `unique` would hash
     union = every[np.diff(every, prepend=-1) > 0]

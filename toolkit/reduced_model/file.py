@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
 from toolkit.foundation.files.safe_files import meant_path, read_start
 from toolkit.reduced_model.check import check
+from toolkit.reduced_model.composition import Attributes
 from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.parts import (
@@ -30,9 +31,14 @@ from toolkit.reduced_model.parts import (
     Surface,
     SurfaceLoad,
 )
+from toolkit.reduced_model.shapes import Part
 
 if TYPE_CHECKING:
     import h5py
+
+P = TypeVar("P", bound=Part)
+Group: TypeAlias = Part | dict[str, Part] | None
+"""What a group of the file holds: an object, objects by name, or nothing."""
 
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 3
@@ -125,11 +131,11 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
     return model
 
 
-def _head(content: Content, attributes: Mapping[str, Any]) -> dict[str, Any]:
+def _head(content: Content, attributes: Attributes) -> dict[str, Any]:
     """All that a file holds as attributes; `attributes` are those of its root."""
     if lacking := [name for name in ATTRIBUTES if name not in attributes]:
         raise ValueError(f"it lacks {', '.join(lacking)}")
-    head = {name: attributes[name] for name in ATTRIBUTES} | {name: content.attributes(name) for name in MAPS}
+    head: dict[str, Any] = {name: attributes[name] for name in ATTRIBUTES} | {name: content.attributes(name) for name in MAPS}
     head["dimension"] = _whole(head["dimension"])
     head["nominal"] = _numbered(head["nominal"], attributes.get("parameters"), content.in_order("nominal"))
     units = head["nominal_units"]
@@ -174,7 +180,7 @@ def _complete(contents: str, found: Mapping[str, Any]) -> dict[str, Any]:
     return dict(found) | {part: {name: found[part][name] for name in names} for part, names in others.items()}
 
 
-def _numbered(nominal: dict[str, Any], listed: Any, in_order: bool) -> dict[str, Any]:
+def _numbered(nominal: Attributes, listed: str | int | float | None, in_order: bool) -> Attributes:
     """Parameters in the order by which polynomials and derivatives number them: as listed in the file, or else as written."""
     if listed is None and (in_order or len(nominal) < 2):
         return nominal
@@ -189,7 +195,7 @@ def _numbered(nominal: dict[str, Any], listed: Any, in_order: bool) -> dict[str,
     return {name: nominal[name] for name in names}
 
 
-def _whole(value: Any) -> Any:
+def _whole(value: str | int | float) -> str | int | float:
     """Whole number as an int, also where a program writes all its numbers as floating-point ones; anything else as it is."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
@@ -242,7 +248,7 @@ def _check_signature(path: Path) -> None:
         )
 
 
-def _check_schema(attributes: Mapping[str, Any], content: Content, path: Path) -> None:
+def _check_schema(attributes: Attributes, content: Content, path: Path) -> None:
     schema, version = attributes.get("schema"), attributes.get("schema_version")
     if schema != SCHEMA:
         raise ModelFileError(
@@ -259,7 +265,7 @@ def _check_schema(attributes: Mapping[str, Any], content: Content, path: Path) -
         )
 
 
-def _write(group: h5py.Group, name: str, value: Any) -> None:
+def _write(group: h5py.Group, name: str, value: Group | np.ndarray | Attributes | str | float) -> None:
     if value is None:
         return
     if isinstance(value, (str, int, float)):
@@ -273,7 +279,7 @@ def _write(group: h5py.Group, name: str, value: Any) -> None:
             _write(below, key, item)
 
 
-def _read_part(content: Content, name: str, dimension: int) -> Any:
+def _read_part(content: Content, name: str, dimension: int) -> Group:
     if name != "invariants" and not content.has(name):
         return None
     kind = SPATIAL_PARTS.get(name, PARTS[name]) if dimension == 3 else PARTS[name]
@@ -282,7 +288,7 @@ def _read_part(content: Content, name: str, dimension: int) -> Any:
     return _read_object(kind, content, name)
 
 
-def _read_object(kind: Any, content: Content, group: str) -> Any:
+def _read_object(kind: type[P], content: Content, group: str) -> P:
     return kind(**{f.name: _array(content, group, f.name) for f in fields(kind)})
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -16,6 +17,7 @@ from toolkit.reduced_model.parts import (
     Elements,
     Interior,
     LeftOutShapes,
+    Mesh,
     PieceLoads,
     Pieces,
     SpatialElements,
@@ -121,17 +123,6 @@ class Shape:
     position: np.ndarray  # (n_points, 2, 1 + n_f)
     target: np.ndarray  # (n_points, 2)
     arc_length: np.ndarray  # (n_points,)
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """The finite-element mesh, for pictures only; nodal coordinates are `recovery @ [1; q_f]`, per node x, y, rotation."""
-
-    nodes: np.ndarray  # (n_nodes, 2), undeformed
-    connectivity: np.ndarray  # (n_elements, 2)
-    recovery: np.ndarray  # (3 n_nodes, 1 + n_f)
-    outline: np.ndarray  # (n_rows, 2), the whole undeformed contour
-    target_outline: np.ndarray  # (n_rows, 2), the whole target contour
 
 
 @dataclass(frozen=True)
@@ -253,7 +244,7 @@ class ReducedModel:
         return {name: k for k, name in enumerate(self.nominal)}
 
     @cached_property
-    def told(self) -> dict[tuple[Any, ...], Any]:
+    def told(self) -> dict[Hashable, Any]:
         """Data on items that the model's design points have looked up, see `dependence.Told`."""
         return {}
 

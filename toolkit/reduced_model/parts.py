@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,6 +13,17 @@ SPATIAL_LOCAL = 12
 """The same in space: displacements along and rotations about x, y and z of its first node, then of its second."""
 STILL = 1e-9
 """Part of the largest movement of a node below which it is round-off: clamped nodes of computed shapes move by some."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """The finite-element mesh, for pictures only; nodal coordinates are `recovery @ [1; q_f]`, per node x, y, rotation."""
+
+    nodes: np.ndarray  # (n_nodes, 2), undeformed
+    connectivity: np.ndarray  # (n_elements, 2)
+    recovery: np.ndarray  # (3 n_nodes, 1 + n_f)
+    outline: np.ndarray  # (n_rows, 2), the whole undeformed contour
+    target_outline: np.ndarray  # (n_rows, 2), the whole target contour
 
 
 @dataclass(frozen=True)
@@ -33,14 +44,14 @@ class Elements:
     damping: np.ndarray  # (n_elements, 6, 6)
     stress_operator: np.ndarray  # (n_stress, 6), on the coordinates of the element that the stress point is in
 
-    def held_nodes(self, mesh: Any) -> np.ndarray:
+    def held_nodes(self, mesh: Mesh | None) -> np.ndarray:
         """Numbers of the nodes that the frame of the whole body is tied to: those that no column of the mesh moves but by round-off."""
         if mesh is None:
             return np.zeros(0, int)
         moved: np.ndarray = mesh.recovery[:, 1:].reshape(len(mesh.nodes), -1)
         return np.flatnonzero(np.abs(moved).max(axis=1, initial=0.0) <= STILL * np.abs(moved).max(initial=0.0))
 
-    def shapes(self, mesh: Any) -> np.ndarray | None:
+    def shapes(self, mesh: Mesh | None) -> np.ndarray | None:
         """Nodal coordinates per elastic coordinate of the whole body, (3 n_nodes, n_f); None if they were not stored."""
         return None if mesh is None else mesh.recovery[:, 1:]
 
@@ -59,11 +70,11 @@ class SpatialElements:
     damping: np.ndarray  # (n_elements, 12, 12)
     stress_operator: np.ndarray  # (n_stress n_components, 12), on the coordinates of the element that the stress point is in
 
-    def held_nodes(self, _mesh: Any) -> np.ndarray:
+    def held_nodes(self, _mesh: Mesh | None) -> np.ndarray:
         """Numbers of the nodes that the frame of the whole body is tied to, as stored in `held`."""
         return self.held
 
-    def shapes(self, _mesh: Any) -> np.ndarray | None:
+    def shapes(self, _mesh: Mesh | None) -> np.ndarray | None:
         """Nodal coordinates per elastic coordinate, (6 n_nodes, n_f): all of nodes that are not held; None if none is held."""
         if not len(self.held):
             return None

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.reduced_model.model import ReducedModel
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Record, Scalar
 
 
 class Band(NamedTuple):
@@ -182,7 +185,7 @@ def told_mesh(model: ReducedModel) -> str:
     return f"stress of this mesh off by some {100 * worst[1]:.2g} % {of_cases}, most of it near {_place(model)}"
 
 
-def mesh_record(model: ReducedModel) -> dict[str, Any] | None:
+def mesh_record(model: ReducedModel) -> Record | None:
     """Estimated stress error of the mesh as numbers with their meanings, for JSON and tables; None where there is none."""
     if not model.stress_errors:
         return None
@@ -238,7 +241,7 @@ def told_faces(model: ReducedModel) -> str:
     )
 
 
-def face_record(model: ReducedModel) -> dict[str, Any] | None:
+def face_record(model: ReducedModel) -> Record | None:
     """Errors of the faces between pieces as numbers with their meanings, for JSON; None of a body that is not in pieces."""
     if not model.face_errors:
         return None
@@ -271,7 +274,7 @@ SWAPPED = 1.2
 to 0.4 % where this one has become the longer."""
 
 
-def check_parameters(values: Mapping[str, Any], nominal: Mapping[str, float], where: str, dimension: int) -> None:
+def check_parameters(values: Mapping[str, Scalar], nominal: Mapping[str, float], where: str, dimension: int) -> None:
     """Refuse sizes and material constants that no body can have.
 
     Parameters

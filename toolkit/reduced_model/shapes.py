@@ -12,7 +12,7 @@ round-off: compared with itself it would be neither zero nor antisymmetric.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -34,6 +34,32 @@ from toolkit.reduced_model.parts import (
     SurfaceLoad,
 )
 
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Matrix
+
+Part: TypeAlias = (
+    Invariants
+    | SpatialInvariants
+    | InterfacePoint
+    | SparsePolynomial
+    | Derivatives
+    | StressPoints
+    | Shape
+    | Mesh
+    | Outline
+    | Interior
+    | Elements
+    | SpatialElements
+    | BeamSections
+    | Surface
+    | SurfaceLoad
+    | Spin
+    | LeftOutShapes
+    | Pieces
+    | PieceLoads
+)
+"""An object of a reduced model, whose fields are arrays."""
+
 
 def refuse(path: Path, place: str, problem: str) -> None:
     """Refuse a model for what is wrong at one place in its file."""
@@ -49,7 +75,7 @@ def numbers_below(path: Path, place: str, numbers: np.ndarray, end: int, what: s
 MAGNITUDE = LARGEST**3
 """Largest number of a model, a product of some that the user gave; products of these still are floating-point numbers."""
 
-SHAPES: dict[Any, dict[str, str]] = {
+SHAPES: dict[type, dict[str, str]] = {
     Invariants: {
         "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "2z", "inertia": "zz", "gyroscopic": "zz",
         "stress_operator": "sf",
@@ -91,12 +117,12 @@ q loads; others are free."""
 Sizes = dict[str, int]
 
 
-def letters_of(part: Any) -> dict[str, str]:
+def letters_of(part: Part) -> dict[str, str]:
     """Letters of the axes of every array of a model's object."""
     return SPATIAL_POINT if isinstance(part, InterfacePoint) and part.rotation.ndim == 3 else SHAPES[type(part)]
 
 
-def fit_all(path: Path, place: str, part: Any, sizes: Sizes) -> None:
+def fit_all(path: Path, place: str, part: Part, sizes: Sizes) -> None:
     """Refuse arrays of one object whose shapes disagree with their letters.
 
     An object's free letters are its own; f, z and s are known to all after the invariants.
@@ -141,7 +167,7 @@ def entry_scales(inv: Invariants | SpatialInvariants) -> dict[str, np.ndarray]:
     return {name: scale.reshape(getattr(inv, name).shape) for name, scale in found.items()}
 
 
-def entry_factors(inv: Any) -> dict[str, EntryScale]:
+def entry_factors(inv: Invariants | SpatialInvariants) -> dict[str, EntryScale]:
     """Largest sizes as factors, for invariants in arrays, or in sparse matrices with all axes but the last in one.
 
     The stress operator is no product of squares: its entries are measured by the largest ones of their columns and rows.
@@ -158,7 +184,7 @@ def entry_factors(inv: Any) -> dict[str, EntryScale]:
     }
 
 
-def _diagonal_of_inertia(inv: Any) -> np.ndarray:
+def _diagonal_of_inertia(inv: Invariants | SpatialInvariants) -> np.ndarray:
     """Diagonal of the inertia matrix G; in space of the sum of the Q_aa."""
     if isinstance(inv, SpatialInvariants):
         z = inv.second_moment.shape[-1]
@@ -167,17 +193,17 @@ def _diagonal_of_inertia(inv: Any) -> np.ndarray:
     return inv.inertia.diagonal()
 
 
-def _planes(moment: Any, z: int) -> int:
-    """Number of matrices (z, z) stacked in an array."""
+def _planes(moment: Matrix, z: int) -> int:
+    """Scalar of matrices (z, z) stacked in an array."""
     return int(np.prod(moment.shape)) // z**2
 
 
-def _of_squares(matrix: Any) -> EntryScale:
+def _of_squares(matrix: Matrix) -> EntryScale:
     root = np.sqrt(np.abs(matrix.diagonal()))
     return EntryScale(root, root)
 
 
-def _of_rows(array: Any) -> EntryScale:
+def _of_rows(array: Matrix) -> EntryScale:
     """Largest entry of each column times the largest entry of each row in parts of that of its column."""
     width = array.shape[-1]
     rows = array.tocsr() if is_sparse(array) else sparing(array)

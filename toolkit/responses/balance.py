@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from pydantic import field_validator, model_validator
@@ -24,6 +24,10 @@ from toolkit.responses.response import Instant, Partials
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar
+    from toolkit.scene.resolution import ResolvedScene
 
 
 class OfBodies(Instant):
@@ -46,7 +50,7 @@ class OfBodies(Instant):
             )
         return bodies
 
-    def names(self, scene: Any) -> tuple[str, ...]:
+    def names(self, scene: ResolvedScene) -> tuple[str, ...]:
         """Names of the bodies that the response counts."""
         return scene.pieces(self.bodies)
 
@@ -79,11 +83,11 @@ class CentreOfMass(OfBodies):
 
     component: Literal["x", "y", "z", "magnitude"]
 
-    def grips(self, scene: Any) -> tuple[tuple[str, str], ...]:
+    def grips(self, scene: ResolvedScene) -> tuple[tuple[str, str], ...]:
         """Pairs of body and centre of mass, for every body that the response counts."""
         return tuple((name, CENTRE) for name in self.names(scene))
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a z component in a planar scene."""
         super().check(scene)
         refuse_component(self.component, scene, self.kind)
@@ -160,7 +164,7 @@ def power_of_load(solution: Solution, name: str) -> Callable[[int], Partials]:
 
 
 def law_of_load(
-    system: System, load: Load, k: int, motions: tuple[Motion, Motion], own: Any, scale: Any
+    system: System, load: Load, k: int, motions: tuple[Motion, Motion], own: Scalar, scale: Scalar
 ) -> tuple[np.ndarray, ...]:
     """Force law f (w,), f_z (w, z) and f_w (w, w) of load number k at its markers' poses and rates and its `own` state."""
     a, b = motions
@@ -201,7 +205,7 @@ def power_of_gravity(solution: Solution, name: str) -> Callable[[int], Partials]
 
 
 def _place(path: str) -> int:
-    """Number of the component of a vector that a path leads to."""
+    """Scalar of the component of a vector that a path leads to."""
     last = path.rpartition(".")[2]
     return "xyz".index(last) if last in "xyz" else int(last)
 
@@ -238,7 +242,7 @@ class Power(Doer, OfRates):
     kind = "power"
     quantity = "power"
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a load whose power is not known, and a joint without a driver.
 
         Raises
@@ -319,6 +323,6 @@ class Work(Doer, Integral):
         """Unit of energy in a system of units."""
         return unit(system_of_units, "energy")
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse what the power of the same load or driver refuses."""
         self.source.check(scene)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial, singledispatch
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import ConstantTerms
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.near_ties import spread
+from toolkit.foundation.value_types import Scalar
 from toolkit.linear.linear_solver import strain_rows
 from toolkit.responses.over_time import OverTime
 from toolkit.responses.response import Instant, Partials, Response, slope_at
@@ -155,13 +156,13 @@ def _largest(solution: Solution) -> tuple[float, float, float]:
 
 
 @singledispatch
-def largest_in(response: Response, solution: Solution, value: Any) -> Largest:
+def largest_in(response: Response, solution: Solution, value: Scalar) -> Largest:
     """Largest magnitude of the response's quantity in the motion: a value that just passes zero has a finite relative error."""
     return Largest(float(abs(np.real(value))), np.zeros(solution.system.n_x))
 
 
 @largest_in.register
-def _(response: Instant, solution: Solution, value: Any) -> Largest:
+def _(response: Instant, solution: Solution, value: Scalar) -> Largest:
     look, magnitude, slopes = response.instants(solution), abs(float(np.real(value))), np.zeros(solution.system.n_x)
     for step in spread(len(solution.times) - 1, INSTANTS):
         found = look(step)
@@ -172,7 +173,7 @@ def _(response: Instant, solution: Solution, value: Any) -> Largest:
 
 
 @largest_in.register
-def _(response: OverTime, solution: Solution, value: Any) -> Largest:
+def _(response: OverTime, solution: Solution, value: Scalar) -> Largest:
     largest, duration = largest_in(response.source, solution, 0.0), _duration(solution)
     return Largest(response.of_size(largest.magnitude, duration), response.of_slopes(*largest, duration))
 

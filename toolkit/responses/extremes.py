@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from toolkit.responses.over_time import OfTable, over_all_steps
 from toolkit.responses.response import slope_at
 from toolkit.responses.stress import KSStress, MaxStress, kreisselmeier_steinhauser
 from toolkit.system.solution import Solution
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar
 
 
 class Extreme(OfTable):
@@ -66,12 +69,12 @@ class TimeMax(Extreme):
 
     kind = "time-max"
 
-    def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Largest value of all steps, and its derivatives by the values: nonzero at the first step where it occurs."""
         value, weights = _first(self.considered(values))
         return value, self.folded(weights)
 
-    def combined(self, values: np.ndarray) -> tuple[Any, np.ndarray]:
+    def combined(self, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Largest of the windows' values, and its derivatives by them: one for the first largest window, else zero."""
         return _first(values)
 
@@ -85,11 +88,11 @@ class TimeMin(OfTable):
         """Zeros: an extreme's derivative is that of one instant, and does not swing with the derivatives at the others."""
         return np.zeros_like(slopes)
 
-    def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Smallest value of all steps, and its derivatives by the values: nonzero at the first step where it occurs."""
         return self.combined(values)
 
-    def combined(self, values: np.ndarray) -> tuple[Any, np.ndarray]:
+    def combined(self, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Smallest of the windows' values, and its derivatives by them: one for the first smallest window, else zero."""
         value, weights = _first(-values)
         return -value, weights
@@ -129,17 +132,17 @@ class TimeKS(Extreme):
         """Aggregation parameter in 1/unit of the quantity."""
         return self.aggregation / (1.0 if self.reference is None else self.reference)
 
-    def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, values: np.ndarray, _shares: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Smooth maximum of the values, and its derivatives by them: softmax weights."""
         value, weights = kreisselmeier_steinhauser(self.considered(values), self.sharpness)
         return value, self.folded(weights)
 
-    def combined(self, values: np.ndarray) -> tuple[Any, np.ndarray]:
+    def combined(self, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Smooth maximum of the windows' own smooth maxima, and its derivatives by them."""
         return kreisselmeier_steinhauser(values, self.sharpness)
 
 
-def _first(values: np.ndarray) -> tuple[Any, np.ndarray]:
+def _first(values: np.ndarray) -> tuple[Scalar, np.ndarray]:
     """The largest value, of equal ones the first, and weight one at its place."""
     place = first_largest(np.real(values), SAME)
     return values[place], (np.arange(len(values)) == place).astype(float)

@@ -14,7 +14,7 @@ with the round-off of each one by itself: near a coalescence, where two frequenc
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import scipy
@@ -27,6 +27,9 @@ from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.static.static_matrix import StaticArray, largest_entry, whole_array
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
+
+if TYPE_CHECKING:
+    pass
 
 UNSTABLE = "unstable-vibration"
 """Code of what is told."""
@@ -188,7 +191,7 @@ SUSPECT = 1e-4
 """Growth, a part of |s|, from which on a root is found again to all digits: what is below may be round-off of faster ones."""
 
 
-def growing_vibrations(solution: Solution, values: Mapping[str, Any]) -> Iterator[Caution]:
+def growing_vibrations(solution: Solution, values: Mapping[str, float]) -> Iterator[Caution]:
     """Caution for each kind of vibration response whose vibrations grow: a remark where a negative damping ratio says so itself.
 
     Of an equilibrium at rest it is said whatever is asked for, with its dampers; and of frequencies without them if they alone keep it.

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -26,6 +26,11 @@ from toolkit.responses.response import Instant, Partials, magnitude
 from toolkit.scene.space import PLANE, SPACE, Space
 from toolkit.system.solution import MarkerStates, Solution
 from toolkit.system.system import System
+
+if TYPE_CHECKING:
+    from toolkit.joints.kernels.records import JointWork
+    from toolkit.markers.planar import MarkerState
+    from toolkit.scene.resolution import ResolvedScene
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 """Numbers of the two other components of every component, in the order of a vector product."""
@@ -80,7 +85,7 @@ def _moment(z: np.ndarray, f: np.ndarray) -> np.ndarray:
     return moment
 
 
-def _by_pose(evaluate: Callable[[], Any], rate: np.ndarray, side: int, lam: np.ndarray, joint: Any) -> np.ndarray:
+def _by_pose(evaluate: Callable[[], None], rate: np.ndarray, side: int, lam: np.ndarray, joint: JointWork) -> np.ndarray:
     """Derivative of (F, M) by the pose of one marker (6, 12): with a direction as its rate, the joint's kernel gives g_zz of it.
 
     There are as many directions as a pose has numbers, however many coordinates and variables move it.
@@ -132,7 +137,7 @@ class JointForce(Instant):
         """Name of the physical quantity: "torque" for a torque component, otherwise "force"."""
         return "torque" if self.component.startswith("torque") else "force"
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a component that joint forces do not have in the scene's space.
 
         Raises
@@ -228,7 +233,7 @@ class PlanarJointForce:
             force_x[:, joints.design[d, 0]] -= np.real(joint.force[1, :3])
         return force, force_q, force_lam, force_x
 
-    def _add_by_pose(self, state: Any, force_q: np.ndarray, force_x: np.ndarray) -> None:
+    def _add_by_pose(self, state: MarkerState, force_q: np.ndarray, force_x: np.ndarray) -> None:
         """Add the force's derivatives through the poses of both markers."""
         markers, stiffness = self.system.plan.markers, -self._joint.stiffness[:3]
         for side in range(2):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import model_validator
@@ -18,6 +18,9 @@ from toolkit.responses.stress import design_rates, kreisselmeier_steinhauser, po
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution, elastic_coordinates, flexible_body
 
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar
+
 FAR = 0.25
 """Part of a body's extent that the nearest stress point may be away from the place that is asked for."""
 
@@ -29,7 +32,7 @@ class StressPlaces(NamedTuple):
     fibre: np.ndarray
 
     def nearest(self, place: np.ndarray, fibre: int) -> int:
-        """Number of the stress point of a fibre (0 for any) that is nearest to a place; of equally near ones the first.
+        """Scalar of the stress point of a fibre (0 for any) that is nearest to a place; of equally near ones the first.
 
         Raises
         ------
@@ -42,7 +45,7 @@ class StressPlaces(NamedTuple):
         return int(rows[first_smallest(np.sqrt(np.sum((self.place[rows] - place) ** 2, axis=1)))])
 
     def near(self, place: np.ndarray, fibre: int) -> int:
-        """Number of the nearest stress point, as `nearest`, if it is near the place.
+        """Scalar of the nearest stress point, as `nearest`, if it is near the place.
 
         Raises
         ------
@@ -122,7 +125,7 @@ class LocalStress(Instant):
         """Numbers of the stress points that the response uses."""
 
     @abstractmethod
-    def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, stress: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Value of the response from the stresses (r,) at these points, and its derivatives by them (r,)."""
 
     def check(self, scene: ResolvedScene) -> None:
@@ -171,11 +174,11 @@ class StressAtPoint(LocalStress):
     place: Annotated[Pair | Triple, Quantity("length")]
 
     def rows(self, scene: ResolvedScene) -> list[int]:
-        """Number of the stress point that is nearest to the place."""
+        """Scalar of the stress point that is nearest to the place."""
         refuse_other_space(self.place, scene)
         return [stress_places(scene, self.body).near(np.array(self.place), FIBRES[self.fibre])]
 
-    def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, stress: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Stress at the only point, and its derivative: one."""
         return stress[0], np.ones(1)
 
@@ -215,7 +218,7 @@ class StressAlongLine(LocalStress):
         along = [begin + share * (end - begin) for share in np.linspace(0, 1, SAMPLES)]
         return sorted({known.nearest(place, FIBRES[self.fibre]) for place in along})
 
-    def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, stress: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """One number from the stresses along the line, as `take` or the aggregation says, and its derivatives by them."""
         if self.aggregation is not None:
             return kreisselmeier_steinhauser(stress, self.aggregation)

@@ -16,7 +16,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from toolkit.foundation.errors import InputError
 from toolkit.responses.response import STATES, Instant, Partials, magnitude
 from toolkit.system.solution import MarkerStates, Solution
 from toolkit.system.system import System
+
+if TYPE_CHECKING:
+    from toolkit.scene.resolution import ResolvedScene
 
 
 class Motion(NamedTuple):
@@ -133,7 +136,7 @@ class MarkerVector(MarkerFormula):
 
     component: Literal["x", "y", "z", "magnitude"] = "magnitude"
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a z component in a planar scene.
 
         Raises
@@ -155,7 +158,7 @@ def place_of(component: str) -> int | None:
     return None if component == "magnitude" else "xyz".index(component)
 
 
-def refuse_component(component: str, scene: Any, kind: str) -> None:
+def refuse_component(component: str, scene: ResolvedScene, kind: str) -> None:
     """Refuse a component that vectors of the scene do not have.
 
     Raises

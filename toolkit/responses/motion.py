@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from toolkit.joints.kernels.laws import angle_of
 from toolkit.kinematics.orientation import axes_along
 from toolkit.responses.response import OnePoint, Partials, magnitude, refuse_axis
 from toolkit.system.solution import MarkerStates, Solution
+
+if TYPE_CHECKING:
+    from toolkit.scene.resolution import ResolvedScene
 
 
 class MarkerResponse(OnePoint):
@@ -59,7 +62,7 @@ class Rotation(MarkerResponse):
 
     axis: Annotated[Triple | None, Quantity("none")] = None
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse an axis in the plane, and its absence in space.
 
         Raises
@@ -99,7 +102,7 @@ class Displacement(MarkerResponse):
 
     component: Literal["x", "y", "z", "magnitude"]
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a z component in a planar scene.
 
         Raises

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import field_validator
@@ -13,6 +13,10 @@ from toolkit.foundation.itself import Itself
 from toolkit.foundation.units import LABELLED, Dimension, unit
 from toolkit.responses.response import Instant, MeanSquare, Partials, Response, slope_at, weighted
 from toolkit.system.solution import Solution
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar, TomlTable
+    from toolkit.scene.resolution import ResolvedScene
 
 
 class OverTime(Response):
@@ -28,11 +32,11 @@ class OverTime(Response):
         """Whether the response exists for a transient solution only: always true of responses over time."""
         return True
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse what the underlying quantity refuses."""
         self.source.check(scene)
 
-    def grips(self, scene: Any) -> tuple[tuple[str, str], ...]:
+    def grips(self, scene: ResolvedScene) -> tuple[tuple[str, str], ...]:
         """Pairs of body and point that the underlying quantity refers to."""
         return self.source.grips(scene)
 
@@ -51,14 +55,14 @@ class OverTime(Response):
         return self.source.unit(system_of_units)
 
     @abstractmethod
-    def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Value from the quantity's values (n_t,) at some steps, and its derivatives by them (n_t,).
 
         `shares` (n_t,) are the parts of the whole run's duration that the steps stand for, by the trapezoidal rule; over all steps their
         sum is one.
         """
 
-    def combined(self, values: np.ndarray) -> tuple[Any, np.ndarray]:
+    def combined(self, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Value of the whole run from those of its windows (m,), and its derivatives by them (m,)."""
         return values.sum(), np.ones(len(values))
 
@@ -104,7 +108,7 @@ class OfTable(OverTime):
 
     @field_validator("of")
     @classmethod
-    def _instant(cls, value: Any) -> Instant:
+    def _instant(cls, value: Instant | TomlTable) -> Instant:
         if isinstance(value, Instant):
             return _over_all_times(value)
         kind = value.get("type") if isinstance(value, dict) else None
@@ -160,7 +164,7 @@ class Integral(OverTime):
         """Unit of the quantity times time."""
         return f"{self.source.unit(system_of_units)} {unit(system_of_units, 'time')}".lstrip()
 
-    def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Weighted sum of the values for a duration of one, and its derivatives by them."""
         return shares @ values, shares
 
@@ -189,7 +193,7 @@ class TimeMean(OfTable):
 
     kind = "time-mean"
 
-    def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Weighted sum of the values, and its derivatives by them: the weights."""
         return shares @ values, shares
 
@@ -213,7 +217,7 @@ class TimeMeanSquare(OfTable, MeanSquare):
         label = self.source.unit(system_of_units)
         return f"({label})^2" if set(label) & set(" /^") else label and f"{label}^2"
 
-    def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
+    def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Scalar, np.ndarray]:
         """Mean square as a weighted sum of squared values, and its derivatives by the values."""
         return shares @ (values * values), 2 * shares * values
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -17,6 +17,9 @@ from toolkit.responses.response import Instant, OnePoint, Partials
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution, elastic_coordinates, flexible_body
 
+if TYPE_CHECKING:
+    from toolkit.scene.resolution import ResolvedScene
+
 
 class OfRates(Instant):
     """Base of responses that are made of velocities or accelerations."""
@@ -26,7 +29,7 @@ class OfRates(Instant):
         """Whether the response exists for a transient solution only: always true, as rates are zero at rest."""
         return True
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse rates in a quasi-static run, whose velocities are those between one equilibrium and the next.
 
         Raises
@@ -88,7 +91,7 @@ class AngularVelocity(OfRates, OnePoint, MarkerFormula):
 
     component: Literal["x", "y", "z", "magnitude"] | None = None
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a component in the plane, and its absence in space.
 
         Raises
@@ -191,7 +194,7 @@ class Deflection(Instant):
     point: str
     component: Literal["x", "y", "z", "magnitude"] = "magnitude"
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a body that is rigid or has several frames, a point that is none of it, and a z component in the plane."""
         super().check(scene)
         refuse_component(self.component, scene, self.kind)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -23,6 +23,9 @@ from toolkit.responses.motion import Rotation
 from toolkit.responses.over_time import OverTime
 from toolkit.responses.response import Instant, Partials, refuse_axis
 from toolkit.system.solution import Solution
+
+if TYPE_CHECKING:
+    from toolkit.scene.resolution import ResolvedScene
 
 
 class RelativeAngle(Instant):
@@ -67,7 +70,7 @@ class RelativeAngle(Instant):
         """Pairs of body and point: the point on each body."""
         return tuple(zip(self.bodies, on_both(self.point), strict=True))
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse an axis in the plane, and its absence in space.
 
         Raises

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Annotated, Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -15,6 +15,10 @@ from toolkit.description.run_options import time_grid
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LABELLED, Dimension, unit
 from toolkit.system.solution import Solution
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar
+    from toolkit.scene.resolution import ResolvedScene
 
 
 class Partials(NamedTuple):
@@ -61,7 +65,7 @@ class Response(Registered):
         """Pairs (body, point) that the response refers to, so that the compilation provides them."""
         return ()
 
-    def grips(self, _scene: Any) -> tuple[tuple[str, str], ...]:
+    def grips(self, _scene: ResolvedScene) -> tuple[tuple[str, str], ...]:
         """Pairs (body, point) that the response refers to in a scene, where they depend on it."""
         return self.markers()
 
@@ -79,10 +83,10 @@ class Response(Registered):
         """Label of the unit in a system of units."""
         return unit(system_of_units, self.unit_quantity)
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse, before anything runs, what this response cannot be asked of the scene; names are checked by the scene itself."""
 
-    def value(self, solution: Solution) -> Any:
+    def value(self, solution: Solution) -> Scalar:
         """Value of the response."""
         return self.partials(solution).value
 
@@ -90,7 +94,7 @@ class Response(Registered):
         """Total design derivative, shape (n_x,)."""
         return self.evaluate(solution)[1]
 
-    def evaluate(self, solution: Solution) -> tuple[Any, np.ndarray]:
+    def evaluate(self, solution: Solution) -> tuple[Scalar, np.ndarray]:
         """Value of the response and its total design derivative, shape (n_x,)."""
         partials = self.partials(solution)
         total = np.zeros(solution.system.n_x) if partials.design is None else partials.design.astype(float)
@@ -137,7 +141,7 @@ class Instant(Response):
         """Whether a time is named, which a transient solution alone has; the end is also the time of a static solution."""
         return self.time is not None
 
-    def check(self, scene: Any) -> None:
+    def check(self, scene: ResolvedScene) -> None:
         """Refuse a time that is none of the steps.
 
         Raises
@@ -154,7 +158,7 @@ class Instant(Response):
         """Value and partial derivatives at one step; q, v (n_q,), multipliers (n_lam,), design (n_x,)."""
 
     def step(self, solution: Solution) -> int:
-        """Number of the step at `time`.
+        """Scalar of the step at `time`.
 
         Raises
         ------
@@ -164,7 +168,7 @@ class Instant(Response):
         return self.nearest(solution.times)
 
     def nearest(self, times: np.ndarray) -> int:
-        """Number of the step at `time` among the given times; errors as `step`."""
+        """Scalar of the step at `time` among the given times; errors as `step`."""
         if self.time is None:
             return len(times) - 1
         step = int(np.argmin(np.abs(times - self.time)))
@@ -179,11 +183,11 @@ class Instant(Response):
         """Function of the step that returns `at`; a kind with something to prepare for all steps does it here, once."""
         return partial(self.at, solution)
 
-    def value(self, solution: Solution) -> Any:
+    def value(self, solution: Solution) -> Scalar:
         """Value of the response, evaluated at its own step alone."""
         return self.at(solution, self.step(solution)).value
 
-    def evaluate(self, solution: Solution) -> tuple[Any, np.ndarray]:
+    def evaluate(self, solution: Solution) -> tuple[Scalar, np.ndarray]:
         """Value of the response and its total design derivative, shape (n_x,), evaluated at its own step alone."""
         step = self.step(solution)
         found = self.at(solution, step)
@@ -223,7 +227,7 @@ def slope_at(found: Partials, solution: Solution, step: int) -> np.ndarray:
     return total + sum(np.real(partial) @ derivative[step] for partial, derivative in known)
 
 
-def magnitude(vector: np.ndarray, change: Callable[[], np.ndarray]) -> tuple[Any, np.ndarray]:
+def magnitude(vector: np.ndarray, change: Callable[[], np.ndarray]) -> tuple[Scalar, np.ndarray]:
     """Length of a vector, and the vector's direction; `change` gives the vector's total design derivative, (2, n_x).
 
     A vector that is zero and stays zero has a length that stays zero: its direction counts as zero. If it is zero but would change,
@@ -260,7 +264,7 @@ class OnePoint(Instant):
         return ((self.body, self.point),)
 
 
-def refuse_axis(axis: Any | None, scene: Any, angle: str) -> None:
+def refuse_axis(axis: Sequence[float] | None, scene: ResolvedScene, angle: str) -> None:
     """Refuse an axis in the plane, and an angle without one in space; `angle` is its name in words.
 
     Raises

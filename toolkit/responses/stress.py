@@ -9,7 +9,7 @@ With the components s = (xx, yy, zz, yz, xz, xy)
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 import scipy
@@ -27,6 +27,9 @@ from toolkit.responses.response import Partials, Response, felt_steps
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution, design_point, elastic_coordinates, flexible_body
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Matrix
 
 
 def kreisselmeier_steinhauser(values: np.ndarray, aggregation: float) -> tuple[complex, np.ndarray]:
@@ -91,7 +94,7 @@ def stress_components(scene: ResolvedScene, body: str, q_f: np.ndarray) -> np.nd
     return found.reshape(*q_f.shape[:-1], points, *(components or [1]))
 
 
-def stress_rows(scene: ResolvedScene, body: str) -> Any:
+def stress_rows(scene: ResolvedScene, body: str) -> Matrix:
     """Stress operator as a matrix (n_s times components, n_f); sparse if it is large and zero nearly everywhere."""
     if isinstance(scene.bodies.get(body), CutBody):
         operator = flexible_body(scene, body).stress_operator(scene)
@@ -99,7 +102,7 @@ def stress_rows(scene: ResolvedScene, body: str) -> Any:
     return design_point(scene, body).rows("stress_operator")
 
 
-def by_instant(states: np.ndarray, matrix: Any) -> np.ndarray:
+def by_instant(states: np.ndarray, matrix: Matrix) -> np.ndarray:
     """Products of states (n_t, k) and a matrix (k, m), dense or sparse, one state at a time.
 
     A product of all states at once would round each by how many there are.

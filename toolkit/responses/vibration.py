@@ -11,7 +11,7 @@ About a spin the matrices are those of `solvers.spin.state.Linearised.spinning`.
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from pydantic import Field
@@ -162,7 +162,7 @@ class OfVibration(Response):
         return abs(s) if np.isfinite(self.of(s)) else np.nan
 
     @abstractmethod
-    def slope(self, s: complex, ds: Any) -> Any:
+    def slope(self, s: complex, ds: np.ndarray) -> np.ndarray:
         """Derivative (...,) of the response, real, from the derivative `ds` (...,) of s, complex."""
 
     def partials(self, solution: Solution) -> Partials:
@@ -261,7 +261,7 @@ class Frequency(OfVibration):
         """Frequency, by which vibrations are numbered, so that what is unstable comes first."""
         return self.of(s)
 
-    def slope(self, s: complex, ds: Any) -> Any:
+    def slope(self, s: complex, ds: np.ndarray) -> np.ndarray:
         """Derivative of the frequency from the derivative `ds` of s."""
         return (np.imag(ds) if abs(s.imag) > SAME * abs(s) else -np.real(ds)) / (2 * np.pi)
 
@@ -282,6 +282,6 @@ class DampingRatio(OfVibration):
         """Damping ratio - Re s / |s| of one root of each pair."""
         return -s.real / abs(s) if s.imag > SAME * abs(s) else np.nan
 
-    def slope(self, s: complex, ds: Any) -> Any:
+    def slope(self, s: complex, ds: np.ndarray) -> np.ndarray:
         """Derivative of the damping ratio from the derivative `ds` of s."""
         return -np.real(ds) / abs(s) + s.real * np.real(np.conj(s) * ds) / abs(s) ** 3

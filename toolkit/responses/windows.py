@@ -10,12 +10,12 @@ function for it here, registered with `combine.register`.
 from __future__ import annotations
 
 from functools import singledispatch
-from typing import Any
 
 import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import SAME, first_largest
+from toolkit.foundation.value_types import Scalar
 from toolkit.responses.over_time import OverTime
 from toolkit.responses.response import Instant, Response
 from toolkit.responses.stress import KSStress, MaxStress, StressResponse, kreisselmeier_steinhauser
@@ -45,7 +45,7 @@ def _(response: OfVibration, times: np.ndarray) -> tuple[int, int]:
 
 
 @singledispatch
-def combine(response: Response, values: np.ndarray) -> tuple[Any, np.ndarray]:
+def combine(response: Response, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
     """Response of the whole run from those of its windows (m,), and its derivatives by them (m,).
 
     Raises
@@ -62,16 +62,16 @@ def combine(response: Response, values: np.ndarray) -> tuple[Any, np.ndarray]:
 
 
 @combine.register
-def _(response: OverTime, values: np.ndarray) -> tuple[Any, np.ndarray]:
+def _(response: OverTime, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
     return response.combined(values)
 
 
 @combine.register
-def _(response: KSStress, values: np.ndarray) -> tuple[Any, np.ndarray]:
+def _(response: KSStress, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
     return kreisselmeier_steinhauser(values, response.sharpness)
 
 
 @combine.register
-def _(response: MaxStress, values: np.ndarray) -> tuple[Any, np.ndarray]:
+def _(response: MaxStress, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
     place = first_largest(np.real(values), SAME)
     return values[place], (np.arange(len(values)) == place).astype(float)

@@ -15,7 +15,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import count
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from toolkit.studies.orthonormal_basis import Basis, basis_of, size_of
 from toolkit.studies.store import DesignOutcome
 from toolkit.studies.study_file import Limit
 from toolkit.studies.uncertain_study import UncertainStudy
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Record
 
 HIGHEST = 8
 """Highest degree that is tried."""
@@ -209,7 +212,7 @@ class Sampled:
     beyond: Mapping[str, tuple[float, float]]
     missed: float
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """The statistics at random designs as part of a JSON object."""
         return {
             "runs": self.runs,
@@ -230,7 +233,7 @@ class Neighbour:
     sigma: float
     quantiles: Mapping[float, float]
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """The statistics by polynomials of another degree as part of a JSON object."""
         quantiles = {f"{share:g}": value for share, value in self.quantiles.items()}
         return {"degree": self.degree, "mean": self.mean, "sigma": self.sigma, "quantiles": quantiles}
@@ -285,7 +288,7 @@ class Spread:
     error: float
     sampled: Sampled | None = None
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """The statistics of the response as part of a JSON object."""
         return {
             "mean": self.mean,
@@ -399,7 +402,7 @@ class UncertainResult:
         """A response by its polynomial at germs (count, n)."""
         return self.expansions[response].values(germs)
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """The JSON object."""
         joint, names = self.study.joint, self.study.problem.variables
         return {

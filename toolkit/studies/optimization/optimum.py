@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from toolkit.studies.uncertain_result import UncertainResult
 from toolkit.studies.uncertain_study import uncertain_study
 from toolkit.studies.wanted import Statistic
 from toolkit.system.solution import Solution
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Record
 
 SAMPLES = 2**14
 """Points at which polynomials with gradients are looked at."""
@@ -56,7 +59,7 @@ class RobustnessCheck:
         near = SETTLED * max(self.judged[1], self.searched[1])
         return all(abs(a - b) <= near for a, b in zip(self.searched, self.judged, strict=True))
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """Keys of a JSON object."""
         both = {"searched": self.searched, "judged": self.judged}
         return {way: dict(zip(("mean", "sigma"), found, strict=True)) for way, found in both.items()}
@@ -308,7 +311,7 @@ class Optimum:
             why = [each.text for each in self.verdict.warnings if each.code in ("not-optimal", "infeasible", "not-found-again")]
             raise NoOptimumError("no optimum was found: " + " ".join(why))
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """The JSON object."""
         name, unit = objective_of(self.search.program)
         margins = {case: {"load_factor": value, "found": found} for case, (value, found) in self.again.margins.items()}
@@ -335,7 +338,7 @@ class Optimum:
         }
 
 
-def _search_record(problem: Problem, found: SearchResult) -> dict[str, Any]:
+def _search_record(problem: Problem, found: SearchResult) -> Record:
     best, left = found.best, found.optimality
     return {
         "start": dict(zip(problem.variables, map(float, found.start), strict=True)),

@@ -23,13 +23,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import nnls
 
 from toolkit.studies.problem import Problem, by_case
 from toolkit.studies.store import DesignOutcome
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Record
 
 
 class ConstraintRow(NamedTuple):
@@ -263,7 +266,7 @@ class Price:
     active: bool
     text: str
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """The price as a JSON object."""
         return {
             "of": self.name,

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import groupby
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.studies.stability.cells import CellClass, CellOutcome, Limits
 from toolkit.studies.stability.maps import Axis, Map
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Record
 
 
 @dataclass(frozen=True)
@@ -164,7 +167,7 @@ def _first(way: Sequence[tuple[int, ...]], names: Mapping[tuple[int, ...], CellC
     return next((at for at in way if at in names and names[at].name not in ("stable", "not run")), None)
 
 
-def record_of(study: StabilityResult) -> dict[str, Any]:
+def record_of(study: StabilityResult) -> Record:
     """Everything that was found; numbers that do not exist are nan, in JSON null."""
     best = study.reference
     return {
@@ -191,7 +194,7 @@ def criteria(limits: Limits) -> list[str]:
     ]
 
 
-def _map(each: MapResult) -> dict[str, Any]:
+def _map(each: MapResult) -> Record:
     return {
         "title": each.map.title,
         "compared_with": each.map.judge,
@@ -203,11 +206,11 @@ def _map(each: MapResult) -> dict[str, Any]:
     }
 
 
-def _axis(axis: Axis) -> dict[str, Any]:
+def _axis(axis: Axis) -> Record:
     return {**vars(axis), "values": list(axis.values)}
 
 
-def _cell(cell: Cell) -> dict[str, Any]:
+def _cell(cell: Cell) -> Record:
     gradient = None if cell.gradient is None else _class(cell.gradient)
     return {"run": _class(cell.run), "gradient": gradient, **({} if cell.outcome is None else _outcome(cell.outcome))}
 
@@ -216,7 +219,7 @@ def _class(found: CellClass) -> dict[str, str]:
     return {"class": found.name, "reason": found.reason}
 
 
-def _outcome(found: CellOutcome) -> dict[str, Any]:
+def _outcome(found: CellOutcome) -> Record:
     return {
         "drift": found.drift,
         "energy_created": found.created,

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -42,6 +42,9 @@ from toolkit.validity.bodies.beam_assumptions import CANCELLED, pull_of_frame
 from toolkit.validity.bodies.deformation import LIMIT, STRAIGHT, largest_displacement, largest_instants, undeformed_places
 from toolkit.validity.bodies.full_scene import FullScene, ReducedPart, full_scene_of
 from toolkit.validity.bodies.geometric_stiffness import wrenches_at_points
+
+if TYPE_CHECKING:
+    from toolkit.scene.resolution import ResolvedScene
 
 INSTANTS = 50
 """Number of states of a run that are examined, equally far apart."""
@@ -151,7 +154,7 @@ class MovedPoint(NamedTuple):
         return component
 
 
-def moved_points(scene: Scene) -> Iterator[tuple[str, MovedPoint]]:
+def moved_points(scene: ResolvedScene) -> Iterator[tuple[str, MovedPoint]]:
     """Displacements and rotations that responses ask for, of points that a flexible body carries, by name."""
     for name, response in scene.responses.items():
         if isinstance(response, Displacement | Rotation):
