@@ -169,14 +169,19 @@ def unless_frames_deny(
     sizes: Mapping[str, float],
     slope_scales: Slopes,
 ) -> Iterator[Caution]:
-    """The cautions, with those about what more frames know as remarks where no answer feels them."""
+    """The cautions, with those about what more frames know as remarks where no answer feels them.
+
+    Values may be off by twice as much as is found. Gradients that are found within their own limit are no more doubted than those of
+    bodies that no doubt is about, see `doubtful_gradients`.
+    """
     values = [abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]]
-    felt = max([*values, *_parts(found, gradients, sizes, slope_scales).values()], default=0.0)
-    unfelt = not found.failure and not found.unknown and felt * UNCERTAIN <= LIMIT
+    felt, steeper = max(values, default=0.0), max(_parts(found, gradients, sizes, slope_scales).values(), default=0.0)
+    unfelt = not found.failure and not found.unknown and felt * UNCERTAIN <= LIMIT and steeper <= LIMIT
     for each in cautions:
         if unfelt and each.doubt and each.code in WEIGHED and each.body in found.frames and _moves(solution, each):
             said = (
-                f" The responses hardly feel it: they change by {felt:.1e} at most by the same run with {_others(found.frames)}."
+                f" The responses hardly feel it: they change by {felt:.1e} at most, and gradients by {steeper:.1e}, by the same run with "
+                f"{_others(found.frames)}."
             )
             yield replace(each, text=each.text + said, doubt=False)
         else:
