@@ -4,6 +4,9 @@ Gradients converge more slowly than values: of a wing whose displacement is off 
 With every part cut in half, the error is a quarter of what it was. So of numbers g, and g' with ratio r of the frames,
 
     error of g  =  (g' - g) r^2 / (r^2 - 1)
+
+Parts have all shapes of their elements: what g' - g is by the shapes of a frozen basis, as far as that is known, does not fall with the
+frames, and counts as it is.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from toolkit.foundation.verdict import Caution
 from toolkit.responses.energy import Largest, magnitude_that_counts
 from toolkit.scene.resolution import branches, cuttable, fewest_cut, most_frames
 from toolkit.sensitivity.chosen_frames import Frames
+from toolkit.sensitivity.errors.basis_errors import BasisErrors, derivative
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
@@ -99,6 +103,7 @@ def frame_errors(
     scales: Mapping[str, float],
     reframed: Reframed,
     doubted: Collection[str] = (),
+    by_basis: BasisErrors | None = None,
 ) -> FrameErrors | None:
     """Errors of values and gradients by the number of frames; None where no body needs more frames, or can have them.
 
@@ -107,6 +112,7 @@ def frame_errors(
     Parameters
     ----------
     scales : response -> what an error of its value is compared with
+    by_basis : errors by frozen bases, which are part of what more frames change
     """
     bodies = [body for body in whole_bodies(solution.system.scene) if body in {*bodies_with_more(solution), *doubted}]
     more = {body: _more(solution, body) for body in bodies if _can_have_more(solution, body)}
@@ -119,13 +125,23 @@ def frame_errors(
     except ToolkitError as error:
         return FrameErrors(counts, {}, {}, str(error), most)
     square = min(now / before for before, now in counts.values()) ** 2
-    factor = square / (square - 1)
+    bases = by_basis.numbers if by_basis is not None and {each.name for each in by_basis.bodies} <= {*more} else {}
+
+    def estimated(change: float, name: str) -> float:
+        """Error of a number, by its name in what is known about bases."""
+        known = bases.get(name)
+        by_shapes = 0.0 if known is None or not change else np.clip((known.true - known.told) / change, 0.0, 1.0) * change
+        return float((change - by_shapes) * square / (square - 1) + by_shapes)
+
     unknown = _unknown(solution, more, scales, {f: other_values[f] - value for f, value in values.items()})
     slopes = {f: row for f, row in gradients.items() if f not in unknown}
     return FrameErrors(
         counts,
-        {f: float(factor * (other_values[f] - value)) for f, value in values.items() if f not in unknown},
-        {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in slopes.items()},
+        {f: estimated(other_values[f] - value, f) for f, value in values.items() if f not in unknown},
+        {
+            f: {x: estimated(other_slopes[f][x] - slope, derivative(f, x)) for x, slope in row.items()}
+            for f, row in slopes.items()
+        },
         most=most,
         undecided={
             f: max(magnitude_that_counts(each, solution, NONE), UNFELT * abs(values[f]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
@@ -158,7 +158,12 @@ class Run:
         """Estimated errors by the number of floating frames, by a run with more of them when first asked for."""
         if self.reframed is None or not self.gradients:
             return None
-        return frame_errors(self.solution, self.values, self.gradients, self.scales, self.reframed)
+        return self._frame_errors()
+
+    def _frame_errors(self, doubted: Collection[str] = ()) -> FrameErrors | None:
+        assert self.reframed is not None
+        known = self.values, self.gradients, self.scales
+        return frame_errors(self.solution, *known, self.reframed, doubted, self.basis_errors)
 
     @cached_property
     def basis_errors(self) -> BasisErrors | None:
@@ -223,7 +228,7 @@ class Run:
         bodies = framed_doubts(self._verdict.warnings)
         if self.reframed is None or not self.gradients or bodies <= set(bodies_with_more(self.solution)):
             return self.frame_errors
-        return frame_errors(self.solution, self.values, self.gradients, self.scales, self.reframed, bodies)
+        return self._frame_errors(bodies)
 
     @cached_property
     def _verdict(self) -> Verdict:

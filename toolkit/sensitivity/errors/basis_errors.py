@@ -100,8 +100,13 @@ def basis_errors(
         counts = max(UNIMPORTANT * most, UNFELT * max(abs(true[f]), abs(values[f][0])))
         for x, (slope, scale) in row.items():
             if max(abs(slope - slopes[f][x]), abs(slope)) * sizes[x] > counts:
-                found[f"the derivative of {f} by {x}"] = _compared(slope, slopes[f][x], scale)
+                found[derivative(f, x)] = _compared(slope, slopes[f][x], scale)
     return BasisErrors(bodies, {name: each for name, each in found.items() if np.isfinite([each.told, each.true]).all()})
+
+
+def derivative(response: str, variable: str) -> str:
+    """What a derivative is called among the numbers of a run."""
+    return f"the derivative of {response} by {variable}"
 
 
 def _compared(told: float, true: float, scale: float) -> ComparedBases:
