@@ -106,7 +106,7 @@ def places(path: Path, geometry: Geometry, file: SkinFile) -> dict[str, float]:
     found = {"F": 0.0, "G": float(np.real(geometry.skin.length))}
     for name, place in file.interface_points.items():
         with at_key(path, f"interface_points.{name}"):
-            s = float(geometry.skin.locate(**place.where, stations=geometry.arc_lengths))
+            s = float(geometry.skin.locate(**place.model_dump(), stations=geometry.arc_lengths))
             if name == "skin" or abs(s - found.get(name, s)) > ON_NODE * found["G"]:
                 raise InputError("the solid's groups F, G and skin are its ends and all of it. Give the point another name.")
             found[name] = s
@@ -177,7 +177,7 @@ def _description(file: SkinFile, mesh: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _inline(table: InputTable | dict[str, Any]) -> str:
+def _inline(table: InputTable | dict[str, object]) -> str:
     """A table on one line."""
     given = table if isinstance(table, dict) else table.model_dump(exclude_none=True)
     return "{ " + ", ".join(f"{key} = {json.dumps(value)}" for key, value in given.items()) + " }"

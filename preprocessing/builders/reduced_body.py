@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
 from preprocessing.builders.discrete_body import DiscreteBody
@@ -26,11 +27,11 @@ from preprocessing.reduction.reduced import Rate, contracted
 from preprocessing.reduction.solid_basis import SolidShapes, solid_shapes
 from preprocessing.reduction.spin_stiffening import SpinStiffening, Spun, without_round_off_of_rate
 from preprocessing.reduction.stored_entries import ROUND_OFF, with_held_points
-from preprocessing.reduction.ties import Freedom, chord_turn, freedom
+from preprocessing.reduction.ties import Freedom, NodeTie, chord_turn, freedom
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import SparsePolynomial
-from toolkit.reduced_model.model import MEAN_AXES, Chord, InterfacePoint, Outline, StressPoints
+from toolkit.reduced_model.model import MEAN_AXES, Chord, InterfacePoint, Outline, ReducedModel, StressPoints
 from toolkit.reduced_model.parts import SPIN_STIFFENING, Interior, Spin
 
 MODES, MOST = 2, 12
@@ -38,27 +39,36 @@ MODES, MOST = 2, 12
 AXES = "xyz"
 
 
-def mesh_error(body: Elastic | None, mass: Any, stiffness: Any, free: Freedom, shapes: SolidShapes) -> dict[str, Any]:
-    """Fields of the reduced model with stress errors by load case, and the place of the largest; empty without elements.
+class MeshError(NamedTuple):
+    """Estimated error of the mesh; the fields of `ReducedModel` have the same names."""
+
+    stress_errors: dict[str, float]  # load case -> error
+    stress_error_at: dict[str, float]  # axis -> coordinate of the largest
+
+
+def mesh_error(body: Elastic | None, mass: csr_array, stiffness: csr_array, free: Freedom, shapes: SolidShapes) -> MeshError:
+    """Stress errors by load case, and the place of the largest; empty without elements.
 
     Parameters
     ----------
     mass, stiffness : on the independent coordinates
     """
     if body is None:
-        return {}
+        return MeshError({}, {})
     names, columns = _cases(body.nodes, mass, stiffness, free, shapes)
     if not names:
-        return {}
+        return MeshError({}, {})
     found = stress_errors(body, np.asarray(free.map @ columns))
     known = {name: float(value) for name, value in zip(names, found.relative, strict=True) if np.isfinite(value)}
     if not known:
-        return {}
+        return MeshError({}, {})
     place = found.place[names.index(max(known, key=lambda name: known[name]))]
-    return {"stress_errors": known, "stress_error_at": dict(zip(AXES, map(float, place), strict=False))}
+    return MeshError(known, dict(zip(AXES, map(float, place), strict=False)))
 
 
-def _cases(nodes: np.ndarray, mass: Any, stiffness: Any, free: Freedom, shapes: SolidShapes) -> tuple[list[str], np.ndarray]:
+def _cases(
+    nodes: np.ndarray, mass: csr_array, stiffness: csr_array, free: Freedom, shapes: SolidShapes
+) -> tuple[list[str], np.ndarray]:
     """Names of load cases, and their shapes on the independent coordinates."""
     if shapes.system is None:
         return _weights(nodes, mass, stiffness, free)
@@ -69,7 +79,7 @@ def _cases(nodes: np.ndarray, mass: Any, stiffness: Any, free: Freedom, shapes: 
     return names, shapes.columns[:, [*range(static), *range(n_static, n_static + modes)]]
 
 
-def _weights(nodes: np.ndarray, mass: Any, stiffness: Any, free: Freedom) -> tuple[list[str], np.ndarray]:
+def _weights(nodes: np.ndarray, mass: csr_array, stiffness: csr_array, free: Freedom) -> tuple[list[str], np.ndarray]:
     """Bending under its own weight along the axes, of a body that keeps all coordinates; nothing if it is not held."""
     factors = splu(stiffness.tocsc())
     pivots = np.abs(factors.U.diagonal())
@@ -120,7 +130,7 @@ class SolidSpin:
         """Derivative by what changes the elements, and Z by d_z."""
         nominal, element = self.found.nominal, self.body.element
         assert element is not None
-        matrices, values = change.matrices, dict[str, Any](self.body.values)
+        matrices, values = change.matrices, dict[str, complex](self.body.values)
         if change.mass is not None and self._of_ratio:
             matrices = self.body.parts.derivative(values, parameter)
             values[parameter] += 1j * STEP
@@ -144,7 +154,7 @@ def solid_spin(body: DiscreteBody, matrices: Matrices, free: Freedom, z: np.ndar
     return SolidSpin(body, matrices, floats, SpinStiffening(spun, free.places(nodes, body.ties)))
 
 
-def _motions(nodes: np.ndarray, free: Freedom, ties: Any, floats: bool) -> np.ndarray | None:
+def _motions(nodes: np.ndarray, free: Freedom, ties: Mapping[str, NodeTie], floats: bool) -> np.ndarray | None:
     return free.coordinates_of(rigid_motions(nodes), ties) if floats else None
 
 
@@ -200,8 +210,8 @@ NEW = 1e-6
 """Part of a derivative of a shape beyond all shapes, below which it is round-off."""
 
 
-def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str) -> dict[str, Any]:
-    """Fields of the reduced model that follow from basis and contractions; `clamp` says in words what is held.
+def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str) -> ReducedModel:
+    """Reduced model that follows from basis and contractions, without hash and inputs; `clamp` says in words what is held.
 
     All shapes stay what they are when modulus, density, width or damping change, because their span does: so the invariants are exact
     polynomials of these. Poisson's ratio turns the shapes, unless they are frozen, and places of nodes change all; these have derivatives.
@@ -229,23 +239,24 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     if spin and stored:
         found = found._replace(affine=found.affine | spin.polynomial(stored, list(nominal)))
     points = len(found.invariants.stress_operator)
-    return {
-        "dimension": body.mesh.dimension,
-        "units": units,
-        "reference_condition": _condition(choice, clamp),
-        "basis": shapes.words,
-        "left_out": shapes.left_out,
-        "nominal": nominal,
-        "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
+    model = ReducedModel(
+        dimension=body.mesh.dimension,
+        units=units,
+        reference_condition=_condition(choice, clamp),
+        basis=shapes.words,
+        nominal=nominal,
+        nominal_units={name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
+        input_hash="",
+        writers={} if shapes.system is None else shapes.system.writers,
         **found._asdict(),
-        "writers": {} if shapes.system is None else shapes.system.writers,
-        **_drawn_parts(body, z, list(nominal), coloured=points > 0),
-        **mesh_error(body.elastic, mass, stiffness, free, shapes),
-        **_richer(body, matrices, nominal, choice, free, shapes, z),
-        "interfaces": interfaces,
-        "spin": stored,
-        "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
-    }
+        interfaces=interfaces,
+        stress=StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
+        spin=stored,
+        left_out=shapes.left_out,
+        **mesh_error(body.elastic, mass, stiffness, free, shapes)._asdict(),
+    )
+    model = _with_richer(model, body, matrices, choice, free, shapes, z)
+    return _drawn(model, body, z, coloured=points > 0)
 
 
 def _condition(choice: BasisChoice, clamp: str) -> str:
@@ -280,38 +291,36 @@ def _turned(
     return np.asarray(free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns)
 
 
-def _richer(
+def _with_richer(
+    model: ReducedModel,
     body: DiscreteBody,
     matrices: Matrices,
-    values: dict[str, Any],
     choice: BasisChoice,
     free: Freedom,
     shapes: SolidShapes,
     z: np.ndarray,
-) -> dict[str, Any]:
-    """Fields of the richer basis: frozen shapes, and those that they would turn into; empty where nothing turns them.
+) -> ReducedModel:
+    """Reduced model with a richer basis: frozen shapes, and those that they would turn into.
 
-    Derivatives are then right at the nominal design.
-
-    None where nothing turns them, or modes cannot be followed.
+    Derivatives are then right at the nominal design. It has none where nothing turns the shapes, or modes cannot be followed.
     """
     if not _enriched(body, choice) or not body.changes:
-        return {}
+        return model
     following = replace(choice, derivative="differentiated")
     try:
         turned = [_turned(body, matrices, change, following, free, shapes) for _, change in body.changes]
     except InputError:  # a cluster of modes is cut
-        return {}
+        return model
     richer = np.column_stack([z, _beyond(z[:, 1:], np.column_stack([each for each in turned if each is not None]))])
     interfaces = {name: _interface(*each.motion(richer), body.mesh.size) for name, each in body.ties.items()}
     interfaces = with_held_points(interfaces, richer[:, 1:], body.mesh.size)
     rates = ((name, _rate(body, name, change, richer, None)) for name, change in body.changes)
-    found = contracted(body.parts, matrices, values, richer, rates, interfaces, computed=True)
+    found = contracted(body.parts, matrices, model.nominal, richer, rates, interfaces, computed=True)
     loads = None
     if body.boundary is not None and not isinstance(body.boundary, BoundaryLines):
         loads = {name: pressure_on(each.normals(), richer) for name, each in body.pressure_surfaces.items()}
-    parts = {**found._asdict(), "interfaces": interfaces, "surface_loads": loads}
-    return {f"richer_{name}": part for name, part in parts.items()}
+    parts = {f"richer_{name}": part for name, part in found._asdict().items()}
+    return replace(model, **parts, richer_interfaces=interfaces, richer_surface_loads=loads)
 
 
 def _enriched(body: DiscreteBody, choice: BasisChoice) -> bool:
@@ -331,13 +340,13 @@ def _beyond(shapes: np.ndarray, more: np.ndarray) -> np.ndarray:
     return new[:, parts > NEW]
 
 
-def _drawn_parts(body: DiscreteBody, z: np.ndarray, parameters: Sequence[str], coloured: bool) -> dict[str, Any]:
-    """Parts of the reduced model for pictures: outline and interior in the plane; surface and its pressures in space."""
+def _drawn(model: ReducedModel, body: DiscreteBody, z: np.ndarray, coloured: bool) -> ReducedModel:
+    """Reduced model with its parts for pictures: outline and interior in the plane; surface and its pressures in space."""
     if body.boundary is None or isinstance(body.boundary, BoundaryLines):
-        interior = inside(body.elastic, body.mesh, z, parameters) if coloured else None
-        return {"outline": None if body.boundary is None else _outline(body.boundary, z), "interior": interior}
+        interior = inside(body.elastic, body.mesh, z, model.parameters) if coloured else None
+        return replace(model, outline=None if body.boundary is None else _outline(body.boundary, z), interior=interior)
     loads = {name: pressure_on(each.normals(), z) for name, each in body.pressure_surfaces.items()}
-    return {"surface": surface_of(body.boundary, z), "surface_loads": loads}
+    return replace(model, surface=surface_of(body.boundary, z), surface_loads=loads)
 
 
 def _outline(lines: BoundaryLines, z: np.ndarray) -> Outline:
