@@ -61,7 +61,7 @@ Reframed = Callable[[Mapping[str, Frames]], tuple[Mapping[str, float], Slopes]]
 class FrameErrors:
     """Estimated errors of a run by the number of its frames; `failure` says why there are none.
 
-    Parts with frames of their own have all shapes of their elements, so that of a reduced body these are errors by its basis too.
+    Parts of a reduced body have more shapes together than it has, so that these are errors by its basis too.
     """
 
     frames: Mapping[str, tuple[int, int]]  # body -> those of the run, and those that it is compared with

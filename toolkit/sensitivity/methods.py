@@ -166,7 +166,7 @@ def _reframed(
     compiled: Compiled, kind: Kind, solution: Solution, frames: Mapping[str, Frames]
 ) -> tuple[Mapping[str, float], Mapping[str, Mapping[str, float]]]:
     """Values and gradients, those of extremes at peaks between the steps, of a compiled scene with other frames and the same steps."""
-    other = compiled.reframed(frames)
+    other = compiled.reframed(frames, reduced=True)
     if kind == "transient" and (compiled.scene.solver.local_error is not None or solution.halved):
         other = Compiled(frozen(other.scene, solution, compiled.scene.solver.halvings), other.names)
     found = by_method("auto", other, kind)
