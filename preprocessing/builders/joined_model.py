@@ -11,13 +11,10 @@ from scipy.linalg import eigh
 
 from preprocessing.builders.cut_mesh import ENDS, CutMesh, PieceBodies
 from preprocessing.builders.discrete_body import DiscreteBody
-from preprocessing.builders.reduced_body import MeshError, mesh_error, reduced_body
+from preprocessing.builders.reduced_body import MeshError, mesh_error, reduced_body, reduced_solid
 from preprocessing.mesh.faces import BoundaryFaces
-from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.reduction.basis import BasisChoice
 from preprocessing.reduction.chosen_basis import clamped_in_tangent_frame
-from preprocessing.reduction.solid_basis import solid_shapes
-from preprocessing.reduction.ties import freedom
 from toolkit.reduced_model.cut_part import symmetric
 from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.model import InterfacePoint, Invariants, ReducedModel, StressPoints
@@ -206,17 +203,11 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
     ends : interface point -> number of its end, the clamp's is zero
     stiffness : of the pieces, on the motions of all ends but the clamped one
     """
-    free = freedom(body.mesh, body.clamped, body.ties)
-    matrices = body.parts.at(body.values)
-    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
-    mass, whole = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
-    motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
-    places = free.places(body.mesh.nodes, body.ties)
-    shapes = solid_shapes(BasisChoice("static"), mass, whole, motions, places, free, body.ties)
-    m = body.mesh.motions
+    solid = reduced_solid(body, BasisChoice("static"))
+    shapes, m = solid.shapes, body.mesh.motions
     here = np.concatenate([m * (ends[name] - 1) + np.arange(m) for name in shapes.points])
     in_pieces = symmetric(np.linalg.inv(stiffness)[np.ix_(here, here)])
-    uncut = symmetric(np.linalg.inv(shapes.columns.T @ (whole @ shapes.columns)))
+    uncut = symmetric(np.linalg.inv(shapes.columns.T @ (solid.stiffness @ shapes.columns)))
     extremes = eigh(in_pieces, uncut, eigvals_only=True)[[0, -1]] - 1
     loads = [f"{what} {axis} at {name}" for name in shapes.points for what in ("force", "moment") for axis in "xyz"]
     found = {
@@ -224,7 +215,7 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
         **dict(zip(loads, np.diag(in_pieces) / np.diag(uncut) - 1, strict=True)),
     }
     errors = {name: float(error) if abs(error) > ROUND_OFF else 0.0 for name, error in found.items()}
-    return errors, mesh_error(body.elastic, mass, whole, free, shapes)
+    return errors, mesh_error(solid)
 
 
 class PieceSurface(NamedTuple):
