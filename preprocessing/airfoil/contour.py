@@ -104,19 +104,6 @@ class Contour:
         """Signed curvature (1/length), positive where the loop is convex; shape (...)."""
         return self.curve.curvature(s)
 
-    def at_row(self, i: int) -> Number:
-        """Arc length of row i of the points, counted from 0.
-
-        Raises
-        ------
-        InputError
-            There is no such row.
-        """
-        n = len(self.curve.point_s)
-        if not 0 <= i < n:
-            raise InputError(f"row {i} is not on the contour: its rows count from 0 to {n - 1}.")
-        return self.curve.point_s[i].item()
-
     @cached_property
     def outline(self) -> np.ndarray:
         """Points (n, 2) to draw the contour by: the rows, and three between any two, for a nose of few rows is round too."""

@@ -141,7 +141,7 @@ def columns_of_piece(number: int) -> np.ndarray:
     return np.concatenate([[0], columns_of_end(number), columns_of_end(number + 1)])
 
 
-class Pressures(NamedTuple):
+class PiecePressures(NamedTuple):
     """Unit pressures on the body's surfaces and on those of its pieces, with their derivatives."""
 
     surface_loads: dict[str, SurfaceLoad]
@@ -150,12 +150,12 @@ class Pressures(NamedTuple):
     element_derivatives: dict[str, Derivatives]  # of the latter
 
 
-def pressures(pieces: Sequence[ReducedModel]) -> Pressures:
+def pressures(pieces: Sequence[ReducedModel]) -> PiecePressures:
     """Unit pressures on all surfaces that the pieces share."""
     loads, count = [each.surface_loads or {} for each in pieces], len(pieces)
     names = [*loads[0]]
     whole, every = placed(pieces, _pressure_in_body(loads)), placed(pieces, _pressure_in_row(loads))
-    return Pressures(
+    return PiecePressures(
         {name: SurfaceLoad(*_arrays(whole, name, (), 1 + MOTIONS * count)) for name in names},
         {name: PieceLoads(*_arrays(every, name, (count,), 1 + SPATIAL_LOCAL)) for name in names},
         whole.derivatives,

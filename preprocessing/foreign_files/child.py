@@ -14,7 +14,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes import limit_process, memory_of_machine
 
 if TYPE_CHECKING:
-    from preprocessing.foreign_files.wire import Outcome
+    from preprocessing.foreign_files.wire import ReaderOutcome
 
 LARGEST_FILE = 2 * 10**9
 """Bytes; a mesh of ten million nodes has half of it."""
@@ -70,7 +70,7 @@ def main(reader: str, path: str, memory: str, seconds: str, *more: str) -> None:
             send(output, {"reason": str(error)})
 
 
-def reading(reader: str, path: str, *more: str) -> Outcome:
+def reading(reader: str, path: str, *more: str) -> ReaderOutcome:
     """Outcome of a reader, whatever happens to it."""
     said = StringIO()
     try:

@@ -13,7 +13,7 @@ Sent: TypeAlias = "str | float | np.ndarray | Sequence[Sent] | Mapping[str, Sent
 """Texts, numbers, arrays, and lists and records of these."""
 
 
-class Outcome(TypedDict, total=False):
+class ReaderOutcome(TypedDict, total=False):
     """Outcome of a reader: what it has found, or one of the reasons why it has found nothing."""
 
     found: Sent
@@ -23,7 +23,7 @@ class Outcome(TypedDict, total=False):
     memory: bool  # whether there was not enough of it
 
 
-def send(stream: BinaryIO, outcome: Outcome) -> None:
+def send(stream: BinaryIO, outcome: ReaderOutcome) -> None:
     """Write an outcome to a stream: the JSON text behind its length, then the arrays.
 
     Arrays are in NumPy's own format, each of them once.
@@ -52,7 +52,7 @@ class _Pipe:
         return self._stream.write(content)
 
 
-def receive(stream: BinaryIO) -> Outcome:
+def receive(stream: BinaryIO) -> ReaderOutcome:
     """Outcome that was sent; raises ValueError if it is not whole."""
     size = stream.seek(0, os.SEEK_END)
     stream.seek(0)
