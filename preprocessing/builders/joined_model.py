@@ -320,10 +320,8 @@ def joined_model(found: PieceBodies) -> ReducedModel:
     width, pressed = invariants.first_moment.shape[1], pressures(pieces)
     drawn, pieces_of_surface, points = surface.parts(pieces, width, n_stress)
     face_errors, errors_of_mesh = judged_by_uncut(found.whole, dict(numbers_of_points(cut)), invariants.stiffness)
-    return ReducedModel(
-        **{
-            name: getattr(pieces[0], name) for name in ("dimension", "units", "nominal", "nominal_units", "writers", "input_hash")
-        },
+    return replace(
+        pieces[0],  # of which units, parameters and writers are those of the body
         reference_condition=clamped_in_tangent_frame(f"the nodes of {cut.named.file.clamp and cut.named.file.clamp.words}"),
         basis=_words(cut),
         invariants=invariants,
