@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import skfem
@@ -17,7 +16,7 @@ from preprocessing.mesh.faces import HEXAHEDRON_EDGES
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.foundation.errors import InputError
 
-KINDS: dict[str, tuple[Any, Any, int]] = {
+KINDS: dict[str, tuple[type[skfem.Mesh], type[skfem.Element], int]] = {
     "triangle": (skfem.MeshTri1, skfem.ElementTriP1, 4),
     "triangle6": (skfem.MeshTri2, skfem.ElementTriP2, 6),
     "quad": (skfem.MeshQuad1, skfem.ElementQuad1, 6),
@@ -61,14 +60,14 @@ class ElementBlock:
 
     kind: str
     connectivity: np.ndarray  # (n_e, n_local) in the order of scikit-fem's shape functions
-    geometry: Any  # mesh of scikit-fem with the same elements in the same order
-    shapes: Any  # element of scikit-fem
+    geometry: skfem.Mesh  # with the same elements in the same order
+    shapes: skfem.Element
 
-    def functions(self) -> Any:
+    def functions(self) -> skfem.CellBasis:
         """Shape functions at points that integrate products of two of them exactly, on curved elements too."""
         return skfem.CellBasis(self.geometry, self.shapes, quadrature=points_of(self.kind))
 
-    def functions_in_parts(self) -> Iterator[tuple[np.ndarray, Any]]:
+    def functions_in_parts(self) -> Iterator[tuple[np.ndarray, skfem.CellBasis]]:
         """Shape functions and numbers of some elements after others, so that not all gradients are in memory at once."""
         points = points_of(self.kind)
         at_once = max(1, IN_MEMORY // (points[0].size * self.shapes.doflocs.shape[0]))
@@ -76,11 +75,11 @@ class ElementBlock:
             elements = np.arange(start, min(start + at_once, len(self.connectivity)))
             yield elements, skfem.CellBasis(self.geometry, self.shapes, quadrature=points, elements=elements)
 
-    def functions_at(self, points: np.ndarray, elements: np.ndarray | None = None) -> Any:
+    def functions_at(self, points: np.ndarray, elements: np.ndarray | None = None) -> skfem.CellBasis:
         """Shape functions at points (d, n_points) of the reference element, of all elements or of those with the given numbers."""
         return skfem.CellBasis(self.geometry, self.shapes, quadrature=(points, np.ones(points.shape[1])), elements=elements)
 
-    def numbering(self, functions: Any, n_nodes: int) -> Any:
+    def numbering(self, functions: skfem.CellBasis, n_nodes: int) -> sparse.csr_array:
         """Sparse (functions, n_nodes) that says which shape function of scikit-fem belongs to which node."""
         pair = np.column_stack([functions.dofs.element_dofs.T.ravel(), self.connectivity.ravel()])
         row, column = np.unique(pair, axis=0).T
