@@ -14,12 +14,12 @@ from typing import Any, TypeVar
 class ToolkitError(Exception):
     """Base of every error that the toolkit raises on purpose; the command line prints its text without a traceback."""
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Form in which other processes get the error: with its text and attributes, whatever its constructor takes."""
         return error_again, (type(self), *self.args), dict(self.__dict__)
 
 
-def error_again(kind: type[ToolkitError], *args: Any) -> ToolkitError:
+def error_again(kind: type[ToolkitError], *args: object) -> ToolkitError:
     """Error of a kind with its text.
 
     Python itself would call the constructor with the text alone, which some do not take.

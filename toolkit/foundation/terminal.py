@@ -14,7 +14,7 @@ from toolkit.foundation.errors import ToolkitError, out_of_memory, refusal
 from toolkit.foundation.verdict import finite
 
 if TYPE_CHECKING:
-    from toolkit.foundation.value_types import Json
+    pass
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""
@@ -34,7 +34,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no r
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 
 
-def print_json(record: Mapping[str, Json]) -> None:
+def print_json(record: Mapping[str, object]) -> None:
     """Print one JSON object; numbers in it that are not finite become null."""
     typer.echo(json.dumps(finite(record), indent=2, allow_nan=False))
 

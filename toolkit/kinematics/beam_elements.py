@@ -35,9 +35,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar
 
 SECOND, THIRD = 1, 2
 """Numbers of the section's principal axes e_2 and e_3 among the axes of an element."""
@@ -251,7 +254,7 @@ def length(ends: np.ndarray) -> np.ndarray:
     return np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1))
 
 
-def at_place(coefficients: np.ndarray, ratio: Any) -> np.ndarray:
+def at_place(coefficients: np.ndarray, ratio: Scalar | np.ndarray) -> np.ndarray:
     """Functions of one element, by their coefficients of r^k (4, ..), at one place along it."""
     return np.tensordot(ratio**POWERS, coefficients, axes=1)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from itertools import pairwise
-from typing import Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 from pydantic import PrivateAttr
@@ -21,6 +21,9 @@ from toolkit.joints.rigid_joint import Tie
 from toolkit.reduced_model.cut_chain import breaks, chain_nodes, node_labels, place_at, place_of
 from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.scene import Scene, known
+
+if TYPE_CHECKING:
+    pass
 
 T = TypeVar("T")
 
@@ -41,7 +44,7 @@ class ResolvedScene(Scene):
     _models: dict[str, ReducedModel] = PrivateAttr(default_factory=dict)
     _parts: dict[str, tuple[Body, dict[str, Body]]] = PrivateAttr(default_factory=dict)
 
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+    def model_copy(self, *, update: Mapping[str, object] | None = None, deep: bool = False) -> Self:
         """A copy with other fields, whose answers are its own unless only what is asked or how it is solved differs."""
         found = super().model_copy(update=update, deep=deep)
         if not (update or {}).keys() <= {"solver", "responses"}:

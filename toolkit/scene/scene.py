@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -28,13 +28,20 @@ from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.design_variables import variables_of
 from toolkit.scene.space import SPACES, Space
 
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar
+
 GROUPS = ("points", "bodies", "joints", "loads", "responses")
 """Tables of names."""
 PLURAL = {"body": "bodies", "point": "points", "joint": "joints", "load": "loads"}
 
 
 def check_names(
-    points: Mapping[str, Any], bodies: Mapping[str, Any], joints: Mapping[str, Any], loads: Mapping[str, Any], responses: Mapping
+    points: Mapping[str, object],
+    bodies: Mapping[str, Body],
+    joints: Mapping[str, object],
+    loads: Mapping[str, object],
+    responses: Mapping[str, object],
 ) -> None:
     """Check all names of a scene.
 
@@ -277,13 +284,13 @@ class Scene(Description):
         path = numbered(path, groups) if self.space.named_vectors else path
         return lettered(path, self._numbers_near(path)) if path.endswith((".0", ".1")) else path
 
-    def _written(self, path: str) -> Any | None:
+    def _written(self, path: str) -> Scalar | None:
         """Number at a path, if the scene writes one there."""
         group, name, *keys = (*path.split("."), "", "")[: 2 + max(0, path.count(".") - 1)]
         items = getattr(self, group) if group in type(self).model_fields else None
         return number_at(items[name], keys) if isinstance(items, dict) and name in items else dict(self.numbers()).get(path)
 
-    def _numbers_near(self, path: str) -> dict[str, Any]:
+    def _numbers_near(self, path: str) -> dict[str, Scalar]:
         """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""
         group, name = (*path.split("."), "")[:2]
         items = getattr(self, group) if group in type(self).model_fields else None
@@ -318,7 +325,7 @@ class Scene(Description):
         written = [path for path, _ in self.numbers() if path.split(".")[0] in ("points", "bodies", "joints", "loads")]
         return list(dict.fromkeys([*written, *self.model_parameters()]))
 
-    def with_number(self, path: str, value: Any) -> Self:
+    def with_number(self, path: str, value: Scalar) -> Self:
         """A copy in which one number has another value, real or complex.
 
         Raises
@@ -335,7 +342,7 @@ class Scene(Description):
             return self.model_copy(update={group: {**owner, name: changed}})
         return super().with_all({path: value})
 
-    def with_all(self, values: Mapping[str, Any]) -> Self:
+    def with_all(self, values: Mapping[str, Scalar]) -> Self:
         """A copy in which several numbers have other values, real or complex."""
         written = {path: value for path, value in values.items() if self._written(path) is not None}
         found = super().with_all(written) if written else self
@@ -361,7 +368,7 @@ class Scene(Description):
         """Real part of the number at a path, without an imaginary step."""
         return float(np.real(self.number(path)))
 
-    def moved(self, variable: DesignVariable, step: Any) -> Self:
+    def moved(self, variable: DesignVariable, step: Scalar) -> Self:
         """A copy in which a design variable has grown by a step, real or complex."""
         found = self
         for path, factor in zip(variable.paths, variable.factors, strict=True):
@@ -384,7 +391,7 @@ class Scene(Description):
         return variables_of(self, self.design if names is None else names)
 
 
-def _with_extra(body: Body, key: str, value: Any) -> Body:
+def _with_extra(body: Body, key: str, value: Scalar) -> Body:
     changed = body.model_copy()
     object.__setattr__(changed, "__pydantic_extra__", {**body.model_values(), key: value})
     return changed

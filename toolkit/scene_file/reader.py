@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -22,8 +22,14 @@ from toolkit.scene.design_variables import refuse_wrong_variables
 from toolkit.scene.kinds import DIMENSIONS, kinds_of
 from toolkit.scene.scene import GROUPS, Scene
 
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import TomlValue
 
-def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
+
+D = TypeVar("D", bound=Description)
+
+
+def read_scene(path: str | Path, changes: Mapping[str, TomlValue] | None = None) -> Scene:
     """Scene that a file in TOML describes.
 
     Parameters
@@ -99,13 +105,13 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     return scene
 
 
-def responses_from_table(table: Any, problems: list[str]) -> dict[str, Response]:
+def responses_from_table(table: object, problems: list[str]) -> dict[str, Response]:
     """Responses from a table of names as it stands in a scene file; what is wrong with them is added to the problems."""
     items = _group(table, "responses", problems)
     return {name: _item(item, Response.kinds, {}, f"responses.{name}", problems) for name, item in items.items()}
 
 
-def _dimension(table: Mapping[str, Any], path: Path) -> int:
+def _dimension(table: Mapping[str, object], path: Path) -> int:
     """Dimension of the scene, 2 or 3, on which everything else depends.
 
     Raises
@@ -122,7 +128,7 @@ def _dimension(table: Mapping[str, Any], path: Path) -> int:
     return given
 
 
-def _group(value: Any, name: str, problems: list[str]) -> dict[str, Any]:
+def _group(value: object, name: str, problems: list[str]) -> dict[str, Any]:
     if isinstance(value, dict):
         return value
     problems.append(f"{name} must be a table of names, not {SHORT.repr(value)}.")
@@ -132,7 +138,7 @@ def _group(value: Any, name: str, problems: list[str]) -> dict[str, Any]:
 SPACES = {2: "a planar point has two, [x, y]", 3: "a point in space has three, [x, y, z]"}
 
 
-def _point(value: Any, dimension: int, where: str, problems: list[str]) -> Any:
+def _point(value: object, dimension: int, where: str, problems: list[str]) -> Point | BodyPoint | None:
     if isinstance(value, list):
         if len(value) == dimension:
             return _validated(Point, dict(zip("xyz", value, strict=False)), where, problems)
@@ -149,7 +155,7 @@ def _point(value: Any, dimension: int, where: str, problems: list[str]) -> Any:
 
 
 def _item(
-    value: Any, kinds: Mapping[str, type[Registered]], others: Mapping[str, type[Registered]], where: str, problems: list[str]
+    value: object, kinds: Mapping[str, type[Registered]], others: Mapping[str, type[Registered]], where: str, problems: list[str]
 ) -> Any:
     """Component of the scene from its table; `others` are the kinds that scenes of the other dimension have."""
     if not isinstance(value, dict) or "type" not in value:
@@ -167,7 +173,7 @@ def _item(
     return _validated(kind, {key: item for key, item in value.items() if key != "type"}, where, problems)
 
 
-def _validated(kind: type[Description], value: Any, where: str, problems: list[str]) -> Any:
+def _validated(kind: type[D], value: object, where: str, problems: list[str]) -> D | None:
     try:
         return kind.model_validate(value)
     except ValidationError as error:
@@ -175,7 +181,7 @@ def _validated(kind: type[Description], value: Any, where: str, problems: list[s
         return None
 
 
-def _change(table: dict[str, Any], key: str, text: Any, path: Path) -> None:
+def _change(table: dict[str, Any], key: str, text: TomlValue, path: Path) -> None:
     """Set one value by its path; x and y, in space z too, name the entries of a vector."""
     value = _value(text)
     *owners, last = key.split(".")
@@ -200,7 +206,7 @@ def _change(table: dict[str, Any], key: str, text: Any, path: Path) -> None:
     owner[last if index is None else index] = value
 
 
-def _value(text: Any) -> Any:
+def _value(text: TomlValue) -> TomlValue:
     """Value that a text stands for in a file."""
     try:
         return parse_toml(f"value = {text}")["value"] if isinstance(text, str) else text

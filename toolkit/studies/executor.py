@@ -17,13 +17,16 @@ from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.synchronize import Event
 from pathlib import Path
 from threading import Thread
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.processes import one_thread, refuse_namesakes, safe_spawning
 from toolkit.studies.store import JobOutcome, program
 
-_AT_HAND: list[Callable[[Any], Any]] = []
+if TYPE_CHECKING:
+    from distributed import Client
+
+_AT_HAND: list[Callable[..., Any]] = []
 """In a process of a pool: the work that it was started for, which was sent to it once."""
 UNGUARDED = (
     'a study in several processes was started outside of `if __name__ == "__main__":`. Each process first runs the script that started '
@@ -36,8 +39,12 @@ class StudyError(ToolkitError, RuntimeError):
 
 
 def in_processes(
-    work: Callable[[Any], Any], tasks: Mapping[Any, Any], count: int, remedy: str, more: Callable[[], Mapping[Any, Any]] = dict
-) -> Iterator[tuple[Any, Any]]:
+    work: Callable[[Job], Result],
+    tasks: Mapping[Key, Job],
+    count: int,
+    remedy: str,
+    more: Callable[[], Mapping[Key, Job]] = dict,
+) -> Iterator[tuple[Key, Result]]:
     """What the work makes of each task, as it gets done; the work is sent to every process once, and tasks one by one.
 
     When all are done, `more` is asked for others, until it has none.
@@ -90,7 +97,7 @@ def _in_import() -> bool:
     return getattr(current_process(), "_inheriting", False)
 
 
-def _begin(work: Callable[[Any], Any], begun: Event) -> None:
+def _begin(work: Callable[..., object], begun: Event) -> None:
     """Ctrl-C belongs to the process that a person sees; this one ends its task, and ends at once where that process is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_end_with_parent, name="parent", daemon=True).start()
@@ -106,7 +113,7 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _at_hand(task: Any) -> Any:
+def _at_hand(task: object) -> Any:
     return _AT_HAND[0](task)
 
 
@@ -114,7 +121,9 @@ PATIENCE = 20
 """Seconds for which scheduler and workers are waited for."""
 
 
-def on_cluster(work: Callable[[Any], Any], tasks: Mapping[Any, Any], address: str, remedy: str) -> Iterator[tuple[Any, Any]]:
+def on_cluster(
+    work: Callable[[Job], Result], tasks: Mapping[Key, Job], address: str, remedy: str
+) -> Iterator[tuple[Key, Result]]:
     """What the work makes of each task, as it gets done.
 
     The work travels once to every worker, where all of its tasks share it, and what they compile. It is a task of its own: if the only
@@ -161,7 +170,7 @@ def _silent_logs() -> Iterator[None]:
         log.setLevel(before)
 
 
-def _client(address: str) -> Any:
+def _client(address: str) -> Client:
     """A client of a cluster that has workers."""
     import distributed
 
@@ -182,7 +191,7 @@ def _client(address: str) -> Any:
     return client
 
 
-def arrived(work: Callable[[Any], Any], version: str) -> Callable[[Any], Any]:
+def arrived(work: Callable[[Job], Result], version: str) -> Callable[[Job], Result]:
     """The work on a worker, if that runs the same program."""
     if program() != version:
         raise StudyError(
@@ -191,7 +200,7 @@ def arrived(work: Callable[[Any], Any], version: str) -> Callable[[Any], Any]:
     return work
 
 
-def run(work: Callable[[Any], Any], task: Any) -> Any:
+def run(work: Callable[[Job], Result], task: Job) -> Result:
     """One task, on a worker."""
     return work(task)
 

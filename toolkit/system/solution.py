@@ -263,7 +263,7 @@ def used_interfaces(scene: ResolvedScene, body: str) -> list[str]:
     return sorted(mine & {*known})
 
 
-def spins_of(solution: Solution, body: str, instants: Any = slice(None)) -> np.ndarray:
+def spins_of(solution: Solution, body: str, instants: slice | np.ndarray = slice(None)) -> np.ndarray:
     """Angular velocity (n_t, 3) of a flexible body's frame at some instants of a run, in the axes of its reduced model."""
     where, found = solution.coordinates(body), flexible_body(solution.system.scene, body)
     return found.spins(np.real(solution.q[instants][:, where]), np.real(solution.v[instants][:, where]))

@@ -27,7 +27,7 @@ from toolkit.equations.equations import (
     of_variables,
 )
 from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
-from toolkit.foundation.compiled.packed import Packed
+from toolkit.foundation.compiled.packed import Formula, Packed
 from toolkit.foundation.kernel import plain
 from toolkit.foundation.near_ties import first_largest
 from toolkit.linear.sparse_analysis import LUPlan, analyse
@@ -106,13 +106,13 @@ class System:
         """Whether the formulas run compiled."""
         return self.dtype is float
 
-    def run(self, function: Callable, *arguments: Any) -> Any:
+    def run(self, function: Callable[..., R], *arguments: object) -> R:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         if not self.compiled:
             return plain(function)(*arguments)
         return call(function, *map(self._handed.of, arguments))
 
-    def prepared(self, function: Callable, *arguments: Any) -> Callable[[], Any]:
+    def prepared(self, function: Callable[..., R], *arguments: object) -> Callable[[], R]:
         """Kernel with its arguments, looked up once, for whoever writes other numbers into their arrays and calls it again."""
         if not self.compiled:
             return partial(plain(function), *arguments)
@@ -219,7 +219,7 @@ class System:
         return EvaluationMemory(self.plan)
 
     @cached_property
-    def evaluator(self) -> Any:
+    def evaluator(self) -> Callable | Formula:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
         if not self.compiled:
             return plain(evaluate_all)
@@ -259,7 +259,7 @@ class System:
         """Record of scratch memory, whatever it holds: one that a run has given back under the key, or else a new one."""
         return self._handed.scratch(key, make) if self._keeps_memory else make()
 
-    def give_back(self, key: Hashable, record: Any) -> None:
+    def give_back(self, key: Hashable, record: object) -> None:
         """Leave a record of `scratch` to the next run of this system, or of one that is compiled as it is."""
         if self._keeps_memory:
             self._handed.give_back(key, record)

@@ -18,7 +18,7 @@ from toolkit.render.space.look import ANGLE, ISOMETRIC, Camera
 
 
 @contextmanager
-def canvas(path: Path, width: int, height: int, panels: int) -> Iterator[Any]:
+def canvas(path: Path, width: int, height: int, panels: int) -> Iterator[pyvista.Plotter]:
     """Plotter whose renderer 0 is the white sheet, the last one for a legend, the others panels.
 
     It is written at the end, in one stroke.
@@ -39,7 +39,12 @@ def canvas(path: Path, width: int, height: int, panels: int) -> Iterator[Any]:
 
 
 def letter(
-    plotter: Any, text: str, pixel: np.ndarray, size: int, color: str = INK, anchor: tuple[str, str] = ("center", "center")
+    plotter: pyvista.Plotter,
+    text: str,
+    pixel: np.ndarray,
+    size: int,
+    color: str = INK,
+    anchor: tuple[str, str] = ("center", "center"),
 ) -> Any:
     """Write a text at a pixel of the plotter's active renderer; anchor: horizontal and vertical. Returns its actor."""
     # VTK's text takes a bar for the border of columns and a dollar for the start of a formula.
@@ -50,7 +55,7 @@ def letter(
     return actor
 
 
-def strokes(plotter: Any, lines: Sequence[np.ndarray], color: str, width: float) -> None:
+def strokes(plotter: pyvista.Plotter, lines: Sequence[np.ndarray], color: str, width: float) -> None:
     """Draw polylines (n, 2), in pixels, flat on the plotter's active renderer."""
     mapper = vtkPolyDataMapper2D()
     flat = [np.column_stack([points, np.zeros(len(points))]) for points in lines]
@@ -108,7 +113,7 @@ class SpatialPanel:
         """Place of points (..., 3) in the panel, in pixels from its lower left corner, (..., 2)."""
         return self.camera.seen(points) * self.scale
 
-    def draw(self, mesh: Any, **style: Any) -> Any:
+    def draw(self, mesh: pyvista.DataSet, **style: Any) -> Any:
         """Add a mesh to the panel, without moving the view; `line_width` is that of a picture 1600 pixels wide.
 
         A mesh without points is nothing to draw, as the tube along a body of two points at one place; some versions of pyvista refuse it.
@@ -119,15 +124,15 @@ class SpatialPanel:
         style["line_width"] = style.get("line_width", 1) * self.letter / 22
         return self.plotter.add_mesh(mesh, reset_camera=False, show_scalar_bar=False, render=False, **style)
 
-    def draw_nearer(self, mesh: Any, shift: float, **style: Any) -> Any:
+    def draw_nearer(self, mesh: pyvista.DataSet, shift: float, **style: Any) -> Any:
         """Add a mesh that covers what is behind it and up to a length before it."""
         return self.draw(_moved(mesh, self.camera.nearer(mesh.points, shift)), **style)
 
-    def draw_front(self, mesh: Any, **style: Any) -> Any:
+    def draw_front(self, mesh: pyvista.DataSet, **style: Any) -> Any:
         """Add a mesh that covers everything else, as drawing symbols do."""
         return self.draw(_moved(mesh, self.camera.before_all(mesh.points)), **style)
 
-    def draw_back(self, mesh: Any, **style: Any) -> Any:
+    def draw_back(self, mesh: pyvista.DataSet, **style: Any) -> Any:
         """Add a mesh that everything else covers."""
         return self.draw(_moved(mesh, self.camera.behind_all(mesh.points)), **style)
 
@@ -177,7 +182,7 @@ class SpatialPanel:
         )
 
 
-def _moved(mesh: Any, points: np.ndarray) -> Any:
+def _moved(mesh: pyvista.DataSet, points: np.ndarray) -> pyvista.DataSet:
     found = mesh.copy(deep=False)
     found.points = points
     return found
@@ -237,7 +242,7 @@ def color_bar(plotter: Any, actor: Any, title: str, letters: int) -> None:
     letter(plotter, title, np.array([0.31 * width, 3.9 * letters]), letters)
 
 
-def explain(plotter: Any, meanings: Sequence[tuple[str, str]], left: float, letters: int) -> None:
+def explain(plotter: pyvista.Plotter, meanings: Sequence[tuple[str, str]], left: float, letters: int) -> None:
     """Write words in their colours at the lower edge of the picture, from a pixel on."""
     plotter.subplot(0, 0)
     for k, (text, color) in enumerate(reversed(meanings)):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,6 +33,9 @@ from toolkit.render.space.plotter import (
     strokes,
 )
 from toolkit.responses.stress import point_stress
+
+if TYPE_CHECKING:
+    from pyvista import Plotter
 
 JOINT, UNTOLD = "#3a3f47", "#c8cdd4"
 LOADS = {"force": "#8e2a9e", "torque": "#d2691e"}
@@ -236,7 +239,7 @@ def _below(look: SpatialLook) -> float:
 
 
 def draw_legend(
-    plotter: Any, actor: Any, moments: Sequence[SpatialConfiguration], look: SpatialLook, left: int, letters: int
+    plotter: Plotter, actor: Any, moments: Sequence[SpatialConfiguration], look: SpatialLook, left: int, letters: int
 ) -> None:
     """Colour bar at the lower left, meaning of colours beside it or in its place, symbols above."""
     words = 0.62 * plotter.window_size[0] if look.stress_limit else left
@@ -285,7 +288,7 @@ def _kinds(moment: SpatialConfiguration) -> list[str]:
     return [kind for kind in SYMBOLS if kind in found] + ["spring"] * springs
 
 
-def _draw_symbol_words(plotter: Any, moment: SpatialConfiguration, left: int, letters: int, top: float) -> None:
+def _draw_symbol_words(plotter: Plotter, moment: SpatialConfiguration, left: int, letters: int, top: float) -> None:
     """Each kind of symbol in the picture once, small and with its word; they end `top` letters above the edge."""
     grounded, entries = {symbol.kind: symbol.grounded for symbol in spatial_symbols(moment)}, _kinds(moment)
     if not entries:

@@ -10,7 +10,7 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from toolkit.kept_run.end_state import EndState, end_state
 from toolkit.scene.scene import Scene
 from toolkit.solvers.start.initial_conditions import ConsistentMotion, closed_start
 from toolkit.system.system import System
+
+if TYPE_CHECKING:
+    from toolkit.description.description import Registered
 
 READ_ANEW = ("model", "extrapolation")
 """Words of a body that may differ from those of the kept run: its reduced model is compared by its content."""
@@ -94,12 +97,12 @@ def _refuse(system: System, known: _Known) -> None:
             )
 
 
-def _words(body: Any) -> dict[str, Any]:
+def _words(body: Registered) -> dict[str, object]:
     """Words of a body's table that say what its coordinates mean."""
     return {"type": body.kind, **{key: _plain(value) for key, value in body if key not in READ_ANEW and _is_word(key, value)}}
 
 
-def _is_word(key: str, value: Any) -> bool:
+def _is_word(key: str, value: object) -> bool:
     return (
         isinstance(value, str)
         or (isinstance(value, tuple) and all(isinstance(each, str) for each in value))
@@ -107,7 +110,7 @@ def _is_word(key: str, value: Any) -> bool:
     )
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     return list(value) if isinstance(value, tuple) else value
 
 
