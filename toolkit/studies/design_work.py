@@ -73,7 +73,7 @@ class DesignWork:
         """The design, without the equilibria that it was solved by."""
         return replace(solve_design(self.problem, job.lane, job.design, self.start, job.gradients), states=())
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         problem = self.problem
         return _made, (self.start, *(getattr(problem, each.name) for each in fields(problem)))
 
@@ -106,7 +106,7 @@ class WithFiles:
         """The design, in this process."""
         return self.work(job)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return _unpacked, (self.work, self.files)
 
 

@@ -121,7 +121,7 @@ UNINVOLVED = ("cli", "command_line", "report", "render", "results", "conformance
 """Parts of the toolkit that no run goes through."""
 
 
-def hashed(*parts: Any) -> str:
+def hashed(*parts: object) -> str:
     """Hash of anything that JSON can hold; numbers count with all their digits."""
     return sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]
 
@@ -139,7 +139,7 @@ def file_hashes(files: list[Path]) -> list[str]:
     return [sha256(path.read_bytes()).hexdigest() if path.is_file() else "missing" for path in files]
 
 
-def scene_fingerprint(scene: Scene, *parts: Any) -> str:
+def scene_fingerprint(scene: Scene, *parts: object) -> str:
     """Hash of a scene, of the content of its files wherever these lie, of the program, and of what else an outcome follows from."""
     described = repr(scene.model_copy(update={"directory": Path()}))
     return hashed(described, file_hashes(scene.read_files()), parts, program())

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.scene.design_variables import number_measure
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar
 
 LOST = 0.2
 """Part of a curve's variation that may lie between the times of a run. A sine loses 0.21 with four samples in a period; runs with twice the
@@ -49,7 +52,7 @@ class CurveOverTime(Protocol):
     def is_constant(self) -> bool:
         """Whether the curve has one value at all times, as in `Curve`."""
 
-    def corners(self) -> tuple[Any, ...]:
+    def corners(self) -> tuple[Scalar, ...]:
         """Times of the curve's corners, as in `Curve`."""
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -36,6 +36,8 @@ from toolkit.validity.bodies.known_chain import chain
 from toolkit.validity.energy_balance import energy_defects
 from toolkit.validity.motion import ENERGY
 from toolkit.validity.scene_cautions import bodies_of_stress
+
+K = TypeVar("K")
 
 VALUES, GRADIENTS = 0.042, 0.1
 """Estimated errors above which values and gradients are not trusted: estimates are right to a factor of about two."""
@@ -113,7 +115,7 @@ def _rough_gradients(errors: Gradients) -> Iterator[Caution]:
         )
 
 
-def _worst(errors: Mapping[Any, float]) -> list[tuple[Any, float]]:
+def _worst(errors: Mapping[K, float]) -> list[tuple[K, float]]:
     """The largest ones, undefined ones first."""
     return sorted(errors.items(), key=lambda item: -np.nan_to_num(item[1], nan=np.inf))[:MOST]
 
@@ -129,11 +131,11 @@ def _how(found: StepError, response: str, variable: str) -> str:
     return f"at the peak between the steps, {found.how}" if (response, variable) in found.at_peaks else found.how
 
 
-def _more(errors: Mapping[Any, float]) -> str:
+def _more(errors: Mapping[K, float]) -> str:
     return f" (and {len(errors) - MOST} more)" if len(errors) > MOST else ""
 
 
-def _remedy(errors: Mapping[Any, float], found: StepError, options: RunOptions) -> str:
+def _remedy(errors: Mapping[K, float], found: StepError, options: RunOptions) -> str:
     """A step, or an error of a step, that is expected to be short enough."""
     worst = min(1.0, max(np.nan_to_num(error, nan=1.0) for error in errors.values()))
     order = 1 if found.at_peaks & set(errors) else found.order  # a peak lies within a step, however exact this is

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import islice, pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -31,6 +31,9 @@ from toolkit.solvers.static.path_equations import GrowingLoads, PathEquations, p
 from toolkit.solvers.static.path_steps import Arc, Corrected, arcs, correct, first_point, measure
 from toolkit.system.solution import LimitPoint, StaticPath
 from toolkit.system.system import System
+
+if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar
 
 EXACT = 1e-12
 """Part of an arc to which a place on it is found; at a limit point the load is exact to the square of it."""
@@ -308,7 +311,7 @@ def next_limit_point(system: System, options: RunOptions, begin: np.ndarray, up_
     )
 
 
-def factor_of_limit_point(system: System, options: RunOptions, z: np.ndarray) -> tuple[Any, np.ndarray]:
+def factor_of_limit_point(system: System, options: RunOptions, z: np.ndarray) -> tuple[Scalar, np.ndarray]:
     """Load factor at a limit point z (n + 1,) and its design derivatives (n_x,).
 
     The limit point is that of the real parts of the system's numbers.

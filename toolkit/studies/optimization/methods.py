@@ -162,7 +162,7 @@ def trust_constr(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.
         keep_feasible=first.c > KEPT,
     )
 
-    def callback(z: np.ndarray, _: Any) -> bool:
+    def callback(z: np.ndarray, _: object) -> bool:
         visited(np.array(z))
         return False
 

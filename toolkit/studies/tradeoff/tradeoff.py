@@ -22,7 +22,6 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
@@ -173,12 +172,12 @@ def next_steps(case: Case, setting: Setting) -> Iterator[str]:
         yield "To try it: " + " ".join(f"--set '{path}={text}'" for path, text in chosen.items())
 
 
-def toml_table(name: str, content: Mapping[str, Any]) -> str:
+def toml_table(name: str, content: Mapping[str, object]) -> str:
     """A table under its header; tables in it are written inline."""
     return "\n".join([f"[{name}]", *(f"{key} = {toml_value(value)}" for key, value in content.items())])
 
 
-def toml_value(value: Any) -> str:
+def toml_value(value: object) -> str:
     """One value, exactly."""
     if isinstance(value, bool):
         return str(value).lower()
