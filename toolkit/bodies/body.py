@@ -11,6 +11,7 @@ from pydantic import model_validator
 
 from toolkit.bodies.chain_strains import Strains, no_strains
 from toolkit.description.description import InSpace, Number, Quantity, Scalar, Triple
+from toolkit.description.design import BodyPoint, Point
 from toolkit.foundation.compiled.rows import filled_up
 from toolkit.kinematics.orientation import angular_velocity, axes_along, matrix_of, quaternion_rate
 from toolkit.reduced_model.model import ReducedModel
@@ -28,13 +29,13 @@ class Placed(Protocol):
     """Interface of a scene to its bodies: where the points are, and the bodies' reduced models."""
 
     @property
-    def bodies(self) -> Mapping[str, Any]:
+    def bodies(self) -> Mapping[str, Body]:
         """All bodies but the ground, by name."""
 
     def position(self, point: str) -> np.ndarray:
         """Undeformed global position of a point, shape (d,)."""
 
-    def interface(self, point: str) -> Any:
+    def interface(self, point: str) -> Point | BodyPoint:
         """Description of a point as the user wrote it."""
 
     def model(self, path: str, *parts: str) -> ReducedModel:
@@ -130,7 +131,7 @@ class Body(InSpace):
         """sqrt(I / m) of the undeformed body about its frame's origin: its size, where points tell nothing."""
 
     @abstractmethod
-    def marker(self, scene: Placed, point: str, name: str) -> Any:
+    def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers | SpatialMarkerNumbers:
         """Marker on this body at the named point of the scene."""
 
     @abstractmethod
@@ -141,11 +142,11 @@ class Body(InSpace):
     def whole_mass(self, scene: Placed) -> Scalar:
         """Mass of the body."""
 
-    def floating(self, _scene: Placed) -> Any:
+    def floating(self, _scene: Placed) -> FloatingNumbers | SpatialFloatingNumbers | None:
         """Invariants of a flexible body with a moving frame; None of other bodies."""
         return None
 
-    def drag(self, _scene: Placed) -> Any:
+    def drag(self, _scene: Placed) -> FloatingNumbers | SpatialFloatingNumbers | None:
         """Invariants of a moving frame, each times the body's mass-proportional damping; None if it has neither."""
         return None
 

@@ -11,13 +11,14 @@ import numpy as np
 
 from toolkit.bodies.body import CENTRE, Placed
 from toolkit.bodies.model_body import ModelBody
+from toolkit.description.description import Scalar
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
 from toolkit.reduced_model.cut_chain import ChainPlace, PartShapes, node_labels, nodes_of_part, part_shapes, place_at, place_of
 from toolkit.reduced_model.cut_part import ChainPart, part_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.parts import SURFACE_POSITION, Elements
+from toolkit.reduced_model.parts import SURFACE_POSITION, Elements, SpatialElements
 
 MANY = 1000
 """Parts whose shapes are remembered: every complex step asks for them again."""
@@ -36,6 +37,8 @@ class FramedPart(ModelBody):
     """Coordinates of a node, and of an element of the part."""
     frame_coordinates: ClassVar[int]
     """Coordinates of its frame, which moves and turns."""
+    assembled: ClassVar[Callable[..., ChainPart]]
+    """Function that assembles the part from elements at one design, with the element of every stress point, see `planar_part`."""
 
     whole: str
     first: int
@@ -44,27 +47,20 @@ class FramedPart(ModelBody):
     """Nodes of the whole whose coordinates are kept if others are not."""
     modes_per_frame: int | None = None
 
-    @staticmethod
-    def assembled(
-        elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None
-    ) -> ChainPart:
-        """Part that is assembled from elements at one design, with the element of every stress point."""
-        raise NotImplementedError
-
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
         """Names of the elastic coordinates of a part that is not reduced, with the numbers of its nodes as users count them."""
         raise NotImplementedError
 
-    def mass_damping(self, scene: Placed) -> Any:
+    def mass_damping(self, scene: Placed) -> Scalar:
         """Mass-proportional damping alpha of the whole body, in 1/time."""
-        return scene.bodies[self.whole].mass_damping(scene)
+        return whole_body(scene, self.whole).mass_damping(scene)
 
     def stiffening(self, scene: Placed) -> np.ndarray | None:
         """None, since a cut body stiffens at its cuts."""
         return None
 
     @property
-    def own(self) -> tuple[Any, ...]:
+    def own(self) -> tuple[int, int, tuple[int, ...], int | None]:
         """Numbers that tell this part from all other parts of the same model."""
         return self.first, self.last, self.gripped, self.modes_per_frame
 
@@ -160,7 +156,12 @@ class FramedPart(ModelBody):
 
 @lru_cache(maxsize=MANY)
 def _shapes(
-    nominal: Itself[Any], assembled: Callable[..., ChainPart], first: int, last: int, gripped: Sequence[int], count: int
+    nominal: Itself[Elements] | Itself[SpatialElements],
+    assembled: Callable[..., ChainPart],
+    first: int,
+    last: int,
+    gripped: Sequence[int],
+    count: int,
 ) -> PartShapes:
     """Shapes that a part is reduced to, by the elements of the whole at the nominal design.
 
@@ -173,10 +174,16 @@ def _shapes(
     return part_shapes(inv.stiffness, inertia, weights, kept, count)
 
 
+def whole_body(scene: Placed, whole: str) -> ModelBody:
+    """The cut body of that name."""
+    found = scene.bodies[whole]
+    assert isinstance(found, ModelBody)
+    return found
+
+
 def whole_design(scene: Placed, whole: str) -> DesignPoint:
     """The reduced model of a cut body at the scene's parameter values, with its elements."""
-    design: DesignPoint = scene.bodies[whole].design_point(scene, "elements", "stress", "mesh", "surface", "pieces")
-    return design
+    return whole_body(scene, whole).design_point(scene, "elements", "stress", "mesh", "surface", "pieces")
 
 
 def _with_surface(design: DesignPoint) -> ReducedModel:
@@ -194,7 +201,7 @@ def connectivity_of(scene: Placed, whole: str) -> np.ndarray:
     return elements.connectivity
 
 
-def elements_at(design: DesignPoint) -> Any:
+def elements_at(design: DesignPoint) -> Elements | SpatialElements:
     """Elements of a cut body at a design."""
     if Elements not in design.kept:
         nominal = design.model.elements
@@ -214,11 +221,11 @@ def place_on(scene: Placed, whole: str, point: str) -> ChainPlace:
         It is none of its interface points, or lies in two parts.
     """
     design = whole_design(scene, whole)
-    elements: Elements = elements_at(design)
+    elements = elements_at(design)
     node = node_number(scene, point)
     if node is not None:
         return place_at(elements.connectivity, node)
-    position = scene.bodies[whole].point(scene, point, whole)[0][:, 0]
+    position = whole_body(scene, whole).point(scene, point, whole)[0][:, 0]
     return place_of(elements, position, f"point {point!r}")
 
 

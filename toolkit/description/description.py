@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import Annotated, Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import file_name
 from toolkit.foundation.units import LABELLED, LARGEST, NONE, SMALLEST, Dimension
+
+if TYPE_CHECKING:
+    from pydantic import GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core.core_schema import CoreSchema
 
 ANGLE = "angle"
 """The one word without dimension that has a unit nevertheless."""
@@ -57,7 +62,7 @@ class Quantity:
         """Measure of the number at a place of a list, or of all numbers where one text stands for all."""
         return self._measures[place if len(self._measures) > 1 else 0]
 
-    def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(self, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         """JSON schema of the field with its measure in words, for those who write a file."""
         schema = handler(core_schema)
         if any(text != "none" for text in self.each) and "$ref" not in schema:
@@ -150,12 +155,12 @@ class Description(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
         """Note that facts of a kind are facts: pydantic would evaluate the texts of their types for every kind that is derived from it."""
         own: dict[str, Any] = vars(cls).get("__annotations__", {})
         own.update(dict.fromkeys(own.keys() & cls.__class_vars__, ClassVar))
 
-    def numbers(self) -> Iterator[tuple[str, Any]]:
+    def numbers(self) -> Iterator[tuple[str, float | complex]]:
         """Paths and values of all numbers below this record."""
         for name, value in self:
             if self.means(name):
@@ -171,7 +176,7 @@ class Description(BaseModel):
         facts = (each for info in described if info is not None for each in info.metadata)
         return next((each for each in facts if isinstance(each, Quantity)), None)
 
-    def with_number(self, path: str, value: Any) -> Self:
+    def with_number(self, path: str, value: float | complex) -> Self:
         """A copy in which the number at the path has another value, real or complex.
 
         Raises
@@ -181,9 +186,10 @@ class Description(BaseModel):
         """
         return self.with_all({path: value})
 
-    def with_all(self, values: Mapping[str, Any]) -> Self:
+    def with_all(self, values: Mapping[str, float | complex]) -> Self:
         """A copy in which the numbers at several paths, at least one, have other values."""
-        found: Self = _replace(self, [(path.split("."), value, path) for path, value in values.items()])
+        found = _replace(self, [(path.split("."), value, path) for path, value in values.items()])
+        assert isinstance(found, type(self))
         return found
 
 
@@ -200,7 +206,7 @@ class Registered(Description):
     kinds: ClassVar[dict[str, type[Registered]]] = {}
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+    def __pydantic_init_subclass__(cls, **kwargs: object) -> None:
         super().__pydantic_init_subclass__(**kwargs)
         if not cls.kind:
             cls.kinds = {}
@@ -216,13 +222,13 @@ class InSpace(Registered):
     """Bases of the plane and of space that a new kind is derived from."""
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+    def __pydantic_init_subclass__(cls, **kwargs: object) -> None:
         if cls.kind and not cls.dimension:
             raise TypeError(f"{cls.__name__} belongs neither to the plane nor to space: derive it from {cls.siblings}.")
         super().__pydantic_init_subclass__(**kwargs)
 
 
-def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+def numbers_below(path: str, value: object) -> Iterator[tuple[str, float | complex]]:
     """Paths and values of all numbers below a value that sits at `path`."""
     if isinstance(value, (float, complex)):
         yield path, value
@@ -237,7 +243,7 @@ def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield from numbers_below(f"{path}.{_AXES[index] if _is_pair(value) else index}", below)
 
 
-def holds_complex(value: Any) -> bool:
+def holds_complex(value: object) -> bool:
     """Whether any number below a value is complex."""
     if isinstance(value, Description):
         return any(holds_complex(below) for _, below in value)
@@ -246,7 +252,7 @@ def holds_complex(value: Any) -> bool:
     return any(map(holds_complex, value)) if isinstance(value, (tuple, list)) else isinstance(value, complex)
 
 
-def number_at(value: Any, keys: Sequence[str]) -> Any | None:
+def number_at(value: object, keys: Sequence[str]) -> float | complex | None:
     """Number that keys lead to from a value, as `numbers_below` names it; None if there is none."""
     for key in keys:
         if isinstance(value, Description):
@@ -265,23 +271,23 @@ def number_at(value: Any, keys: Sequence[str]) -> Any | None:
 _AXES = ("x", "y")
 
 
-def _is_pair(value: Any) -> bool:
+def _is_pair(value: Sequence[object]) -> bool:
     return len(value) == 2 and all(isinstance(item, (float, complex)) for item in value)
 
 
-def _replace(owner: Any, changes: Sequence[tuple[list[str], Any, str]]) -> Any:
+def _replace(owner: object, changes: Sequence[tuple[list[str], float | complex, str]]) -> object:
     """A copy with other numbers: the keys that lead to each from here, its value, and its whole path for messages."""
     keys, value, path = changes[0]
     if not keys:
         if not isinstance(owner, (float, complex)):
             raise InputError(f"{path!r} is not a number of the scene, but {owner!r}. Give the path of a number.")
         return value
-    items: dict[str, Any] = {}
+    items: dict[str, object] = {}
     if isinstance(owner, Description | Mapping):
         items = dict(owner)
     elif isinstance(owner, tuple):
         items = {_AXES[i] if _is_pair(owner) else str(i): item for i, item in enumerate(owner)}
-    below: dict[str, list[tuple[list[str], Any, str]]] = {}
+    below: dict[str, list[tuple[list[str], float | complex, str]]] = {}
     for (key, *rest), value, path in changes:
         if key not in items:
             raise InputError(f"{path!r} leads nowhere: there is no {key!r}; possible here: {', '.join(items) or 'nothing'}.")

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, get_args
+from typing import TYPE_CHECKING, TypeGuard, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from toolkit.foundation.errors import SHORT, meant
 
+if TYPE_CHECKING:
+    from _typeshed import SupportsGetItem
+    from pydantic_core import ErrorDetails
 
-def messages(error: ValidationError, kind: type[BaseModel], value: Any, where: str, nested: Mapping[str, type]) -> list[str]:
+
+def messages(error: ValidationError, kind: type[BaseModel], value: object, where: str, nested: Mapping[str, type]) -> list[str]:
     """One line per mistake: where it is, what is wrong, what is possible.
 
     Parameters
@@ -27,14 +31,16 @@ def messages(error: ValidationError, kind: type[BaseModel], value: Any, where: s
     return list(dict.fromkeys(lines))
 
 
-def _causes(error: ValidationError) -> list[Any]:
+def _causes(error: ValidationError) -> list[ErrorDetails]:
     """Mistakes that do not follow from others: a list is not too short because its entries are wrong."""
     found = error.errors()
     below = {each["loc"][:depth] for each in found for depth in range(len(each["loc"]))}
     return [each for each in found if each["type"] != "too_short" or each["loc"] not in below]
 
 
-def _walk(kind: type[BaseModel], value: Any, error: Any, nested: Mapping[str, type]) -> tuple[list[str], type[BaseModel]]:
+def _walk(
+    kind: type[BaseModel], value: object, error: ErrorDetails, nested: Mapping[str, type]
+) -> tuple[list[str], type[BaseModel]]:
     """Keys that a person wrote, without pydantic's own marks for unions, and the class of the innermost table."""
     keys: list[str] = []
     location = error["loc"]
@@ -50,18 +56,18 @@ def _walk(kind: type[BaseModel], value: Any, error: Any, nested: Mapping[str, ty
     return keys, kind
 
 
-def _has(value: Any, part: Any) -> bool:
+def _has(value: object, part: int | str) -> TypeGuard[SupportsGetItem[int | str, object]]:
     if isinstance(value, (list, tuple)):
         return isinstance(part, int) and part < len(value)
     return isinstance(value, Mapping) and part in value
 
 
-def _field_class(kind: type[BaseModel], part: Any) -> type[BaseModel]:
+def _field_class(kind: type[BaseModel], part: int | str) -> type[BaseModel]:
     field = kind.model_fields.get(part) if isinstance(part, str) else None
     return kind if field is None else next(_classes(field.annotation), kind)
 
 
-def _classes(annotation: Any) -> Iterator[type[BaseModel]]:
+def _classes(annotation: object) -> Iterator[type[BaseModel]]:
     """Classes of tables in an annotation."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
@@ -69,7 +75,7 @@ def _classes(annotation: Any) -> Iterator[type[BaseModel]]:
         yield from _classes(part)
 
 
-def _said(error: Any, owner: type[BaseModel]) -> str:
+def _said(error: ErrorDetails, owner: type[BaseModel]) -> str:
     possible = ", ".join(name for name in owner.model_fields if name != "directory")
     if error["type"] == "extra_forbidden":
         return f"unknown key{meant(str(error['loc'][-1]), owner.model_fields)}; possible here: {possible}."

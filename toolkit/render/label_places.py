@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -242,7 +242,7 @@ class NamesOfMotion:
         Those that are looked at.
     """
 
-    def __init__(self, moments: Sequence[Any]) -> None:
+    def __init__(self, moments: Sequence[Moment]) -> None:
         self.moments = moments
         self._seen: dict[int, list[Panel]] = {}
         self._sides: dict[int, list[Side]] = {}

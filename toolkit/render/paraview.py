@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Any
+from typing import TypeAlias
 from xml.etree import ElementTree
 
 import numpy as np
@@ -22,7 +22,7 @@ from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution, flexible_body
 
 
-def mechanism(moment: Any, but: Collection[str] = ()) -> Any:
+def mechanism(moment: Configuration | SpatialConfiguration, but: Collection[str] = ()) -> pyvista.PolyData | None:
     """Rigid bodies and links of a configuration in the plane or in space as lines, or None; without bodies that are shown already."""
     lines = [*moment.rods(but), *map(moment.ends, moment.links()), *moment.wheels()]
     return pyvista.PolyData().append_polydata(*(pyvista.lines_from_points(lifted(ends)) for ends in lines)) if lines else None
@@ -33,11 +33,13 @@ def lifted(points: np.ndarray) -> np.ndarray:
     return np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))]).astype(float)
 
 
+Meshes: TypeAlias = dict[str, pyvista.PolyData | None]
+"""Meshes of one step by name; None of a body that this step draws otherwise."""
 COMPONENTS = {"XX": 0, "YY": 1, "ZZ": 2, "XY": 5, "YZ": 3, "XZ": 4}
 """Components of a symmetric tensor in the order of VTK -> their place in ours, xx, yy, zz, yz, xz, xy."""
 
 
-def add_stress(mesh: Any, components: np.ndarray, label: str) -> None:
+def add_stress(mesh: pyvista.PolyData, components: np.ndarray, label: str) -> None:
     """Give a mesh six components (n, 6) in the body's own axes, and von Mises' stress of these."""
     mesh.point_data[f"von Mises {label}"] = point_stress(components)
     mesh.point_data[label] = components[:, list(COMPONENTS.values())]
@@ -46,7 +48,7 @@ def add_stress(mesh: Any, components: np.ndarray, label: str) -> None:
         array.SetComponentName(place, name)
 
 
-def spatial_meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
+def spatial_meshes(solution: Solution) -> Callable[[int], Meshes]:
     """Step -> meshes by name.
 
     Every flexible body with a surface is that surface, with the lines of beams, and has as point data "displacement in <unit>" from the
@@ -58,7 +60,7 @@ def spatial_meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
     design = solution.system.design.names
     rates = {body: stress_field(solution, body)[1] for body in bodies} if design and solution.dq.shape[-1] else {}
 
-    def at(step: int) -> dict[str, Any]:
+    def at(step: int) -> Meshes:
         moment = SpatialConfiguration(solution, step)
         found = {body: _surface(moment, body, points) for body, points in bodies.items()}
         for body, by in rates.items():
@@ -71,11 +73,11 @@ def spatial_meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
     return at
 
 
-def _name(mesh: Any) -> str:
+def _name(mesh: pyvista.PolyData) -> str:
     return "von Mises stress" if any(name.startswith("von Mises") for name in mesh.point_data) else "stress"
 
 
-def _surface(moment: SpatialConfiguration, body: str, undeformed: np.ndarray) -> Any:
+def _surface(moment: SpatialConfiguration, body: str, undeformed: np.ndarray) -> pyvista.PolyData:
     shape, units = body_shape(moment, body), moment.scene.units
     mesh, label = parts.whole(shape), f"stress in {unit(units, 'stress')}"
     mesh.point_data[f"displacement in {unit(units, 'length')}"] = shape.points - undeformed
@@ -86,7 +88,7 @@ def _surface(moment: SpatialConfiguration, body: str, undeformed: np.ndarray) ->
     return mesh
 
 
-def plane_solid(moment: Configuration, body: str) -> Any:
+def plane_solid(moment: Configuration, body: str) -> pyvista.PolyData | None:
     """Section of a plane solid with point data "von Mises stress in <unit>" and "stress in <unit>", or None.
 
     The stress has six components in the body's own axes.
@@ -117,7 +119,7 @@ def export_paraview(solution: Solution, directory: str | Path) -> Path:
     return write_series(solution, directory, _MESHES[solution.system.scene.space](solution))
 
 
-def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[[int], dict[str, Any]]) -> Path:
+def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[[int], Meshes]) -> Path:
     """Write the meshes of every step, name -> mesh or None, and the PVD file that lists them by time; returns its path.
 
     Raises
@@ -143,7 +145,7 @@ def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[
     return path
 
 
-def _vtp(mesh: Any) -> bytes:
+def _vtp(mesh: pyvista.PolyData) -> bytes:
     """The file of a mesh, built in memory: VTK says nothing to Python about a disk that is full."""
     writer = vtkXMLPolyDataWriter()
     writer.SetInputDataObject(mesh)
@@ -153,11 +155,11 @@ def _vtp(mesh: Any) -> bytes:
     return writer.GetOutputString().encode()
 
 
-def _meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
+def _meshes(solution: Solution) -> Callable[[int], Meshes]:
     look = choose_look(solution, range(len(solution.times)))
     fields = {body: stress_field(solution, body) for body in look.thickness}
 
-    def at(step: int) -> dict[str, Any]:
+    def at(step: int) -> Meshes:
         moment = Configuration(solution, step)
         thick = {body: true or look.extent / 50 for body, true in look.thickness.items()}
         bands = {body: _band(moment, body, thick[body], *fields[body]) for body in thick}
@@ -168,7 +170,7 @@ def _meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
     return at
 
 
-def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray, dstress: np.ndarray) -> Any:
+def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray, dstress: np.ndarray) -> pyvista.PolyData | None:
     shape, label = skin_shape(moment, body), f"stress in {unit(moment.scene.units, 'stress')}"
     if shape is None:
         return None
@@ -189,7 +191,7 @@ def _collection(entries: list[tuple[float, str, str]]) -> ElementTree.Element:
     return root
 
 
-def skin_mesh(shape: SkinShape, thickness: float, name: str) -> Any:
+def skin_mesh(shape: SkinShape, thickness: float, name: str) -> pyvista.PolyData:
     """The skin as two bands, middle line to outer and to inner fibre, each with the stress of its fibre as point data of that name."""
     fibres = shape.fibres(thickness)
     edges = np.stack([fibres, np.broadcast_to(shape.line[:, :, None], fibres.shape)], axis=3)  # (n_e, points, fibre, edge, 2)

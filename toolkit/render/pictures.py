@@ -147,7 +147,7 @@ def file_names(kind: str, animate: bool, film: bool) -> list[str]:
     return [*stills, *["animation.gif"] * animate, *["animation.mp4"] * film]
 
 
-def _check(directory: str | Path, instants: Any, width: Any) -> None:
+def _check(directory: str | Path, instants: object, width: object) -> None:
     """Refuse invalid arguments of `render_solution`."""
     if isinstance(width, bool) or not isinstance(width, int) or not NARROWEST <= width <= WIDEST:
         raise InputError(f"width = {width!r}: give a whole number of pixels from {NARROWEST} to {WIDEST}.")
@@ -176,7 +176,7 @@ class _Artist(NamedTuple):
     curves: Callable[..., None]
 
 
-def _page(figure: Callable[..., Any]) -> Callable[..., None]:
+def _page(figure: Callable[..., Figure]) -> Callable[..., None]:
     """Function that draws a figure and writes it to a path, with the given width in pixels."""
     from toolkit.render.sheet import WIDE, write_figure
 

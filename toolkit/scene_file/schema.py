@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from pydantic.json_schema import JsonSchemaValue
+
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.curve import PLACEHOLDER
 from toolkit.description.description import Description
@@ -23,12 +25,12 @@ DRAFT = "http://json-schema.org/draft-07/schema#"
 _REFERENCE = "#/$defs/{model}"
 
 
-def scene_schema() -> dict[str, Any]:
+def scene_schema() -> JsonSchemaValue:
     """JSON schema of scene.toml, with all kinds that the toolkit brings; see `tidy` for its dialect.
 
     A scene is checked against the kinds of its dimension; the tables themselves name those of both, because editors complete from there.
     """
-    definitions: dict[str, Any] = {}
+    definitions: JsonSchemaValue = {}
     for dimension, prefix in PREFIXES.items():
         for group, known in kinds_of(dimension).items():
             _define(f"{prefix}{_GROUPS[group]}", known, definitions)
@@ -73,7 +75,7 @@ PREFIXES = {2: "", 3: "spatial-"}
 _GROUPS = {"bodies": "body", "joints": "joint", "loads": "load"}
 
 
-def _define(group: str, known: Mapping[str, type], definitions: dict[str, Any]) -> None:
+def _define(group: str, known: Mapping[str, type], definitions: JsonSchemaValue) -> None:
     """Add definitions of all kinds of a group that the toolkit brings, and one that is any of them.
 
     A kind that is in space what it is in the plane has one definition.
@@ -87,12 +89,12 @@ def _define(group: str, known: Mapping[str, type], definitions: dict[str, Any]) 
     definitions[group] = _one_of(names)
 
 
-def _tables(dimension: int) -> dict[str, Any]:
+def _tables(dimension: int) -> JsonSchemaValue:
     """Schema of the tables of a scene of one dimension."""
     return {"properties": {name: _table(_item(name, dimension)) for name in ("points", *_GROUPS)}}
 
 
-def _item(group: str, dimension: int) -> dict[str, Any]:
+def _item(group: str, dimension: int) -> JsonSchemaValue:
     """Schema of an item under a name of a group."""
     if group != "points":
         return {"$ref": f"#/$defs/{PREFIXES[dimension]}{_GROUPS[group]}"}
@@ -101,7 +103,7 @@ def _item(group: str, dimension: int) -> dict[str, Any]:
     return {"anyOf": [place, {"$ref": "#/$defs/body-point"}]}
 
 
-def _schema(kind: type, definitions: dict[str, Any]) -> dict[str, Any]:
+def _schema(kind: type, definitions: JsonSchemaValue) -> JsonSchemaValue:
     """Schema of one class; what it refers to goes to the definitions."""
     assert issubclass(kind, Description)
     schema = kind.model_json_schema(ref_template=_REFERENCE)
@@ -109,17 +111,17 @@ def _schema(kind: type, definitions: dict[str, Any]) -> dict[str, Any]:
     return schema
 
 
-def _with_type(schema: dict[str, Any], kind: str) -> dict[str, Any]:
+def _with_type(schema: JsonSchemaValue, kind: str) -> JsonSchemaValue:
     """Schema of a table that names its kind under `type`."""
     properties = {"type": {"const": kind}, **schema.get("properties", {})}
     return {**schema, "properties": properties}
 
 
-def _one_of(names: Iterable[str]) -> dict[str, Any]:
+def _one_of(names: Iterable[str]) -> JsonSchemaValue:
     return {"oneOf": [{"$ref": _REFERENCE.format(model=name)} for name in names]}
 
 
-def _table(item: dict[str, Any]) -> dict[str, Any]:
+def _table(item: JsonSchemaValue) -> JsonSchemaValue:
     """Schema of a table with any names, all for items of one kind."""
     return {"type": "object", "additionalProperties": item}
 

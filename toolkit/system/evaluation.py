@@ -106,15 +106,15 @@ class HandedRecords:
         Of the system; whatever is no tuple is handed on as it is.
     """
 
-    def __init__(self, parts: Iterable[Any]) -> None:
+    def __init__(self, parts: Iterable[object]) -> None:
         self._packed: dict[int, Any] = {id(part): None for part in parts if isinstance(part, tuple)}
         self._spare: dict[Hashable, list[Any]] = {}
 
-    def take(self, part: Any) -> None:
+    def take(self, part: object) -> None:
         """Know another record, which has to live as long as the system."""
         self._packed[id(part)] = None
 
-    def of(self, given: Any) -> Any:
+    def of(self, given: object) -> object:
         """Argument in the form that compiled code takes, if it is known here; else the argument itself."""
         known = id(given)
         if known not in self._packed:
@@ -133,7 +133,7 @@ class HandedRecords:
         found: R = packed.record
         return found
 
-    def give_back(self, key: Hashable, record: Any) -> None:
+    def give_back(self, key: Hashable, record: object) -> None:
         """Keep a record of `scratch` for the next one that asks."""
         self._spare.setdefault(key, []).append(self._packed.pop(id(record)))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import scipy
@@ -19,6 +19,7 @@ from toolkit.description.design import Design
 from toolkit.equations.equations import (
     Inputs,
     Plan,
+    ScratchMemory,
     Terms,
     allocate_terms,
     allocate_work,
@@ -27,7 +28,7 @@ from toolkit.equations.equations import (
     of_variables,
 )
 from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
-from toolkit.foundation.compiled.packed import Packed
+from toolkit.foundation.compiled.packed import Formula, Packed
 from toolkit.foundation.kernel import plain
 from toolkit.foundation.near_ties import first_largest
 from toolkit.linear.sparse_analysis import LUPlan, analyse
@@ -106,13 +107,13 @@ class System:
         """Whether the formulas run compiled."""
         return self.dtype is float
 
-    def run(self, function: Callable, *arguments: Any) -> Any:
+    def run(self, function: Callable[..., R], *arguments: object) -> R:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         if not self.compiled:
             return plain(function)(*arguments)
         return call(function, *map(self._handed.of, arguments))
 
-    def prepared(self, function: Callable, *arguments: Any) -> Callable[[], Any]:
+    def prepared(self, function: Callable[..., R], *arguments: object) -> Callable[[], R]:
         """Kernel with its arguments, looked up once, for whoever writes other numbers into their arrays and calls it again."""
         if not self.compiled:
             return partial(plain(function), *arguments)
@@ -125,7 +126,8 @@ class System:
         found, origin = HandedRecords((self.plan, *self.plan, self.functions, *self.functions)), self.origin
         if origin is None or not self._is_short(found) or not self._touches_as(origin):
             return found
-        if found.of(self.plan).same_shapes(origin._handed.of(origin.plan)):
+        mine, its = found.of(self.plan), origin._handed.of(origin.plan)
+        if isinstance(mine, Packed) and isinstance(its, Packed) and mine.same_shapes(its):
             found.share_spare(origin._handed)
         return found
 
@@ -219,7 +221,7 @@ class System:
         return EvaluationMemory(self.plan)
 
     @cached_property
-    def evaluator(self) -> Any:
+    def evaluator(self) -> Callable | Formula:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
         if not self.compiled:
             return plain(evaluate_all)
@@ -259,7 +261,7 @@ class System:
         """Record of scratch memory, whatever it holds: one that a run has given back under the key, or else a new one."""
         return self._handed.scratch(key, make) if self._keeps_memory else make()
 
-    def give_back(self, key: Hashable, record: Any) -> None:
+    def give_back(self, key: Hashable, record: object) -> None:
         """Leave a record of `scratch` to the next run of this system, or of one that is compiled as it is."""
         if self._keeps_memory:
             self._handed.give_back(key, record)
@@ -376,7 +378,7 @@ class System:
         return {}
 
     @property
-    def work(self) -> Any:
+    def work(self) -> ScratchMemory:
         """Scratch memory of this thread for kernels that evaluate one state."""
         return self._memory.work if self.compiled else allocate_work(self.plan, self.dtype)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pyvista
@@ -19,49 +19,49 @@ from toolkit.render.space.configuration import BodyShape, SpatialConfiguration, 
 STRESS = "stress"
 
 
-def whole(shape: BodyShape) -> Any:
+def whole(shape: BodyShape) -> pyvista.PolyData:
     """Mesh of triangles, sides and lines together."""
     faces = [np.column_stack([np.full(len(each), each.shape[1]), each]).ravel() for each in (shape.triangles, *shape.sides)]
     lines = np.column_stack([np.full(len(shape.lines), 2), shape.lines]).ravel()
-    mesh: Any = pyvista.PolyData()
+    mesh = pyvista.PolyData()
     mesh.points, mesh.faces, mesh.lines = shape.points, np.concatenate(faces).astype(int), lines.astype(int)
     return mesh
 
 
-def surface(shape: BodyShape, values: np.ndarray | None = None) -> Any:
+def surface(shape: BodyShape, values: np.ndarray | None = None) -> pyvista.PolyData:
     """Mesh of the triangles of a solid and the sides of beams, with values at their points."""
     return _valued(whole(replace(shape, lines=shape.lines[:0])), values)
 
 
-def fibres(shape: BodyShape, values: np.ndarray | None = None) -> Any:
+def fibres(shape: BodyShape, values: np.ndarray | None = None) -> pyvista.PolyData:
     """Mesh of the lines of beams, with values at their points."""
     return _valued(whole(replace(shape, triangles=shape.triangles[:0], sides=())), values)
 
 
-def _valued(mesh: Any, values: np.ndarray | None) -> Any:
+def _valued(mesh: pyvista.PolyData, values: np.ndarray | None) -> pyvista.PolyData:
     if values is not None:
         mesh.point_data[STRESS] = values
     return mesh
 
 
-def clamped_faces(shape: BodyShape) -> Any:
+def clamped_faces(shape: BodyShape) -> pyvista.PolyData:
     """Mesh of the triangles that no coordinate moves."""
     fixed = shape.triangles[shape.still[shape.triangles].all(axis=1)]
     return surface(replace(shape, triangles=fixed, sides=()))
 
 
-def edges(shape: BodyShape, angle: float = 40.0) -> Any:
+def edges(shape: BodyShape, angle: float = 40.0) -> pyvista.PolyData:
     """Lines where the surface of a solid has an edge."""
     mesh = surface(replace(shape, sides=()))
     return mesh.extract_feature_edges(feature_angle=angle, boundary_edges=True, non_manifold_edges=False, manifold_edges=False)
 
 
-def rod(ends: np.ndarray, radius: float) -> Any:
+def rod(ends: np.ndarray, radius: float) -> pyvista.PolyData:
     """Closed cylinder along a line (n, 3)."""
     return pyvista.lines_from_points(ends).tube(radius=radius, n_sides=24, capping=True)
 
 
-def ball(point: np.ndarray, radius: float) -> Any:
+def ball(point: np.ndarray, radius: float) -> pyvista.PolyData:
     """Sphere around a point."""
     return pyvista.Sphere(radius=radius, center=point, theta_resolution=24, phi_resolution=24)
 
@@ -76,7 +76,7 @@ def coil(ends: np.ndarray, radius: float, turns: int = 9) -> np.ndarray:
     return np.vstack([ends[0], ends[0] + np.outer(0.15 + 0.7 * s, along) + out, ends[1]])
 
 
-def arrow(point: np.ndarray, vector: np.ndarray, radius: float, heads: int) -> Any:
+def arrow(point: np.ndarray, vector: np.ndarray, radius: float, heads: int) -> pyvista.PolyData:
     """Arrow from a point, with one head, or with two as a torque has."""
     length = float(np.linalg.norm(vector))
     along, head = vector / length, min(5 * radius, length / (heads + 1))
@@ -100,7 +100,7 @@ class SpatialSymbol(NamedTuple):
     axes: np.ndarray
     grounded: bool = False
 
-    def surface(self, size: float) -> Any:
+    def surface(self, size: float) -> pyvista.PolyData:
         """Surface that draws the symbol; `size` is about the radius of its parts."""
         mesh = _SURFACES[self.kind]()
         placed = np.eye(4)
@@ -190,19 +190,21 @@ def _ground(point: np.ndarray, grounded: bool) -> list[SpatialSymbol]:
     return [SpatialSymbol("ground", point, np.eye(3), True)] if grounded else []
 
 
-def _cylinder(direction: tuple[float, ...], radius: float, height: float, center: tuple[float, ...] = (0, 0, 0)) -> Any:
+def _cylinder(
+    direction: tuple[float, ...], radius: float, height: float, center: tuple[float, ...] = (0, 0, 0)
+) -> pyvista.PolyData:
     return pyvista.Cylinder(center=center, direction=direction, radius=radius, height=height, resolution=32)
 
 
-def _box(x: float, y: float, z: float) -> Any:
+def _box(x: float, y: float, z: float) -> pyvista.PolyData:
     return pyvista.Box((-x, x, -y, y, -z, z))
 
 
-def _together(*meshes: Any) -> Any:
+def _together(*meshes: pyvista.PolyData) -> pyvista.PolyData:
     return pyvista.PolyData().append_polydata(*(mesh.triangulate() for mesh in meshes))
 
 
-def _pyramid() -> Any:
+def _pyramid() -> pyvista.PolyData:
     """Foot below a point, on a plate."""
     cone = pyvista.Cone(center=(0, 0, -1.6), direction=(0, 0, 1), height=3.2, radius=2.4, resolution=4)
     plate = pyvista.Box((-2.6, 2.6, -2.6, 2.6, -3.9, -3.2))

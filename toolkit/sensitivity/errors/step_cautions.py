@@ -14,9 +14,9 @@ what the answers feel of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from toolkit.analyses.run_start import known_start
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.value_types import Number
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.motion import Displacement
 from toolkit.scene.resolution import ResolvedScene
@@ -34,8 +35,10 @@ from toolkit.system.solution import Solution, deforming, elastic_coordinates
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.known_chain import chain
 from toolkit.validity.energy_balance import energy_defects
-from toolkit.validity.motion import ENERGY
+from toolkit.validity.motion import ENERGY, Measures
 from toolkit.validity.scene_cautions import bodies_of_stress
+
+K = TypeVar("K")
 
 VALUES, GRADIENTS = 0.042, 0.1
 """Estimated errors above which values and gradients are not trusted: estimates are right to a factor of about two."""
@@ -47,7 +50,7 @@ MOST = 3
 """So many numbers are named at the most."""
 
 
-def step_cautions(found: StepError | None, values: Mapping[str, Any], gradients: Any, options: RunOptions) -> Iterator[Caution]:
+def step_cautions(found: StepError | None, values: Values, gradients: Gradients, options: RunOptions) -> Iterator[Caution]:
     """Doubts about values and gradients that other steps change too much.
 
     Parameters
@@ -113,22 +116,22 @@ def _rough_gradients(errors: Gradients) -> Iterator[Caution]:
         )
 
 
-def _worst(errors: Mapping[Any, float]) -> list[tuple[Any, float]]:
+def _worst(errors: Mapping[K, float]) -> list[tuple[K, float]]:
     """The largest ones, undefined ones first."""
     return sorted(errors.items(), key=lambda item: -np.nan_to_num(item[1], nan=np.inf))[:MOST]
 
 
-def _told(what: str, error: float, ours: float, other: float, how: str) -> str:
+def _told(what: str, error: float, ours: Number, other: Number, how: str) -> str:
     size = f"about {error:.1%}" if error < 1 else "as much as it is large, or more,"
     there = f"{np.real(other):.5g}" if np.isfinite(other) else "unknown"
     return f"{what} is off by {size} because of the length of the steps: {np.real(ours):.5g} as it is, {there} {how}"
 
 
-def _more(errors: Mapping[Any, float]) -> str:
+def _more(errors: Sized) -> str:
     return f" (and {len(errors) - MOST} more)" if len(errors) > MOST else ""
 
 
-def _remedy(errors: Mapping[Any, float], found: StepError, options: RunOptions) -> str:
+def _remedy(errors: Mapping[str, float] | Mapping[tuple[str, str], float], found: StepError, options: RunOptions) -> str:
     """A step, or an error of a step, that is expected to be short enough."""
     worst = min(1.0, max(np.nan_to_num(error, nan=1.0) for error in errors.values()))
     part = (WANTED / worst) ** (1 / found.order)
@@ -171,7 +174,7 @@ class Answers(NamedTuple):
 
 
 def unless_it_converges(
-    cautions: Iterable[Caution], solution: Solution, error: StepError | None, measures: Mapping[str, Any]
+    cautions: Iterable[Caution], solution: Solution, error: StepError | None, measures: Measures
 ) -> Iterator[Caution]:
     """The cautions, with those about energy as remarks where shorter steps tell that values are right and the defect goes away.
 
@@ -245,7 +248,7 @@ def _felt(solution: Solution, answers: Answers, parts: Mapping[str, float]) -> f
     return float(np.nan_to_num(max([*changes, *slopes], default=0.0), nan=np.inf))
 
 
-def _part(change: float, scale: float) -> float:
+def _part(change: Number, scale: float) -> float:
     return abs(change) / scale if scale > 0 else 0.0 if change == 0 else np.inf
 
 

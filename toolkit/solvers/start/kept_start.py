@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.compilation.quantities import STEP
 from toolkit.description.run_options import RunOptions
@@ -94,12 +95,12 @@ def _refuse(system: System, known: _Known) -> None:
             )
 
 
-def _words(body: Any) -> dict[str, Any]:
+def _words(body: Body) -> dict[str, object]:
     """Words of a body's table that say what its coordinates mean."""
     return {"type": body.kind, **{key: _plain(value) for key, value in body if key not in READ_ANEW and _is_word(key, value)}}
 
 
-def _is_word(key: str, value: Any) -> bool:
+def _is_word(key: str, value: object) -> bool:
     return (
         isinstance(value, str)
         or (isinstance(value, tuple) and all(isinstance(each, str) for each in value))
@@ -107,7 +108,7 @@ def _is_word(key: str, value: Any) -> bool:
     )
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     return list(value) if isinstance(value, tuple) else value
 
 

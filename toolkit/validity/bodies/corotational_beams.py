@@ -105,7 +105,7 @@ class Corotational:
         np.add.at(found, self.dofs, each)
         return found
 
-    def tangent(self, u: np.ndarray) -> Any:
+    def tangent(self, u: np.ndarray) -> scipy.sparse.csc_array:
         """Derivative of `force`, sparse (n, n)."""
         state = self.deformed(u)
         (force, moments), r, s, b = self.end_forces(state), state.r, state.s, state.b
@@ -200,7 +200,7 @@ def _newton(frame: Corotational, loads: np.ndarray, held: np.ndarray, u: np.ndar
     return None
 
 
-def _stable(stiffness: Any, held: np.ndarray) -> bool:
+def _stable(stiffness: scipy.sparse.csc_array, held: np.ndarray) -> bool:
     """Whether K is positive definite in all directions that the rows C leave free: K + C^T C is, with C made stiff."""
     scale = _scale(stiffness)
     border = held * scale
@@ -212,7 +212,7 @@ def _stable(stiffness: Any, held: np.ndarray) -> bool:
     return True
 
 
-def _scale(stiffness: Any) -> np.ndarray:
+def _scale(stiffness: scipy.sparse.csc_array) -> np.ndarray:
     """Scales of the unknowns that make the diagonal of K one: a skin is far stiffer in tension than in bending."""
     return 1 / np.sqrt(np.abs(stiffness.diagonal()))
 
@@ -225,7 +225,7 @@ class BorderedFrame:
     scale: np.ndarray
 
     @classmethod
-    def of(cls, stiffness: Any, held: np.ndarray) -> BorderedFrame:
+    def of(cls, stiffness: scipy.sparse.csc_array, held: np.ndarray) -> BorderedFrame:
         """Factor a symmetric K (n, n) held by the rows C (m, n)."""
         scale = _scale(stiffness)
         border = held * scale
