@@ -94,7 +94,9 @@ def __getattr__(name: str) -> Any:
 
         return version("ffrf-toolkit")
     if name not in _PLACES:
-        raise AttributeError(f"ffrf has no {name!r}; it has: {', '.join(_PLACES)}")
+        from toolkit.foundation.errors import meant
+
+        raise AttributeError(f"ffrf has no {name!r}{meant(name, _PLACES)}; it has: {', '.join(_PLACES)}")
     module, _, attribute = _PLACES[name].partition(":")
     found = import_module(module)
     return getattr(found, attribute) if attribute else found

@@ -33,8 +33,8 @@ from preprocessing.mesh.matrix_file import read_matrix, square_of
 from preprocessing.mesh.overlaps import refuse_overlaps
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.reduction.assembly import Parts, assemble
-from preprocessing.reduction.body_change import BodyChange, rate_of
-from preprocessing.reduction.discretisation import STEP
+from preprocessing.reduction.body_change import BodyChange
+from preprocessing.reduction.discretisation import STEP, derivative_of
 from preprocessing.reduction.ties import NodeTie
 from toolkit.foundation.errors import InputError
 
@@ -156,7 +156,7 @@ def _moved(
     mesh = named.mesh
     own = solid_matrices(blocks, len(mesh.nodes), mesh.dimension, motion)
     moved = mesh.moved(1j * STEP * motion)
-    masses = {pair: rate_of(matrix) for pair, matrix in constant_masses(moved).items()} if mesh.masses else None
+    masses = {pair: derivative_of(matrix) for pair, matrix in constant_masses(moved).items()} if mesh.masses else None
     rates = assemble(element_solid(mesh.nodes, own, _stress(named, blocks, motion), lame, None, masses)).at(values)
     normals = {key: BoundaryFaces(moved.nodes, each.faces).normals() for key, each in named.surfaces.items()}
     return BodyChange(rates, moved, named.ties(moved.nodes), normals, StressedSolid(blocks, lame, STEP * motion))

@@ -11,13 +11,10 @@ from scipy.linalg import eigh
 
 from preprocessing.builders.cut_mesh import ENDS, CutMesh, PieceBodies
 from preprocessing.builders.discrete_body import DiscreteBody
-from preprocessing.builders.reduced_body import MeshError, mesh_error, reduced_body
+from preprocessing.builders.reduced_body import MeshError, mesh_error, reduced_body, reduced_solid
 from preprocessing.mesh.faces import BoundaryFaces
-from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.reduction.basis import BasisChoice
 from preprocessing.reduction.chosen_basis import clamped_in_tangent_frame
-from preprocessing.reduction.solid_basis import solid_shapes
-from preprocessing.reduction.ties import freedom
 from toolkit.reduced_model.cut_part import symmetric
 from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.model import InterfacePoint, Invariants, ReducedModel, StressPoints
@@ -144,7 +141,7 @@ def columns_of_piece(number: int) -> np.ndarray:
     return np.concatenate([[0], columns_of_end(number), columns_of_end(number + 1)])
 
 
-class Pressures(NamedTuple):
+class PiecePressures(NamedTuple):
     """Unit pressures on the body's surfaces and on those of its pieces, with their derivatives."""
 
     surface_loads: dict[str, SurfaceLoad]
@@ -153,12 +150,12 @@ class Pressures(NamedTuple):
     element_derivatives: dict[str, Derivatives]  # of the latter
 
 
-def pressures(pieces: Sequence[ReducedModel]) -> Pressures:
+def pressures(pieces: Sequence[ReducedModel]) -> PiecePressures:
     """Unit pressures on all surfaces that the pieces share."""
     loads, count = [each.surface_loads or {} for each in pieces], len(pieces)
     names = [*loads[0]]
     whole, every = placed(pieces, _pressure_in_body(loads)), placed(pieces, _pressure_in_row(loads))
-    return Pressures(
+    return PiecePressures(
         {name: SurfaceLoad(*_arrays(whole, name, (), 1 + MOTIONS * count)) for name in names},
         {name: PieceLoads(*_arrays(every, name, (count,), 1 + SPATIAL_LOCAL)) for name in names},
         whole.derivatives,
@@ -206,17 +203,11 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
     ends : interface point -> number of its end, the clamp's is zero
     stiffness : of the pieces, on the motions of all ends but the clamped one
     """
-    free = freedom(body.mesh, body.clamped, body.ties)
-    matrices = body.parts.at(body.values)
-    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
-    mass, whole = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
-    motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
-    places = free.places(body.mesh.nodes, body.ties)
-    shapes = solid_shapes(BasisChoice("static"), mass, whole, motions, places, free, body.ties)
-    m = body.mesh.motions
+    solid = reduced_solid(body, BasisChoice("static"))
+    shapes, m = solid.shapes, body.mesh.motions
     here = np.concatenate([m * (ends[name] - 1) + np.arange(m) for name in shapes.points])
     in_pieces = symmetric(np.linalg.inv(stiffness)[np.ix_(here, here)])
-    uncut = symmetric(np.linalg.inv(shapes.columns.T @ (whole @ shapes.columns)))
+    uncut = symmetric(np.linalg.inv(shapes.columns.T @ (solid.stiffness @ shapes.columns)))
     extremes = eigh(in_pieces, uncut, eigvals_only=True)[[0, -1]] - 1
     loads = [f"{what} {axis} at {name}" for name in shapes.points for what in ("force", "moment") for axis in "xyz"]
     found = {
@@ -224,7 +215,7 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
         **dict(zip(loads, np.diag(in_pieces) / np.diag(uncut) - 1, strict=True)),
     }
     errors = {name: float(error) if abs(error) > ROUND_OFF else 0.0 for name, error in found.items()}
-    return errors, mesh_error(body.elastic, mass, whole, free, shapes)
+    return errors, mesh_error(solid)
 
 
 class PieceSurface(NamedTuple):
@@ -329,10 +320,8 @@ def joined_model(found: PieceBodies) -> ReducedModel:
     width, pressed = invariants.first_moment.shape[1], pressures(pieces)
     drawn, pieces_of_surface, points = surface.parts(pieces, width, n_stress)
     face_errors, errors_of_mesh = judged_by_uncut(found.whole, dict(numbers_of_points(cut)), invariants.stiffness)
-    return ReducedModel(
-        **{
-            name: getattr(pieces[0], name) for name in ("dimension", "units", "nominal", "nominal_units", "writers", "input_hash")
-        },
+    return replace(
+        pieces[0],  # of which units, parameters and writers are those of the body
         reference_condition=clamped_in_tangent_frame(f"the nodes of {cut.named.file.clamp and cut.named.file.clamp.words}"),
         basis=_words(cut),
         invariants=invariants,

@@ -18,9 +18,9 @@ from preprocessing.mesh.faces import BoundaryLines
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions, translations
 from preprocessing.reduction.assembly import Matrices
 from preprocessing.reduction.basis import BasisChoice
-from preprocessing.reduction.body_change import BodyChange, rate_of
+from preprocessing.reduction.body_change import BodyChange
 from preprocessing.reduction.chosen_basis import clamped_in_tangent_frame
-from preprocessing.reduction.discretisation import STEP
+from preprocessing.reduction.discretisation import STEP, derivative_of
 from preprocessing.reduction.invariants import Term, polynomial_of
 from preprocessing.reduction.pictured_parts import pressure_on, surface_of
 from preprocessing.reduction.reduced import Rate, contracted
@@ -46,19 +46,36 @@ class MeshError(NamedTuple):
     stress_error_at: dict[str, float]  # axis -> coordinate of the largest
 
 
-def mesh_error(body: Elastic | None, mass: csr_array, stiffness: csr_array, free: Freedom, shapes: SolidShapes) -> MeshError:
-    """Stress errors by load case, and the place of the largest; empty without elements.
+class ReducedSolid(NamedTuple):
+    """Solid with its matrices on the independent coordinates, and the shapes of its basis."""
 
-    Parameters
-    ----------
-    mass, stiffness : on the independent coordinates
-    """
-    if body is None:
+    body: DiscreteBody
+    matrices: Matrices  # on all coordinates
+    free: Freedom
+    mass: csr_array  # (n^, n^)
+    stiffness: csr_array  # (n^, n^)
+    shapes: SolidShapes
+
+
+def reduced_solid(body: DiscreteBody, choice: BasisChoice) -> ReducedSolid:
+    """Shapes that a basis choice asks for, with all that they are made of; raises as `solid_shapes`."""
+    free = freedom(body.mesh, body.clamped, body.ties)
+    matrices = body.parts.at(body.values)
+    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
+    mass, stiffness = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
+    motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
+    shapes = solid_shapes(choice, mass, stiffness, motions, free.places(body.mesh.nodes, body.ties), free, body.ties)
+    return ReducedSolid(body, matrices, free, mass, stiffness, shapes)
+
+
+def mesh_error(solid: ReducedSolid) -> MeshError:
+    """Stress errors by load case, and the place of the largest; empty without elements."""
+    if solid.body.elastic is None:
         return MeshError({}, {})
-    names, columns = _cases(body.nodes, mass, stiffness, free, shapes)
+    names, columns = _cases(solid)
     if not names:
         return MeshError({}, {})
-    found = stress_errors(body, np.asarray(free.map @ columns))
+    found = stress_errors(solid.body.elastic, np.asarray(solid.free.map @ columns))
     known = {name: float(value) for name, value in zip(names, found.relative, strict=True) if np.isfinite(value)}
     if not known:
         return MeshError({}, {})
@@ -66,12 +83,11 @@ def mesh_error(body: Elastic | None, mass: csr_array, stiffness: csr_array, free
     return MeshError(known, dict(zip(AXES, map(float, place), strict=False)))
 
 
-def _cases(
-    nodes: np.ndarray, mass: csr_array, stiffness: csr_array, free: Freedom, shapes: SolidShapes
-) -> tuple[list[str], np.ndarray]:
+def _cases(solid: ReducedSolid) -> tuple[list[str], np.ndarray]:
     """Names of load cases, and their shapes on the independent coordinates."""
+    shapes = solid.shapes
     if shapes.system is None:
-        return _weights(nodes, mass, stiffness, free)
+        return _weights(solid)
     n_modes = shapes.modes.count if shapes.modes else 0
     n_static = shapes.columns.shape[1] - n_modes
     static, modes = min(n_static, MOST), min(n_modes, MODES)
@@ -79,14 +95,14 @@ def _cases(
     return names, shapes.columns[:, [*range(static), *range(n_static, n_static + modes)]]
 
 
-def _weights(nodes: np.ndarray, mass: csr_array, stiffness: csr_array, free: Freedom) -> tuple[list[str], np.ndarray]:
+def _weights(solid: ReducedSolid) -> tuple[list[str], np.ndarray]:
     """Bending under its own weight along the axes, of a body that keeps all coordinates; nothing if it is not held."""
-    factors = splu(stiffness.tocsc())
+    factors, nodes = splu(solid.stiffness.tocsc()), solid.body.mesh.nodes
     pivots = np.abs(factors.U.diagonal())
     if pivots.min() <= np.finfo(float).eps * len(pivots) * pivots.max():
-        return [], np.zeros((mass.shape[0], 0))
-    along = free.map.T @ translations(*nodes.shape)
-    return [f"weight along {axis}" for axis in AXES[: nodes.shape[1]]], factors.solve(np.asarray(mass @ along))
+        return [], np.zeros((solid.mass.shape[0], 0))
+    along = solid.free.map.T @ translations(*nodes.shape)
+    return [f"weight along {axis}" for axis in AXES[: nodes.shape[1]]], factors.solve(np.asarray(solid.mass @ along))
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,22 +235,15 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     """
     if _enriched(body, choice):
         body = replace(body, changes=list(body.changes))
-    free = freedom(body.mesh, body.clamped, body.ties)
-    matrices = body.parts.at(body.values)
-    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
-    mass, stiffness = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
-    motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
-    shapes = solid_shapes(choice, mass, stiffness, motions, free.places(body.mesh.nodes, body.ties), free, body.ties)
+    solid = reduced_solid(body, choice)
+    free, shapes = solid.free, solid.shapes
     z = np.column_stack([body.mesh.nodes.ravel(), free.map @ shapes.columns])
     nominal = {**body.values, **body.others}
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
     interfaces = with_held_points(interfaces, z[:, 1:], body.mesh.size)
-    spin = solid_spin(body, matrices, free, z, choice.boundary == "free") if choice.spin_stiffening else None
-    rates = (
-        (name, _rate(body, name, change, z, _turned(body, matrices, change, choice, free, shapes), spin))
-        for name, change in body.changes
-    )
-    found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
+    spin = solid_spin(body, solid.matrices, free, z, choice.boundary == "free") if choice.spin_stiffening else None
+    rates = ((name, _rate(body, name, change, z, _turned(solid, change, choice), spin)) for name, change in body.changes)
+    found = contracted(body.parts, solid.matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     if spin and stored:
         found = found._replace(affine=found.affine | spin.polynomial(stored, list(nominal)))
@@ -253,9 +262,9 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         stress=StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
         spin=stored,
         left_out=shapes.left_out,
-        **mesh_error(body.elastic, mass, stiffness, free, shapes)._asdict(),
+        **mesh_error(solid)._asdict(),
     )
-    model = _with_richer(model, body, matrices, choice, free, shapes, z)
+    model = _with_richer(model, solid, choice, z)
     return _drawn(model, body, z, coloured=points > 0)
 
 
@@ -277,45 +286,36 @@ def _rate(
     return Rate(change.matrices, d_z, _item_rates(change, z, d_z) | more)
 
 
-def _turned(
-    body: DiscreteBody, matrices: Matrices, change: BodyChange, choice: BasisChoice, free: Freedom, shapes: SolidShapes
-) -> np.ndarray | None:
+def _turned(solid: ReducedSolid, change: BodyChange, choice: BasisChoice) -> np.ndarray | None:
     """Derivative dPsi (n, n_f), where Psi = T Psi^; None of frozen shapes, which are the same at every design."""
     if choice.derivative == "frozen":
         return None
-    stepped = change.freedom(body.clamped)
-    on_independent = change.on(free, stepped, matrices, shapes.averaged)
+    stepped, shapes = change.freedom(solid.body.clamped), solid.shapes
+    on_independent = change.on(solid.free, stepped, solid.matrices, shapes.averaged)
     if choice.chord is not None and change.moves:
         turned = chord_turn(Chord(*choice.chord), shapes.points, change.ties)
-        on_independent = replace(on_independent, turn=rate_of(turned))
-    return np.asarray(free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns)
+        on_independent = replace(on_independent, turn=derivative_of(turned))
+    return np.asarray(solid.free.map @ shapes.rates(on_independent) + derivative_of(stepped.map) @ shapes.columns)
 
 
-def _with_richer(
-    model: ReducedModel,
-    body: DiscreteBody,
-    matrices: Matrices,
-    choice: BasisChoice,
-    free: Freedom,
-    shapes: SolidShapes,
-    z: np.ndarray,
-) -> ReducedModel:
+def _with_richer(model: ReducedModel, solid: ReducedSolid, choice: BasisChoice, z: np.ndarray) -> ReducedModel:
     """Reduced model with a richer basis: frozen shapes, and those that they would turn into.
 
     Derivatives are then right at the nominal design. It has none where nothing turns the shapes, or modes cannot be followed.
     """
+    body = solid.body
     if not _enriched(body, choice) or not body.changes:
         return model
     following = replace(choice, derivative="differentiated")
     try:
-        turned = [_turned(body, matrices, change, following, free, shapes) for _, change in body.changes]
+        turned = [_turned(solid, change, following) for _, change in body.changes]
     except InputError:  # a cluster of modes is cut
         return model
     richer = np.column_stack([z, _beyond(z[:, 1:], np.column_stack([each for each in turned if each is not None]))])
     interfaces = {name: _interface(*each.motion(richer), body.mesh.size) for name, each in body.ties.items()}
     interfaces = with_held_points(interfaces, richer[:, 1:], body.mesh.size)
     rates = ((name, _rate(body, name, change, richer, None)) for name, change in body.changes)
-    found = contracted(body.parts, matrices, model.nominal, richer, rates, interfaces, computed=True)
+    found = contracted(body.parts, solid.matrices, model.nominal, richer, rates, interfaces, computed=True)
     loads = None
     if body.boundary is not None and not isinstance(body.boundary, BoundaryLines):
         loads = {name: pressure_on(each.normals(), richer) for name, each in body.pressure_surfaces.items()}
@@ -376,4 +376,4 @@ def _item_rates(change: BodyChange, z: np.ndarray, d_z: np.ndarray) -> dict[str,
     for name, normals in change.normals.items():
         load = pressure_on(normals, stepped)
         found |= {f"surface_loads.{name}.force": load.force, f"surface_loads.{name}.moment": load.moment}
-    return {name: rate_of(item) for name, item in found.items()}
+    return {name: derivative_of(item) for name, item in found.items()}

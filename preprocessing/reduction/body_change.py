@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -12,11 +11,9 @@ from scipy.sparse import csr_array
 from preprocessing.elements.elasticity import StressedSolid
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.reduction.assembly import Matrices
-from preprocessing.reduction.discretisation import STEP
+from preprocessing.reduction.discretisation import derivative_of
 from preprocessing.reduction.solid_systems import BasisChange
 from preprocessing.reduction.ties import Freedom, NodeTie, freedom
-
-M = TypeVar("M", np.ndarray, csr_array)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +30,7 @@ class BodyChange:
     @property
     def motion(self) -> np.ndarray:
         """Derivative of the nodal coordinates, (n,)."""
-        return rate_of(self.mesh.nodes.ravel())
+        return derivative_of(self.mesh.nodes.ravel())
 
     @property
     def moves(self) -> bool:
@@ -57,18 +54,18 @@ class BodyChange:
         if not self.moves:
             change_of_stiffness = (free.map.T @ nodes(self.matrices.stiffness) @ free.map).tocsr()
             return BasisChange(change_of_stiffness, *self._mass_on(free))
-        d_map = rate_of(stepped.map)
+        d_map = derivative_of(stepped.map)
 
         def change(matrix: csr_array, rate: csr_array) -> csr_array:
             turned = d_map.T @ (nodes(matrix) @ free.map)
             return (free.map.T @ (nodes(rate) @ free.map) + turned + turned.T).tocsr()
 
-        rows = [rate_of(self.ties[name].rows @ stepped.map).toarray() for name in averaged]
+        rows = [derivative_of(self.ties[name].rows @ stepped.map).toarray() for name in averaged]
         return BasisChange(
             change(matrices.stiffness, self.matrices.stiffness),
             change(matrices.mass, self.matrices.mass),
             np.vstack([np.zeros((0, free.map.shape[1])), *rows]),
-            rate_of(stepped.coordinates_of(rigid_motions(self.mesh.nodes), self.ties)),
+            derivative_of(stepped.coordinates_of(rigid_motions(self.mesh.nodes), self.ties)),
         )
 
     def _mass_on(self, free: Freedom) -> tuple[csr_array | None, None, np.ndarray | None]:
@@ -76,8 +73,3 @@ class BodyChange:
         if self.mass is None:
             return None, None, None
         return (free.map.T @ self.mass @ free.map).tocsr(), None, np.zeros((free.map.shape[1], self.mesh.motions))
-
-
-def rate_of(stepped: M) -> M:
-    """Derivative from a complex step of size STEP."""
-    return stepped.imag / STEP if np.iscomplexobj(stepped) else 0.0 * stepped

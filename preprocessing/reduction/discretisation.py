@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -75,10 +76,6 @@ class Discretisation:
         """Rows of Z that give the nodes' positions, (n_nodes, d, 1 + n_f)."""
         return z.reshape(len(self.nodes), -1, z.shape[1])[:, : self.nodes.shape[1]]
 
-    def nodal(self, matrix: csr_array) -> csr_array:
-        """Block of a square matrix that belongs to the nodal coordinates."""
-        return self.element.coordinates.of_nodes(matrix)
-
 
 @dataclass(frozen=True)
 class DesignChange:
@@ -122,12 +119,16 @@ class DesignSpace:
 
 
 def _change(d_matrices: Matrices, d_xi: np.ndarray, d_rows: dict[str, np.ndarray], stepped: Discretisation) -> DesignChange:
-    d_stiffness, d_mass = (stepped.nodal(matrix) for matrix in (d_matrices.stiffness, d_matrices.mass))
+    d_stiffness, d_mass = map(d_matrices.coordinates.of_nodes, (d_matrices.stiffness, d_matrices.mass))
     return DesignChange(d_matrices, DesignRates(d_stiffness, d_mass, d_xi, d_rows), stepped)
 
 
-def derivative_of(value: np.ndarray) -> np.ndarray:
-    """Derivative from the imaginary part that a complex step left."""
+Stepped = TypeVar("Stepped", np.ndarray, csr_array)
+"""Array or sparse matrix in which a complex step may be."""
+
+
+def derivative_of(value: Stepped) -> Stepped:
+    """Derivative from the imaginary part that a complex step left; zeros of what is real."""
     return np.imag(value) / STEP
 
 

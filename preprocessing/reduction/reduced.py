@@ -164,13 +164,13 @@ def richer_choices(choice: BasisChoice, modes: int, n: int) -> list[BasisChoice]
     """
     if choice.derivative != "frozen" or choice.kind == "full":
         return []
-    plain = replace(choice, frequency=None, static_error=None, beside_frozen=True)
-    alone = replace(plain, kind="eigenmodes", count=2 * modes + MORE_ALONE)
+    more = 2 * modes + MORE_ALONE
+    alone = replace(choice, kind="eigenmodes", count=more, frequency=None, static_error=None, beside_frozen=True)
     if choice.boundary == "free":
         return [alone]
     if n <= LARGEST_FULL:
-        return [replace(plain, kind="full", count=None)]
-    return [replace(plain, kind="craig-bampton", count=2 * modes + MORE), alone]
+        return [replace(alone, kind="full", count=None)]
+    return [replace(alone, kind="craig-bampton", count=2 * modes + MORE), alone]
 
 
 @dataclass(frozen=True, eq=False)
@@ -322,7 +322,7 @@ def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequen
     space = with_places(space, choice.followed)
     nominal = space.nominal()
     matrices = nominal.parts.at(space.values)
-    mass, stiffness = nominal.nodal(matrices.mass), nominal.nodal(matrices.stiffness)
+    mass, stiffness = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
     basis = reduced_basis(choice, mass, stiffness, nominal.nodes, clamped_node, clamp, nominal.interface_rows())
     exact = space.in_monomials if basis.constant else frozenset()
     changes = {parameter: space.change(nominal, parameter) for parameter in space.values if parameter not in exact}
