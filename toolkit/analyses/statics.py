@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -94,7 +93,7 @@ def solve_statics(
     check_dense(system, options)
     if start is not None and options.continuation == "load" and (near := _equilibrium_near(system, options, start)):
         state, count = near
-        return _with_sensitivities(system, options, state, newton_iterations=count, own_start=True)
+        return _with_sensitivities(system, options, state, count, own_start=True)
     state, factor, count = start_of_path(system, options)
     try:
         arrival = to_full_load(system, options, state, factor, options.continuation == "arc-length", progress)
@@ -107,8 +106,8 @@ def solve_statics(
         raise told from error
     _refuse_half_turns(system, options, arrival.path)
     refuse_open_joints_left_out(system, options, arrival.state.q)
-    report = {"newton_iterations": count + arrival.iterations, "load_steps": arrival.steps + (factor > 0), "path": arrival.path}
-    return _with_sensitivities(system, options, arrival.state, **report)
+    iterations, load_steps = count + arrival.iterations, arrival.steps + (factor > 0)
+    return _with_sensitivities(system, options, arrival.state, iterations, load_steps, arrival.path)
 
 
 def _explained(system: System, options: RunOptions, state: Equilibrium, error: BifurcationError) -> BifurcationError:
@@ -149,7 +148,7 @@ def equilibrium_beside(system: System, known: Solution) -> Solution:
     acc: np.ndarray = np.zeros(system.n, system.dtype)
     q[: system.n_q], acc[: system.n_q], acc[system.n_q :] = known.q[-1], known.a[-1], known.multipliers[-1]
     state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
-    return _with_sensitivities(system, options, state, newton_iterations=count, load_steps=0, path=known.path)
+    return _with_sensitivities(system, options, state, count, path=known.path)
 
 
 def _equilibrium_near(system: System, options: RunOptions, known: Solution) -> tuple[Equilibrium, int] | None:
@@ -196,7 +195,15 @@ def refuse_unstable(solution: Solution) -> None:
         )
 
 
-def _with_sensitivities(system: System, options: RunOptions, state: Equilibrium, **report: Any) -> Solution:
+def _with_sensitivities(
+    system: System,
+    options: RunOptions,
+    state: Equilibrium,
+    newton_iterations: int,
+    load_steps: int = 0,
+    path: StaticPath | None = None,
+    own_start: bool = False,
+) -> Solution:
     """Static solution with its design derivatives, from one more factorization at the end state and one block solve."""
     solved = clock.perf_counter()
     rest, n_q, n_x = np.zeros_like(state.q), system.n_q, system.n_x
@@ -211,8 +218,18 @@ def _with_sensitivities(system: System, options: RunOptions, state: Equilibrium,
         change = static_change(system, inputs, state.q, state.acc, matrix, forces, "static sensitivities")
         dq[:n_q], dacc[n_q:] = change[:n_q], change[n_q:]
     states = tuple(item[None] for item in (state.q, rest, state.acc, dq, np.zeros_like(dq), dacc))
-    report["sensitivity_seconds"] = clock.perf_counter() - solved
-    return Solution.from_padded(system, np.array([options.end_time]), states, options=options, judge=judge, **report)
+    return Solution.from_padded(
+        system,
+        np.array([options.end_time]),
+        states,
+        options=options,
+        judge=judge,
+        newton_iterations=newton_iterations,
+        load_steps=load_steps,
+        path=path,
+        own_start=own_start,
+        sensitivity_seconds=clock.perf_counter() - solved,
+    )
 
 
 FAR = 0.1

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from toolkit.foundation.units import unit
+from toolkit.foundation.value_types import Record
 from toolkit.reduced_model.body_summary import body_summary
 from toolkit.reduced_model.file import SCHEMA, SCHEMA_VERSION, load
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel
 from toolkit.reduced_model.questions import face_record, mesh_record
 
+if TYPE_CHECKING:
+    from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
+
 PLAIN = "plain HDF5 of another program: no checksum tells whether a bit of it was flipped"
 
 
-def describe(model: str | Path | ReducedModel) -> dict[str, Any]:
+def describe(model: str | Path | ReducedModel) -> Record:
     """Content of a reduced model, as `ffrf inspect --json` prints it: its body, basis, parameters and what depends on them.
 
     Parameters
@@ -56,7 +60,7 @@ def describe(model: str | Path | ReducedModel) -> dict[str, Any]:
     }
 
 
-def dependences(model: ReducedModel, items: Mapping[str, Any] | None) -> dict[str, str]:
+def dependences(model: ReducedModel, items: Mapping[str, SparsePolynomial | Derivatives] | None) -> dict[str, str]:
     """Arrays that depend on each parameter, by polynomials or by derivatives."""
     found = {
         parameter: ", ".join(item for item, dependence in (items or {}).items() if dependence.depends_on(k))
@@ -82,7 +86,7 @@ def sizes(model: ReducedModel) -> dict[str, int]:
     return found
 
 
-def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
+def describe_interface(point: InterfacePoint, length: str) -> Record:
     """Position of an interface point and how far it may be moved."""
     low, high = (float(end) for end in point.arc_length_range)
     movable = f"from {low:.6g} to {high:.6g}" if low < high else "no: at a node, no derivative by the arc length"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -405,7 +405,7 @@ class Model:
         """Compiled scene at other numbers, or at its own."""
         return self._compiled if numbers is None else self.at(numbers)._compiled
 
-    def __reduce__(self) -> tuple[object, ...]:
+    def __reduce__(self) -> tuple[Callable[..., Model], tuple[Scene, tuple[str, ...]]]:
         return compile_model, (self.scene, self._compiled.names)
 
     def __repr__(self) -> str:

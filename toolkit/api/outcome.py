@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple, NoReturn
@@ -192,7 +192,7 @@ class Designs:
         except ToolkitError as error:
             return Solved(Outcome(numbers, error=str(error)))
 
-    def __reduce__(self) -> tuple[object, ...]:
+    def __reduce__(self) -> tuple[Callable[..., Designs], tuple[object, ...]]:
         return _designs, (self.compiled.scene, self.compiled.names, self.kind, self.gradients, self.judged)
 
 

@@ -5,8 +5,6 @@ The names are those of the classes of all kinds that a scene file can name, with
 
 from __future__ import annotations
 
-from typing import Any
-
 from toolkit.curves.catalogue import Curve
 from toolkit.description.design import BodyPoint, Point
 from toolkit.responses.catalogue import Response
@@ -31,7 +29,7 @@ _PARTS = parts_of_scenes(2)
 __all__ = list(_PARTS)
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> type:
     """Class of a part of a scene, by its public name."""
     if name in _PARTS:
         return _PARTS[name]

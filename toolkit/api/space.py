@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from toolkit.api.plane import missing, parts_of_scenes
 
 _PARTS = parts_of_scenes(3)
 __all__ = list(_PARTS)
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> type:
     """Class of a part of a scene, by its public name."""
     if name in _PARTS:
         return _PARTS[name]

@@ -11,6 +11,7 @@ from pydantic import model_validator
 
 from toolkit.bodies.chain_strains import Strains, no_strains
 from toolkit.description.description import InSpace, Number, Quantity, Scalar, Triple
+from toolkit.description.design import BodyPoint, Point
 from toolkit.foundation.compiled.rows import filled_up
 from toolkit.kinematics.orientation import angular_velocity, axes_along, matrix_of, quaternion_rate
 from toolkit.reduced_model.model import ReducedModel
@@ -28,13 +29,13 @@ class Placed(Protocol):
     """Interface of a scene to its bodies: where the points are, and the bodies' reduced models."""
 
     @property
-    def bodies(self) -> Mapping[str, Any]:
+    def bodies(self) -> Mapping[str, Body]:
         """All bodies but the ground, by name."""
 
     def position(self, point: str) -> np.ndarray:
         """Undeformed global position of a point, shape (d,)."""
 
-    def interface(self, point: str) -> Any:
+    def interface(self, point: str) -> Point | BodyPoint:
         """Description of a point as the user wrote it."""
 
     def model(self, path: str, *parts: str) -> ReducedModel:

@@ -24,11 +24,12 @@ from toolkit.bodies.framed_part import (
     node_number,
     place_on,
     refuse_frame_points,
+    whole_body,
     whole_design,
 )
 from toolkit.bodies.model_body import FRAME, ModelBody
-from toolkit.reduced_model.cut_chain import ChainPlace, PartShapes
-from toolkit.reduced_model.cut_part import ChainPart, SpatialPart, planar_part, pressed, spatial_part
+from toolkit.reduced_model.cut_chain import ChainPlace
+from toolkit.reduced_model.cut_part import SpatialPart, planar_part, pressed, spatial_part
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.parts import PieceLoads, SurfaceLoad
 
@@ -113,7 +114,7 @@ class CutBody(CuttableBody):
         """Number of the part that a point lies in."""
         return part_number(self.cuts, place_on(scene, name, point))
 
-    def marker(self, scene: Placed, point: str, name: str, *axes: Any) -> Any:
+    def marker(self, scene: Placed, point: str, name: str, *axes: np.ndarray | None) -> Any:
         """Marker at an interface point, on the part that the point lies in."""
         if point in (FRAME, CENTRE) or getattr(scene.interface(point), "interface", "") == FRAME:
             refuse_frame_points(point, f"body {name!r}")
@@ -162,13 +163,7 @@ class PlanarFramedPart(FramedPart, Flexible):
     kind = ""
     per_node: ClassVar[int] = 3
     frame_coordinates: ClassVar[int] = 3
-
-    @staticmethod
-    def assembled(
-        elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None
-    ) -> ChainPart:
-        """Planar part that is assembled from elements at one design, see `planar_part`."""
-        return planar_part(elements, first, last, stress_elements, shapes)
+    assembled = staticmethod(planar_part)
 
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
         """Names of the elastic coordinates: the first node only turns, and the last one turns and moves along the chord."""
@@ -191,17 +186,11 @@ class SpatialFramedPart(FramedPart, SpatialFlexible):
     kind = ""
     per_node: ClassVar[int] = 6
     frame_coordinates: ClassVar[int] = 7
-
-    @staticmethod
-    def assembled(
-        elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None
-    ) -> ChainPart:
-        """Spatial part that is assembled from elements at one design, see `spatial_part`."""
-        return spatial_part(elements, first, last, stress_elements, shapes)
+    assembled = staticmethod(spatial_part)
 
     def surface_load(self, scene: Placed, surface: str) -> SurfaceLoad:
         """Load of a unit pressure on the pieces of a surface that belong to this part."""
-        design = scene.bodies[self.whole].design_point(scene, "elements", "piece_loads")
+        design = whole_body(scene, self.whole).design_point(scene, "elements", "piece_loads")
         part, loads = self.part(scene), PieceLoads(*(design.value(f"piece_loads.{surface}.{key}") for key in ("force", "moment")))
         assert isinstance(part, SpatialPart)
         return pressed(part, loads)

@@ -37,6 +37,8 @@ class FramedPart(ModelBody):
     """Coordinates of a node, and of an element of the part."""
     frame_coordinates: ClassVar[int]
     """Coordinates of its frame, which moves and turns."""
+    assembled: ClassVar[Callable[..., ChainPart]]
+    """Function that assembles the part from elements at one design, with the element of every stress point, see `planar_part`."""
 
     whole: str
     first: int
@@ -45,27 +47,20 @@ class FramedPart(ModelBody):
     """Nodes of the whole whose coordinates are kept if others are not."""
     modes_per_frame: int | None = None
 
-    @staticmethod
-    def assembled(
-        elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None
-    ) -> ChainPart:
-        """Part that is assembled from elements at one design, with the element of every stress point."""
-        raise NotImplementedError
-
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
         """Names of the elastic coordinates of a part that is not reduced, with the numbers of its nodes as users count them."""
         raise NotImplementedError
 
     def mass_damping(self, scene: Placed) -> Scalar:
         """Mass-proportional damping alpha of the whole body, in 1/time."""
-        return scene.bodies[self.whole].mass_damping(scene)
+        return whole_body(scene, self.whole).mass_damping(scene)
 
     def stiffening(self, scene: Placed) -> np.ndarray | None:
         """None, since a cut body stiffens at its cuts."""
         return None
 
     @property
-    def own(self) -> tuple[object, ...]:
+    def own(self) -> tuple[int, int, tuple[int, ...], int | None]:
         """Numbers that tell this part from all other parts of the same model."""
         return self.first, self.last, self.gripped, self.modes_per_frame
 
@@ -161,7 +156,7 @@ class FramedPart(ModelBody):
 
 @lru_cache(maxsize=MANY)
 def _shapes(
-    nominal: Itself[Elements | SpatialElements],
+    nominal: Itself[Elements] | Itself[SpatialElements],
     assembled: Callable[..., ChainPart],
     first: int,
     last: int,
@@ -179,10 +174,16 @@ def _shapes(
     return part_shapes(inv.stiffness, inertia, weights, kept, count)
 
 
+def whole_body(scene: Placed, whole: str) -> ModelBody:
+    """The cut body of that name."""
+    found = scene.bodies[whole]
+    assert isinstance(found, ModelBody)
+    return found
+
+
 def whole_design(scene: Placed, whole: str) -> DesignPoint:
     """The reduced model of a cut body at the scene's parameter values, with its elements."""
-    design: DesignPoint = scene.bodies[whole].design_point(scene, "elements", "stress", "mesh", "surface", "pieces")
-    return design
+    return whole_body(scene, whole).design_point(scene, "elements", "stress", "mesh", "surface", "pieces")
 
 
 def _with_surface(design: DesignPoint) -> ReducedModel:
@@ -225,7 +226,7 @@ def place_on(scene: Placed, whole: str, point: str) -> ChainPlace:
     node = node_number(scene, point)
     if node is not None:
         return place_at(elements.connectivity, node)
-    position = scene.bodies[whole].point(scene, point, whole)[0][:, 0]
+    position = whole_body(scene, whole).point(scene, point, whole)[0][:, 0]
     return place_of(elements, position, f"point {point!r}")
 
 

@@ -18,6 +18,7 @@ from pydantic import ConfigDict
 
 from toolkit.bodies.body import CENTRE, Body, FloatingNumbers, Placed, SpatialFloatingNumbers
 from toolkit.description.description import FileName, Number, Scalar
+from toolkit.description.design import BodyPoint
 from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.reduced_model.design_point import DesignPoint, design_at
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
@@ -188,7 +189,7 @@ class ModelBody(Body):
         follows = {place_parameter(name): s for name, s in places.items()}
         moved = any(model.nominal.get(name) != value for name, value in {**self.model_values(), **follows}.items())
         model = scene.model(self.model, *(self.dependence if moved else ()), *parts)
-        refuse_unknown_keys(self, self.model_values(), model, scene)
+        refuse_unknown_keys(self, self.model_values(), model, scene.bodies)
         design = design_at(model, self.model_values(), first_order)
         for name in places:
             if design.moves(f"interfaces.{name}.arc_length"):
@@ -252,8 +253,10 @@ class ModelBody(Body):
         if not self.turns:
             return None
         alpha = self.mass_damping(scene)
+        if is_zero(alpha):
+            return self.undamped(scene)
         floating = self.floating(scene)
-        return self.undamped(scene) if is_zero(alpha) or floating is None else floating.times(alpha)
+        return None if floating is None else floating.times(alpha)
 
     @abstractmethod
     def undamped(self, scene: Placed) -> FloatingNumbers | SpatialFloatingNumbers:
@@ -278,7 +281,7 @@ class ModelBody(Body):
             return inv.first_moment / inv.mass, self.undeforming_point(inv.first_moment.shape[-1])[1]
         written, design = scene.interface(point), self.design_point(scene)
         model = design.model
-        if getattr(written, "body", None) != name:
+        if not isinstance(written, BodyPoint) or written.body != name:
             raise InputError(
                 f"point {point!r} is not an interface point of flexible body {name!r}, so nothing can grip the body there. "
                 f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {_names(model)}.'
@@ -287,8 +290,9 @@ class ModelBody(Body):
             return self.undeforming_point(1 + model.n_f)
         refuse_unknown(model, written.interface, name)
         interface = design.interface(written.interface)
-        moved = written.arc_length is not None and place_parameter(written.interface) not in model.nominal
-        return interface.at(written.arc_length) if moved else interface.here
+        if written.arc_length is None or place_parameter(written.interface) in model.nominal:
+            return interface.here
+        return interface.at(written.arc_length)
 
     @abstractmethod
     def undeforming_point(self, width: int) -> tuple[np.ndarray, np.ndarray]:
@@ -319,7 +323,7 @@ class ModelBody(Body):
         return np.array(written.position) + self.placement @ self.point(scene, point, name)[0][:, 0]
 
 
-def refuse_unknown_keys(body: Body, keys: Iterable[str], model: ReducedModel, scene: Placed) -> None:
+def refuse_unknown_keys(body: Body, keys: Iterable[str], model: ReducedModel, bodies: Mapping[str, Body]) -> None:
     """Refuse the first of these keys of a body that its reduced model has no parameter for.
 
     Raises
@@ -330,7 +334,7 @@ def refuse_unknown_keys(body: Body, keys: Iterable[str], model: ReducedModel, sc
     unknown = next((key for key in keys if key not in model.nominal), None)
     if unknown is None:
         return
-    name = next(name for name, other in scene.bodies.items() if other is body)
+    name = next(name for name, other in bodies.items() if other is body)
     own = type(body).model_fields
     raise InputError(
         f"bodies.{name} has no key {unknown!r}{meant(unknown, [*own, *model.parameters])}, and its reduced model {model.label} has no "

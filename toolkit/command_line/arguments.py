@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import fnmatch
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
@@ -70,7 +71,7 @@ def split(change: str) -> tuple[str, str]:
     return path, value
 
 
-def with_options(table: str, kind: type[Table], wanted: dict[str, Any]) -> Table:
+def with_options(table: str, kind: type[Table], wanted: Mapping[str, object]) -> Table:
     """Table of a study in which options of the command line replace values of the file.
 
     Raises

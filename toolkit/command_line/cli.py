@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 def in_words(shown: Callable[..., None]) -> Callable[..., None]:
     """Function that shows warnings: those of the toolkit as plain sentences, others as before."""
 
-    def show(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
+    def show(message: Warning | str, category: type[Warning], *rest: object, **more: object) -> None:
         if category.__module__.startswith("toolkit."):
             typer.echo(f"note: {message}", err=True)
         else:
@@ -71,7 +71,7 @@ class Commands(TyperGroup):
         with usage_in_json("--json" in args):
             return super().parse_args(ctx, args)
 
-    def invoke(self, ctx: Any) -> Any:
+    def invoke(self, ctx: Any) -> object:
         """Run the command that was asked for."""
         as_json = "--json" in ctx.args  # the group's arguments are gone once its command runs
         with errors_in_words(as_json), usage_in_json(as_json), warnings.catch_warnings():

@@ -5,9 +5,12 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import typer
+
+if TYPE_CHECKING:
+    from toolkit.scene.scene import Scene
 
 
 def variables(ctx: typer.Context, incomplete: str) -> list[str]:
@@ -27,7 +30,7 @@ def changes(ctx: typer.Context, incomplete: str) -> list[str]:
     return [f"{path}=" for path in known if path.startswith(incomplete)]
 
 
-def _scene(ctx: typer.Context) -> Any:
+def _scene(ctx: typer.Context) -> Scene | None:
     """Scene named in the line being typed; None if there is none, or it cannot be read."""
     from toolkit.foundation.errors import ToolkitError
     from toolkit.scene_file.reader import read_scene

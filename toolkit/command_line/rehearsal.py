@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.rigid import Rod, SpatialRod
+from toolkit.description.description import Registered
 from toolkit.description.design import Point
 from toolkit.description.run_options import Formulation, RunOptions
 from toolkit.foundation.kernel import first_class
@@ -79,37 +80,41 @@ def pendulum_like(scene: Scene) -> Scene:
 def _small(space: Space, formulation: Formulation, forced: bool, coiled: bool) -> Scene:
     """Smallest scene, a hanging rod; on request with its joint's force as a response, and with a spring whose turns count."""
     options = RunOptions(end_time=1e-3, step=1e-3, formulation=formulation, load_steps=1)
-    force = {"force": JointForce(joint="hinge", component="x")} if forced else {}
-    common: dict[str, Any] = {
-        "units": "m-kg-s",
-        "responses": {"way": Displacement(body="rod", point="P", component="x"), **force},
-    }
-    return Scene(**common, **_PENDULUMS[space](coiled), solver=options)
+    responses: dict[str, Registered] = {"way": Displacement(body="rod", point="P", component="x")}
+    if forced:
+        responses["force"] = JointForce(joint="hinge", component="x")
+    return _PENDULUMS[space](responses, options, coiled)
 
 
 ENDS: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
 """Fields of the rod of the smallest scene."""
 
 
-def _planar(_coiled: bool) -> dict[str, Any]:
-    return {
-        "points": {"O": Point(x=0.0, y=0.0), "P": Point(x=0.0, y=-1.0)},
-        "bodies": {"rod": Rod(**ENDS)},
-        "joints": {"hinge": Revolute(bodies=("rod", "ground"), point="O")},
-        "loads": {"weight": Gravity(acceleration=(0.0, -9.81))},
-    }
+def _planar(responses: dict[str, Registered], options: RunOptions, _coiled: bool) -> Scene:
+    return Scene(
+        units="m-kg-s",
+        points={"O": Point(x=0.0, y=0.0), "P": Point(x=0.0, y=-1.0)},
+        bodies={"rod": Rod(**ENDS)},
+        joints={"hinge": Revolute(bodies=("rod", "ground"), point="O")},
+        loads={"weight": Gravity(acceleration=(0.0, -9.81))},
+        responses=responses,
+        solver=options,
+    )
 
 
-def _spatial(coiled: bool) -> dict[str, Any]:
-    """Fields of the smallest spatial scene; on request with a rotational spring, whose turns compiled code counts."""
+def _spatial(responses: dict[str, Registered], options: RunOptions, coiled: bool) -> Scene:
+    """Smallest spatial scene; on request with a rotational spring, whose turns compiled code counts."""
     spring = SpatialRotationalSpringDamper(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0), stiffness=1.0)
-    return {
-        "dimension": 3,
-        "points": {"O": Point(x=0.0, y=0.0, z=0.0), "P": Point(x=0.0, y=0.0, z=-1.0)},
-        "bodies": {"rod": SpatialRod(**ENDS)},
-        "joints": {"hinge": SpatialRevolute(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0))},
-        "loads": {"weight": SpatialGravity(acceleration=(0.0, 0.0, -9.81)), **({"coil": spring} if coiled else {})},
-    }
+    return Scene(
+        units="m-kg-s",
+        dimension=3,
+        points={"O": Point(x=0.0, y=0.0, z=0.0), "P": Point(x=0.0, y=0.0, z=-1.0)},
+        bodies={"rod": SpatialRod(**ENDS)},
+        joints={"hinge": SpatialRevolute(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0))},
+        loads={"weight": SpatialGravity(acceleration=(0.0, 0.0, -9.81)), **({"coil": spring} if coiled else {})},
+        responses=responses,
+        solver=options,
+    )
 
 
 _PENDULUMS = {PLANE: _planar, SPACE: _spatial}

@@ -7,7 +7,7 @@ One complex step along a direction of all numbers shows whether any derivative i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,7 @@ from toolkit.conformance.comparison import (
     direction,
 )
 from toolkit.curves.curve import Curve
+from toolkit.description.description import Description
 from toolkit.description.design import DesignVariable
 from toolkit.foundation.errors import ConformanceError
 from toolkit.foundation.kernel import plain
@@ -202,15 +203,15 @@ def _complex(scene: Scene, path: str) -> Scene:
 
 def _by_state(
     response: Response, system: System, times: np.ndarray, states: dict[str, np.ndarray], name: str, factors: np.ndarray
-) -> Any:
+) -> float:
     """Derivative of the value along a direction of one state."""
     moved = {**states, name: states[name] + 1j * STEP * factors}
     return np.imag(response.value(solution_of(system, times, moved))) / STEP
 
 
 def _by_numbers(
-    response: Response, scene: ResolvedScene, factors: dict[str, float], times: np.ndarray, states: dict[str, np.ndarray]
-) -> Any:
+    response: Response, scene: Scene, factors: dict[str, float], times: np.ndarray, states: dict[str, np.ndarray]
+) -> float:
     """Derivative of the value along a direction of some numbers."""
     moved = scene.moved(DesignVariable("direction", 1.0, tuple(factors), tuple(factors.values())), 1j * STEP)
     system = compile_scene(moved, None, response.grips(scene))
@@ -307,7 +308,7 @@ def _compare_with_differences(
             )
 
 
-def extrapolated(function: Callable[[float], Any], steps: Sequence[float] | np.ndarray) -> np.ndarray:
+def extrapolated(function: Callable[[float], np.ndarray], steps: Sequence[float] | np.ndarray) -> np.ndarray:
     """Central differences with halved steps, extrapolated by Richardson to a step of zero."""
     table = [(function(h) - function(-h)) / (2 * h) for h in map(float, steps)]
     for order in range(1, len(table)):
@@ -414,6 +415,6 @@ def check_scene(scene: Scene, seed: int = 0) -> None:
     check_design_derivatives(scene, seed)
 
 
-def _alone(scene: Scene, **component: Any) -> Scene:
+def _alone(scene: Scene, **component: Mapping[str, Description]) -> Scene:
     """Scene with its bodies and points and one component alone, which is refused if it names others."""
     return Scene(**{**dict(scene), "joints": {}, "loads": {}, "responses": {}, "design": {}, **component})

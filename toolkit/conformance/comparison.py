@@ -8,7 +8,6 @@ One complex step along a direction of all numbers shows whether any derivative i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from toolkit.description.design import DesignVariable
 from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
 from toolkit.foundation.errors import ConformanceError
 from toolkit.foundation.kernel import plain
+from toolkit.foundation.value_types import Number
 from toolkit.scene.scene import Scene
 from toolkit.system.evaluation import plain_formulas_of
 from toolkit.system.system import System, compile_scene
@@ -33,7 +33,7 @@ def direction(count: int) -> np.ndarray:
     return rng.uniform(0.5, 1.0, count) * rng.choice([-1.0, 1.0], count)
 
 
-def agree(ours: Any, exact: Any, size: float) -> bool:
+def agree(ours: np.ndarray | Number, exact: np.ndarray | Number, size: float) -> bool:
     """Whether derivatives along a direction differ by no more than `TOLERANCE` times a size; what is not finite does not."""
     return bool(np.all(np.abs(ours - exact) <= TOLERANCE * max(size, float(np.abs(exact).max(initial=0)))))
 
@@ -142,7 +142,7 @@ def inputs(system: System, levels: np.ndarray = LEVELS) -> Inputs:
     return system.inputs(0.37, levels, 0.8)
 
 
-def plain_terms(system: System, given: Inputs, q: Any, v: Any, acc: Any, linearize: bool = False) -> Terms:
+def plain_terms(system: System, given: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, linearize: bool = False) -> Terms:
     """Terms of the equations, evaluated as plain Python, with complex arrays if the state is complex."""
     scene, dtype = system.scene, np.result_type(q, v, acc, system.dtype).type
     functions = plain_formulas_of(scene)

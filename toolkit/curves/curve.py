@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, SerializerFunctionWrapHandler, model_serializer
@@ -16,13 +16,17 @@ from pydantic_core import core_schema
 from toolkit.description.description import Registered, Scalar
 from toolkit.foundation.errors import SHORT, meant
 
+if TYPE_CHECKING:
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import CoreSchema
+
 PLACEHOLDER = "any time curve"
 """Comment in a JSON schema of one class that stands for a curve of any kind."""
 Rates = tuple[np.ndarray | Scalar, np.ndarray | Scalar, np.ndarray | Scalar]
 """Values f of a curve, and its derivatives f', f'' by time."""
 
 
-def _any_curve(value: Any) -> Curve:
+def _any_curve(value: object) -> Curve:
     """Curve as it is, or one made from its table.
 
     Raises
@@ -109,17 +113,17 @@ class Curve(Registered):
         return np.stack([np.broadcast_to(rate, time.shape) for rate in self.rates(time)], axis=1)
 
     @model_serializer(mode="wrap")
-    def _with_type(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _with_type(self, plain: SerializerFunctionWrapHandler) -> dict[str, object]:
         """Table of the curve as a file would have it, with its `type`."""
         return {"type": self.kind, **plain(self)}
 
     @classmethod
-    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> Any:
+    def __get_pydantic_core_schema__(cls, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
         """A field of the base takes a curve of any kind, or its table with the `type`; one of a kind takes that kind."""
         return handler(source) if cls.kind else core_schema.no_info_plain_validator_function(_any_curve)
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         """The schema of files puts the kinds in the place of a curve of any kind."""
         return handler(schema) if cls.kind else {"$comment": PLACEHOLDER}
 

@@ -19,6 +19,11 @@ if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import CoreSchema
 
+if TYPE_CHECKING:
+    from pydantic import GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core.core_schema import CoreSchema
+
 ANGLE = "angle"
 """The one word without dimension that has a unit nevertheless."""
 
@@ -159,7 +164,7 @@ class Description(BaseModel):
         own: dict[str, Any] = vars(cls).get("__annotations__", {})
         own.update(dict.fromkeys(own.keys() & cls.__class_vars__, ClassVar))
 
-    def numbers(self) -> Iterator[tuple[str, Scalar]]:
+    def numbers(self) -> Iterator[tuple[str, float | complex]]:
         """Paths and values of all numbers below this record."""
         for name, value in self:
             if self.means(name):
@@ -175,7 +180,7 @@ class Description(BaseModel):
         facts = (each for info in described if info is not None for each in info.metadata)
         return next((each for each in facts if isinstance(each, Quantity)), None)
 
-    def with_number(self, path: str, value: Scalar) -> Self:
+    def with_number(self, path: str, value: float | complex) -> Self:
         """A copy in which the number at the path has another value, real or complex.
 
         Raises
@@ -185,9 +190,10 @@ class Description(BaseModel):
         """
         return self.with_all({path: value})
 
-    def with_all(self, values: Mapping[str, Scalar]) -> Self:
+    def with_all(self, values: Mapping[str, float | complex]) -> Self:
         """A copy in which the numbers at several paths, at least one, have other values."""
-        found: Self = _replace(self, [(path.split("."), value, path) for path, value in values.items()])
+        found = _replace(self, [(path.split("."), value, path) for path, value in values.items()])
+        assert isinstance(found, type(self))
         return found
 
 
@@ -226,7 +232,7 @@ class InSpace(Registered):
         super().__pydantic_init_subclass__(**kwargs)
 
 
-def numbers_below(path: str, value: object) -> Iterator[tuple[str, Scalar]]:
+def numbers_below(path: str, value: object) -> Iterator[tuple[str, float | complex]]:
     """Paths and values of all numbers below a value that sits at `path`."""
     if isinstance(value, (float, complex)):
         yield path, value
@@ -250,7 +256,7 @@ def holds_complex(value: object) -> bool:
     return any(map(holds_complex, value)) if isinstance(value, (tuple, list)) else isinstance(value, complex)
 
 
-def number_at(value: object, keys: Sequence[str]) -> Scalar | None:
+def number_at(value: object, keys: Sequence[str]) -> float | complex | None:
     """Number that keys lead to from a value, as `numbers_below` names it; None if there is none."""
     for key in keys:
         if isinstance(value, Description):
@@ -273,19 +279,19 @@ def _is_pair(value: Sequence[object]) -> bool:
     return len(value) == 2 and all(isinstance(item, (float, complex)) for item in value)
 
 
-def _replace(owner: object, changes: Sequence[tuple[list[str], Scalar, str]]) -> Any:
+def _replace(owner: object, changes: Sequence[tuple[list[str], float | complex, str]]) -> object:
     """A copy with other numbers: the keys that lead to each from here, its value, and its whole path for messages."""
     keys, value, path = changes[0]
     if not keys:
         if not isinstance(owner, (float, complex)):
             raise InputError(f"{path!r} is not a number of the scene, but {owner!r}. Give the path of a number.")
         return value
-    items: dict[str, Any] = {}
+    items: dict[str, object] = {}
     if isinstance(owner, Description | Mapping):
         items = dict(owner)
     elif isinstance(owner, tuple):
         items = {_AXES[i] if _is_pair(owner) else str(i): item for i, item in enumerate(owner)}
-    below: dict[str, list[tuple[list[str], Any, str]]] = {}
+    below: dict[str, list[tuple[list[str], float | complex, str]]] = {}
     for (key, *rest), value, path in changes:
         if key not in items:
             raise InputError(f"{path!r} leads nowhere: there is no {key!r}; possible here: {', '.join(items) or 'nothing'}.")

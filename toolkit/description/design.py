@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from toolkit.description.description import Description, Number, Quantity, Triple
+from toolkit.foundation.value_types import Record
 
 
 class Point(Description):
@@ -55,7 +56,7 @@ class BodyPoint(Description):
 AXES = ("x", "y", "z")
 
 
-def numbered(path: str, groups: Mapping[str, Mapping[str, Any]]) -> str:
+def numbered(path: str, groups: Mapping[str, Mapping[str, object]]) -> str:
     """Path with the number of the axis: `loads.pull.force.z` is `loads.pull.force.2`; any other path as it is.
 
     So is `bodies.beam.deflection.tip.z`, of one vector among several that have names.
@@ -130,7 +131,7 @@ def check_shares(of: tuple[str, ...] | None, factors: tuple[float, ...] | None) 
         raise ValueError(f"the factor of {of[(factors or ()).index(0)]} is zero, so that nothing drives it; leave it out of `of`")
 
 
-def _entry(value: Any) -> Any:
+def _entry(value: object) -> str | CommonVariable:
     """Path as it is, or the table of a variable of several numbers."""
     if isinstance(value, str | CommonVariable):
         return value
@@ -162,9 +163,11 @@ class DesignVariable:
         """Path of the first number, whose unit and kind all numbers of the variable have."""
         return self.paths[0]
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """Path and value of the variable; for several numbers all paths and factors too."""
-        several = {"of": list(self.paths), "factors": list(self.factors)} if len(self.paths) > 1 or self.factors != (1.0,) else {}
+        several: Record = (
+            {"of": list(self.paths), "factors": list(self.factors)} if len(self.paths) > 1 or self.factors != (1.0,) else {}
+        )
         return {"path": self.path, "value": self.value, **several}
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, TypeGuard, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from toolkit.foundation.errors import SHORT, meant
 
 if TYPE_CHECKING:
+    from _typeshed import SupportsGetItem
     from pydantic_core import ErrorDetails
 
 
@@ -38,7 +39,7 @@ def _causes(error: ValidationError) -> list[ErrorDetails]:
 
 
 def _walk(
-    kind: type[BaseModel], value: Any, error: ErrorDetails, nested: Mapping[str, type]
+    kind: type[BaseModel], value: object, error: ErrorDetails, nested: Mapping[str, type]
 ) -> tuple[list[str], type[BaseModel]]:
     """Keys that a person wrote, without pydantic's own marks for unions, and the class of the innermost table."""
     keys: list[str] = []
@@ -55,13 +56,13 @@ def _walk(
     return keys, kind
 
 
-def _has(value: object, part: object) -> bool:
+def _has(value: object, part: int | str) -> TypeGuard[SupportsGetItem[int | str, object]]:
     if isinstance(value, (list, tuple)):
         return isinstance(part, int) and part < len(value)
     return isinstance(value, Mapping) and part in value
 
 
-def _field_class(kind: type[BaseModel], part: object) -> type[BaseModel]:
+def _field_class(kind: type[BaseModel], part: int | str) -> type[BaseModel]:
     field = kind.model_fields.get(part) if isinstance(part, str) else None
     return kind if field is None else next(_classes(field.annotation), kind)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
-from typing import Annotated, Any, ClassVar, Self
+from collections.abc import Callable, Sequence
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -47,7 +47,7 @@ class Joint(Component):
         """Poses of the two markers, of which the joint's rows are made."""
 
     @property
-    def laws(self) -> list[Any]:
+    def laws(self) -> list[Callable]:
         """Open formulas of the joint's rows."""
         return [row.law for row in self.constraint(None) if row.law is not None]
 
@@ -75,7 +75,7 @@ class Joint(Component):
         return row_numbers(self.constraint(scene))
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+    def __pydantic_init_subclass__(cls, **kwargs: object) -> None:
         if cls.kind and cls.dimension and getattr(cls.constraint, "__isabstractmethod__", False):
             raise TypeError(
                 f"{cls.__name__} has no `constraint`: state its rows as forms of the two poses, each with its name and what it "

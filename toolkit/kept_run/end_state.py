@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from toolkit.description.description import numbers_below
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.hdf5 import Content, reading
+from toolkit.foundation.value_types import TomlTable
 from toolkit.kept_run import layout
 from toolkit.kept_run.layout import READABLE, SCHEMA, STATES, About, ResultsFileError, damaged
 
@@ -59,7 +59,7 @@ class EndState:
     units: str
     items: frozenset[tuple[str, str]]
     numbers: Mapping[str, float]
-    bodies: Mapping[str, Mapping[str, Any]]
+    bodies: Mapping[str, TomlTable]
     models: Mapping[str, str]
 
     def has(self, path: str) -> bool:
@@ -94,7 +94,7 @@ def _read_before(path: Path, _changed: int, _size: int) -> EndState:
         return _read(content, path)
 
 
-def check_schema(attributes: Mapping[str, Any], path: Path) -> None:
+def check_schema(attributes: Mapping[str, object], path: Path) -> None:
     """Refuse a file that is no results file, or one of another version.
 
     Raises
@@ -140,24 +140,23 @@ def _read(content: Content, path: Path) -> EndState:
         units=about.units,
         items=frozenset((group, name) for group, items in groups.items() for name in items),
         numbers=_numbers(groups),
-        bodies=groups["bodies"],
+        bodies={name: item for name, item in groups["bodies"].items() if isinstance(item, dict)},
         models=about.scene.models,
     )
 
 
-def _groups(table: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def _groups(table: TomlTable) -> dict[str, TomlTable]:
     """Tables of a scene that can hold design variables, as far as they can be believed."""
-    found = {group: table.get(group, {}) for group in GROUPS}
-    if not all(isinstance(items, dict) for items in [*found.values(), *found["bodies"].values()]):
+    found = {group: items for group in GROUPS if isinstance(items := table.get(group, {}), dict)}
+    if len(found) < len(GROUPS) or not all(isinstance(body, dict) for body in found["bodies"].values()):
         raise ValueError("its scene is none")
     return found
 
 
-def _numbers(groups: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+def _numbers(groups: Mapping[str, TomlTable]) -> dict[str, float]:
     found: dict[str, float] = {}
     for group, items in groups.items():
         for name, item in items.items():
-            coordinates = group == "points" and isinstance(item, list)
-            below = numbers_below(f"{group}.{name}", dict(zip("xyz", item, strict=False)) if coordinates else item)
-            found |= {path: value for path, value in below if isinstance(value, float)}
+            below = dict(zip("xyz", item, strict=False)) if group == "points" and isinstance(item, list) else item
+            found |= {path: value for path, value in numbers_below(f"{group}.{name}", below) if isinstance(value, float)}
     return found

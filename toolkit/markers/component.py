@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import Annotated, Any, ClassVar, Protocol
+from typing import Annotated, ClassVar, Protocol
 
 import numpy as np
 from pydantic import field_validator
@@ -76,7 +76,7 @@ class Component(InSpace):
         return None
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+    def __pydantic_init_subclass__(cls, **kwargs: object) -> None:
         if cls.kind and not hasattr(cls, cls.stated_by):
             raise TypeError(
                 f"{cls.__name__} has no `{cls.stated_by}`: state the law and all its derivatives as one compiled function, "

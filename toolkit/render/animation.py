@@ -8,16 +8,22 @@ from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 import numpy as np
 
 from toolkit.foundation.near_ties import first_largest, spread
 from toolkit.render.label_places import NamesOfMotion
+from toolkit.render.moment import Moment
 from toolkit.render.packages import RenderError
 
 if TYPE_CHECKING:
-    from PIL.Image import Image
+    from PIL import Image
+
+M = TypeVar("M", bound=Moment)
+L = TypeVar("L")
+DrawInstant: TypeAlias = Callable[[M, L, NamesOfMotion | None, Path, int], None]
+"""Function that draws a moment with a look, and with the names of its motion if it is of one, and writes it to a path, in pixels."""
 
 ALIKE = 0.1
 """Two instants look alike if no point is further from its other place than this part of the longest way between any two instants,
@@ -83,7 +89,7 @@ LOOKED_AT = 9
 """Frames that are looked at before names get their places and pictures their colours."""
 
 
-def mp4(frames: Sequence[Image]) -> bytes:
+def mp4(frames: Sequence[Image.Image]) -> bytes:
     """Content of a film (H.264) of frames in all colours; an odd row or column of pixels, which it cannot have, is left out.
 
     Raises
@@ -124,7 +130,7 @@ def mp4(frames: Sequence[Image]) -> bytes:
         return path.read_bytes()
 
 
-def gif(frames: Sequence[Image]) -> bytes:
+def gif(frames: Sequence[Image.Image]) -> bytes:
     """Content of a GIF of frames (images of Pillow) with the colours of some of them; whatever shows it loops it."""
     from PIL import Image
 
@@ -140,7 +146,7 @@ def gif(frames: Sequence[Image]) -> bytes:
     return file.getvalue()
 
 
-def drawn_frames(moments: Sequence[Any], draw: Callable[..., None], look: Any, width: int) -> list[Image]:
+def drawn_frames(moments: Sequence[M], draw: DrawInstant[M, L], look: L, width: int) -> list[Image.Image]:
     """Images of Pillow of all moments, drawn by `draw(moment, look, names, path, width)`; names keep to their sides of their points."""
     from PIL import Image
 
@@ -157,5 +163,5 @@ def drawn_frames(moments: Sequence[Any], draw: Callable[..., None], look: Any, w
     return frames
 
 
-ENCODED: dict[str, Callable[[Sequence[Image]], bytes]] = {".gif": gif, ".mp4": mp4}
+ENCODED: dict[str, Callable[[Sequence[Image.Image]], bytes]] = {".gif": gif, ".mp4": mp4}
 """Ending of a file -> what makes its content of frames."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Any
+from typing import TypeAlias
 from xml.etree import ElementTree
 
 import numpy as np
@@ -22,7 +22,7 @@ from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution, flexible_body
 
 
-def mechanism(moment: Any, but: Collection[str] = ()) -> pyvista.PolyData | None:
+def mechanism(moment: Configuration | SpatialConfiguration, but: Collection[str] = ()) -> pyvista.PolyData | None:
     """Rigid bodies and links of a configuration in the plane or in space as lines, or None; without bodies that are shown already."""
     lines = [*moment.rods(but), *map(moment.ends, moment.links()), *moment.wheels()]
     return pyvista.PolyData().append_polydata(*(pyvista.lines_from_points(lifted(ends)) for ends in lines)) if lines else None
@@ -33,6 +33,8 @@ def lifted(points: np.ndarray) -> np.ndarray:
     return np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))]).astype(float)
 
 
+Meshes: TypeAlias = dict[str, pyvista.PolyData | None]
+"""Meshes of one step by name; None of a body that this step draws otherwise."""
 COMPONENTS = {"XX": 0, "YY": 1, "ZZ": 2, "XY": 5, "YZ": 3, "XZ": 4}
 """Components of a symmetric tensor in the order of VTK -> their place in ours, xx, yy, zz, yz, xz, xy."""
 
@@ -46,7 +48,7 @@ def add_stress(mesh: pyvista.PolyData, components: np.ndarray, label: str) -> No
         array.SetComponentName(place, name)
 
 
-def spatial_meshes(solution: Solution) -> Callable[[int], dict[str, pyvista.PolyData | None]]:
+def spatial_meshes(solution: Solution) -> Callable[[int], Meshes]:
     """Step -> meshes by name.
 
     Every flexible body with a surface is that surface, with the lines of beams, and has as point data "displacement in <unit>" from the
@@ -58,7 +60,7 @@ def spatial_meshes(solution: Solution) -> Callable[[int], dict[str, pyvista.Poly
     design = solution.system.design.names
     rates = {body: stress_field(solution, body)[1] for body in bodies} if design and solution.dq.shape[-1] else {}
 
-    def at(step: int) -> dict[str, pyvista.PolyData | None]:
+    def at(step: int) -> Meshes:
         moment = SpatialConfiguration(solution, step)
         found = {body: _surface(moment, body, points) for body, points in bodies.items()}
         for body, by in rates.items():
@@ -86,7 +88,7 @@ def _surface(moment: SpatialConfiguration, body: str, undeformed: np.ndarray) ->
     return mesh
 
 
-def plane_solid(moment: Configuration, body: str) -> Any:
+def plane_solid(moment: Configuration, body: str) -> pyvista.PolyData | None:
     """Section of a plane solid with point data "von Mises stress in <unit>" and "stress in <unit>", or None.
 
     The stress has six components in the body's own axes.
@@ -117,9 +119,7 @@ def export_paraview(solution: Solution, directory: str | Path) -> Path:
     return write_series(solution, directory, _MESHES[solution.system.scene.space](solution))
 
 
-def write_series(
-    solution: Solution, directory: str | Path, meshes_at: Callable[[int], dict[str, pyvista.PolyData | None]]
-) -> Path:
+def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[[int], Meshes]) -> Path:
     """Write the meshes of every step, name -> mesh or None, and the PVD file that lists them by time; returns its path.
 
     Raises
@@ -155,11 +155,11 @@ def _vtp(mesh: pyvista.PolyData) -> bytes:
     return writer.GetOutputString().encode()
 
 
-def _meshes(solution: Solution) -> Callable[[int], dict[str, pyvista.PolyData | None]]:
+def _meshes(solution: Solution) -> Callable[[int], Meshes]:
     look = choose_look(solution, range(len(solution.times)))
     fields = {body: stress_field(solution, body) for body in look.thickness}
 
-    def at(step: int) -> dict[str, pyvista.PolyData | None]:
+    def at(step: int) -> Meshes:
         moment = Configuration(solution, step)
         thick = {body: true or look.extent / 50 for body, true in look.thickness.items()}
         bands = {body: _band(moment, body, thick[body], *fields[body]) for body in thick}
@@ -170,7 +170,7 @@ def _meshes(solution: Solution) -> Callable[[int], dict[str, pyvista.PolyData | 
     return at
 
 
-def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray, dstress: np.ndarray) -> Any:
+def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray, dstress: np.ndarray) -> pyvista.PolyData | None:
     shape, label = skin_shape(moment, body), f"stress in {unit(moment.scene.units, 'stress')}"
     if shape is None:
         return None

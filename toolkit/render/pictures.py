@@ -176,7 +176,7 @@ class _Artist(NamedTuple):
     curves: Callable[..., None]
 
 
-def _page(figure: Callable[..., Any]) -> Callable[..., None]:
+def _page(figure: Callable[..., Figure]) -> Callable[..., None]:
     """Function that draws a figure and writes it to a path, with the given width in pixels."""
     from toolkit.render.sheet import WIDE, write_figure
 

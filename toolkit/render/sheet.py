@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from textwrap import fill
-from typing import Any
+from typing import Any, Final, TypedDict
 
 import numpy as np
 from matplotlib import rc_context, rcdefaults, rcParams
@@ -25,7 +25,8 @@ NARROW, WIDE = 5.6, 10.0
 """Inches: a figure that is read on a telephone (of 400 pixels, where a letter of 10 points is still 9 pixels high), and a picture."""
 _MOST = 6
 """Intervals along the lower edge of a narrow figure, whose numbers may be long."""
-SIGNED, UNSIGNED = "coolwarm", "viridis"
+SIGNED: Final = "coolwarm"
+UNSIGNED: Final = "viridis"
 """Colour maps that colour-blind people can read: from minus to plus the same value, and from zero up."""
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Okabe and Ito's colours, told apart by all kinds of colour vision."""
@@ -56,13 +57,21 @@ class Sheet(Figure):
 
 @contextmanager
 def sheet(
-    height: float, rows: int = 1, columns: int = 1, width: float = NARROW, **options: Any
+    height: float,
+    rows: int = 1,
+    columns: int = 1,
+    width: float = NARROW,
+    sharex: bool = False,
+    width_ratios: Sequence[float] | None = None,
+    height_ratios: Sequence[float] | None = None,
 ) -> Iterator[tuple[Figure, np.ndarray]]:
-    """A figure of a height and width in inches, and its axes (rows, columns); options as for `Figure.subplots`."""
+    """A figure of a height and width in inches, and its axes (rows, columns); ratios as for `Figure.subplots`."""
     with _settings():
         figure = Sheet(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
-        axes = figure.subplots(rows, columns, squeeze=False, **options)
+        axes = figure.subplots(
+            rows, columns, squeeze=False, sharex=sharex, width_ratios=width_ratios, height_ratios=height_ratios
+        )
         for each in axes.flat if width <= NARROW else ():
             each.locator_params(axis="x", nbins=_MOST)
         yield figure, axes
@@ -105,7 +114,14 @@ def written(figure: Figure, kind: str, dots: float) -> bytes:
     return file.getvalue()
 
 
-def style(number: int) -> dict[str, Any]:
+class LineStyle(TypedDict):
+    """What tells a curve from others."""
+
+    color: str
+    linestyle: str
+
+
+def style(number: int) -> LineStyle:
     """Colour and dashes of the n-th curve; dashes tell curves apart where colours cannot."""
     return {"color": COLORS[number % len(COLORS)], "linestyle": STYLES[number % len(STYLES)]}
 

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize, to_hex
 from matplotlib.lines import Line2D
 
+from toolkit.description.description import InSpace
 from toolkit.description.design import BodyPoint
 from toolkit.foundation.units import unit
 from toolkit.joints.joint import Joint
@@ -84,11 +85,11 @@ def mechanism(material: ReportMaterial) -> list[Drawing]:
             draw_sections(panel, moment, material.look.solids, edge=shade)
             draw_mechanism(panel, moment, color=shade, edge=shade, width=2.5, but=material.look.solids)
             for body in material.skins:
-                draw_line(panel, moment, body, color=shade, linewidth=1.5)
+                draw_line(panel, moment, body, shade, 1.5)
         draw_sections(panel, last, material.look.solids, filled=True)
         draw_mechanism(panel, last, but=material.look.solids)
         for body in material.skins:
-            draw_line(panel, last, body, color="black", linewidth=3.0)
+            draw_line(panel, last, body, "black", 3.0)
         draw_symbols(panel, last)
         write_names(panel, last, bodies=True)
     caption = "The last position in full, earlier ones in grey; circles are joints."
@@ -115,7 +116,7 @@ def load_curves(material: ReportMaterial) -> list[Drawing]:
     return [Drawing("load_curves", "Loads over time", "What drives the motion.", figure)]
 
 
-def _scale(part: Any, units: str) -> tuple[float, str]:
+def _scale(part: InSpace, units: str) -> tuple[float, str]:
     if isinstance(part, Torque):
         return float(part.torque), f"torque in {unit(units, 'torque')}"
     if isinstance(part, Joint):
@@ -170,7 +171,7 @@ def _shapes(material: ReportMaterial, body: str) -> Drawing:
         mark_points(along, material, body)
         open_windows(figure, last, {shapes: corners})
         draw_outlines(shapes, last, body, material.look)
-        draw_line(shapes, last, body, color="black", linewidth=3.0, label="deformed")
+        draw_line(shapes, last, body, "black", 3.0, "deformed")
         shapes.legend(loc="center right")
     caption = f"Distance of the nodes of {body} to the target, at the end of the motion."
     return Drawing(f"skin_error_{body}", f"Shape of {body} and distance to the target", caption, figure)

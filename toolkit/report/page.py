@@ -6,13 +6,13 @@ import base64
 import json
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from itertools import groupby
 from pathlib import Path
 from string import Template
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from toolkit.render.readable_units import MINUS
 from toolkit.report.answer import AnswerTable
@@ -90,7 +90,7 @@ def pictures(parts: Sequence[str]) -> str:
     return f'<div class="figures">{"".join(parts)}</div>'
 
 
-def viewer(data: dict[str, Any]) -> str:
+def viewer(data: Mapping[str, object]) -> str:
     """HTML of the moving picture that the reader can stop at any time."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     return _template("viewer.html").substitute(data=text)
@@ -105,7 +105,7 @@ def table(content: AnswerTable) -> str:
     )
 
 
-def _cell(value: Any) -> str:
+def _cell(value: object) -> str:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         text = f"{value:.6g}".replace("-", MINUS) if math.isfinite(value) else "does not exist"
         return f'<td class="number">{text}</td>'

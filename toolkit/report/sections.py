@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 from matplotlib import colormaps
 
 from toolkit.foundation.units import unit
+from toolkit.foundation.value_types import Record
 from toolkit.render.pictures import render_solution
 from toolkit.render.plane.configuration import POINTS, Configuration, skin_shape
 from toolkit.render.plane.look import window
@@ -24,7 +25,19 @@ EVERY = (POINTS - 1) // 4
 """Points of the middle line that are skipped: a quarter of an element is shorter than a pixel is wide."""
 
 
-def viewer_data(material: ReportMaterial) -> dict[str, Any]:
+class ViewerData(TypedDict):
+    """What the moving picture shows, as lists of numbers."""
+
+    corners: list[list[float]]
+    unit: dict[str, str]
+    limit: float
+    palette: list[list[int]]
+    target: str
+    targets: list[list[list[float]]]
+    frames: list[Record]
+
+
+def viewer_data(material: ReportMaterial) -> ViewerData:
     """Frames of the moving picture as lists of numbers, rounded to a ten-thousandth of the scene.
 
     Each frame: time; per skin its points x, y and the stress of its outer fibre; per meshed body its closed lines; rods and links as
@@ -33,6 +46,7 @@ def viewer_data(material: ReportMaterial) -> dict[str, Any]:
     moments = [material.moment(step) for step in material.shown]
     corners = window(material.look.points)
     limit = symmetric([body.stress for body in material.results.bodies.values()]).vmax if material.look.stress_limit else 1.0
+    assert limit is not None
     digits = max(0, 4 - int(np.floor(np.log10(material.scene.size))))
     palette = (255 * colormaps[SIGNED](np.linspace(0, 1, 33))[:, :3]).round().astype(int)
     contours = [(label, line) for body in material.skins for label, line, *_ in outlines(moments[-1], body, material.look)]
@@ -47,7 +61,7 @@ def viewer_data(material: ReportMaterial) -> dict[str, Any]:
     }
 
 
-def _frame(moment: Configuration, material: ReportMaterial, digits: int) -> dict[str, Any]:
+def _frame(moment: Configuration, material: ReportMaterial, digits: int) -> Record:
     found = [shape for body in material.skins if (shape := skin_shape(moment, body))]
     solids = material.look.solids
     links = [*map(moment.ends, moment.links()), *moment.wheels()]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -16,6 +16,9 @@ from toolkit.studies.orthonormal_basis import scrambled
 from toolkit.studies.store import DesignOutcome
 from toolkit.studies.sweep import Swept
 from toolkit.studies.uncertain_result import UncertainResult, limits_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 TANGENT = 0.25
 """Length of a tangent in parts of the distance of two designs."""
@@ -126,7 +129,7 @@ def uncertainty_drawing(found: UncertainResult) -> Drawing:
     return Drawing("uncertainty", "Uncertain responses", caption, figure)
 
 
-def _density(panel: Any, found: UncertainResult, label: str, values: np.ndarray) -> None:
+def _density(panel: Axes, found: UncertainResult, label: str, values: np.ndarray) -> None:
     each = found.responses[label]
     if np.isnan(each.mean):
         panel.text(0.5, 0.5, f"{label} is cut off", ha="center", transform=panel.transAxes, parse_math=False)
@@ -148,7 +151,7 @@ def _density(panel: Any, found: UncertainResult, label: str, values: np.ndarray)
     panel.set_yticks([])
 
 
-def _shares(panel: Any, found: UncertainResult, label: str) -> None:
+def _shares(panel: Axes, found: UncertainResult, label: str) -> None:
     each, names = found.responses[label], found.study.problem.variables
     if each.alone is None or each.together is None:
         panel.text(

@@ -232,7 +232,8 @@ def moving(solution: Solution, body: str) -> slice:
     """Slice of q's second axis with the coordinates that move a body against its target."""
     if isinstance(solution.system.scene.bodies.get(body), CutBody):
         return solution.coordinates(body)
-    found: slice = elastic_coordinates(solution, body)
+    found = elastic_coordinates(solution, body)
+    assert isinstance(found, slice)
     return found
 
 

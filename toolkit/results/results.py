@@ -27,6 +27,7 @@ from toolkit.scene_file.reader import scene_from_table
 from toolkit.system.solution import Solution, flexible_body
 
 if TYPE_CHECKING:
+    from toolkit.foundation.value_types import TomlTable
     from toolkit.sensitivity.run import Run
 
 
@@ -126,7 +127,7 @@ class Results:
         return unit(self.units, quantity)
 
 
-def table_of(scene: Scene) -> dict[str, Any]:
+def table_of(scene: Scene) -> TomlTable:
     """Tables from which `toolkit.scene_file.reader.scene_from_table` makes the same scene, with every number as it is now.
 
     Raises
@@ -135,11 +136,12 @@ def table_of(scene: Scene) -> dict[str, Any]:
         A number is complex: the scene belongs to a complex step.
     """
     table = _plain(scene)
+    assert isinstance(table, dict)
     del table["directory"]
     return table
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     if isinstance(value, Point):
         return [_plain(number) for number in (value.x, value.y, value.z) if number is not None]
     if isinstance(value, Description):

@@ -90,7 +90,7 @@ def _write_gradients(file: h5py.File, results: Results) -> None:
         write_array(file, f"responses/{name}", np.char.encode(np.array(list(items), "U"), "utf-8"))
 
 
-def _about(results: Results, path: Path) -> dict[str, Any]:
+def _about(results: Results, path: Path) -> dict[str, object]:
     """Record of all that is no array; the models' folder is relative to the file, so that a project can be moved."""
     arrays = {*STATES, *NAMES, "bodies", "path", "scene"}
     plain = {item.name: getattr(results, item.name) for item in fields(results) if item.name not in arrays}

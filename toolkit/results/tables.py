@@ -7,7 +7,7 @@ import io
 from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -54,10 +54,10 @@ def export_csv(results: Results, directory: str | Path) -> list[Path]:
     return files
 
 
-def response_table(results: Results) -> tuple[list[str], list[list[Any]]]:
+def response_table(results: Results) -> tuple[list[str], list[list[str | float]]]:
     """Table with value, unit and gradient of every response: first line, and lines."""
     variables = list(next(iter(results.gradients.values()), {}))
-    lines = [
+    lines: list[list[str | float]] = [
         [name, value, results.response_units[name], *(results.gradients[name][x] for x in variables if name in results.gradients)]
         for name, value in results.responses.items()
     ]
@@ -78,7 +78,7 @@ def _body_tables(results: Results, name: str, body: BodyResults) -> dict[str, tu
     return tables
 
 
-def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
+def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[object]]) -> Path:
     """Write one table, in one stroke; numbers with all their digits."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from numbers import Real
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -70,7 +69,7 @@ def _check(scene: Scene, paths: Sequence[str]) -> None:
     for path in paths:
         keys: list[str] = path.split(".")
         found: list[tuple[str, Description]] = []
-        owner: Any = scene
+        owner: object = scene
         for depth, key in enumerate(keys, 1):
             owner = _below(owner, key)
             if isinstance(owner, Description):
@@ -89,7 +88,7 @@ def _check_record(where: str, record: Description) -> None:
         raise InputError("\n".join(messages(error, type(record), given, where, {}))) from error
 
 
-def _below(owner: Any, key: str) -> Any:
+def _below(owner: object, key: str) -> object:
     """Value that a record, a table or a list holds under a key; None where the path goes on inside of a vector."""
     if isinstance(owner, Description):
         return getattr(owner, key, None)

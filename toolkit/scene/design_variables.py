@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from typing import Any
+from typing import TYPE_CHECKING
 
 from toolkit.bodies.model_body import ModelBody, refuse_unknown_keys
 from toolkit.curves.curve import Curve
@@ -12,10 +12,13 @@ from toolkit.description.design import AXES, BodyPoint, Design, DesignVariable
 from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.foundation.units import Dimension, dimension_of_label
 
+if TYPE_CHECKING:
+    from toolkit.scene.scene import Scene
+
 _AXES = "xyz"
 
 
-def number_measure(scene: Any, path: str) -> Measure:
+def number_measure(scene: Scene, path: str) -> Measure:
     """Measure (dimension, power of an angle) of one number that the scene writes, or of a parameter of a reduced model.
 
     Raises
@@ -27,7 +30,7 @@ def number_measure(scene: Any, path: str) -> Measure:
     return measure_in(getattr(scene, group)[name], keys, scene)
 
 
-def measure_in(item: Description, keys: list[str], scene: Any) -> Measure:
+def measure_in(item: Description, keys: list[str], scene: Scene) -> Measure:
     """Measure of the number that keys lead to from an item."""
     field, *rest = keys
     if isinstance(item, ModelBody) and field not in type(item).model_fields:
@@ -88,9 +91,9 @@ def _refuse_curve(owner: Description, field: str) -> Measure:
     )
 
 
-def _parameter(body: ModelBody, name: str, scene: Any) -> Measure:
+def _parameter(body: ModelBody, name: str, scene: Scene) -> Measure:
     model = scene.model(body.model)
-    refuse_unknown_keys(body, (name,), model, scene)
+    refuse_unknown_keys(body, (name,), model, scene.bodies)
     return Measure(dimension_of_label(model.nominal_units[name], model.units))
 
 
@@ -103,7 +106,7 @@ NOT_DESIGN = {
 """Tables of a scene whose numbers have no derivative, and why."""
 
 
-def variables_of(scene: Any, names: Collection[str]) -> Design:
+def variables_of(scene: Scene, names: Collection[str]) -> Design:
     """Design variables of a scene by short name or path; errors as `Scene.design_variables`."""
     variables: list[DesignVariable] = []
     available, users = dict.fromkeys(scene.available_paths() if names else ()), dict[str, str]()
@@ -119,7 +122,7 @@ def variables_of(scene: Any, names: Collection[str]) -> Design:
     return Design(tuple(variables))
 
 
-def refuse_wrong_variables(scene: Any, names: Collection[str], table: str) -> None:
+def refuse_wrong_variables(scene: Scene, names: Collection[str], table: str) -> None:
     """Refuse variables that lead nowhere, and two that drive the same number, by the table of the file that names them.
 
     Raises
@@ -138,7 +141,7 @@ def refuse_wrong_variables(scene: Any, names: Collection[str], table: str) -> No
         raise InputError(f"{table}: {error}") from error
 
 
-def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
+def _check(scene: Scene, path: str, name: str, available: Iterable[str]) -> None:
     """Refuse a path that leads nowhere, or to a number without derivative."""
     if path.split(".")[0] in NOT_DESIGN:
         raise InputError(f"{path!r} cannot be a design variable: {NOT_DESIGN[path.split('.')[0]]}")
@@ -150,8 +153,8 @@ def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
             "State it by an arc length off the nodes in the skin file, and run preprocessing again."
         )
     table, _, point = path.rpartition(".")[0].partition(".")
-    if table == "points" and isinstance(scene.points.get(point), BodyPoint):
-        raise InputError(_on_body(path, f"{table}.{point}.arc_length", scene.points[point], available))
+    if table == "points" and isinstance(carried := scene.points.get(point), BodyPoint):
+        raise InputError(_on_body(path, f"{table}.{point}.arc_length", carried, available))
     which = f"unknown design variable {name!r}"
     if path != name:
         which = f"the path {path!r} of design variable {name!r} leads nowhere"
@@ -188,7 +191,7 @@ def _twins(one: str, other: str, path: str, several: bool) -> str:
     return f"design variables {one!r} and {other!r} both drive {path}. Leave it to one of them."
 
 
-def _check_units(scene: Any, name: str, paths: tuple[str, ...]) -> None:
+def _check_units(scene: Scene, name: str, paths: tuple[str, ...]) -> None:
     """Refuse a variable that drives a number twice, or numbers that measure different things: its factors are pure numbers."""
     if len(paths) == 1:
         return

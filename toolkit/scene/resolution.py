@@ -12,11 +12,13 @@ from pydantic import PrivateAttr
 from toolkit.bodies.body import Body
 from toolkit.bodies.cut_body import CutBody, part_name, part_number
 from toolkit.bodies.cuttable_body import CuttableBody
+from toolkit.bodies.flexible import Flexible, SpatialFlexible
 from toolkit.bodies.framed_part import NODE, place_on
 from toolkit.bodies.model_body import FRAME, ModelBody, refuse_unknown
 from toolkit.description.design import BodyPoint, Point
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
+from toolkit.foundation.value_types import Number
 from toolkit.joints.rigid_joint import Tie
 from toolkit.reduced_model.cut_chain import breaks, chain_nodes, node_labels, place_at, place_of
 from toolkit.reduced_model.model import ReducedModel, place_parameter
@@ -141,7 +143,7 @@ class ResolvedScene(Scene):
             raise InputError(f"points.{point} is an interface point of body {written.body!r}, which is not flexible.")
         return body.position_at_rest(self, point, written.body)
 
-    def arc_lengths(self, body: Body) -> dict[str, Any]:
+    def arc_lengths(self, body: Body) -> dict[str, Number]:
         """Interface points of a body that the scene puts elsewhere along it: name in the reduced model -> arc length.
 
         Raises
@@ -151,9 +153,9 @@ class ResolvedScene(Scene):
         """
         return self.once(("arc lengths", Itself(body)), lambda: self._arc_lengths(body))
 
-    def _arc_lengths(self, body: Body) -> dict[str, Any]:
+    def _arc_lengths(self, body: Body) -> dict[str, Number]:
         mine = {name: p for name, p in self.points.items() if isinstance(p, BodyPoint) and self.bodies.get(p.body) is body}
-        found = {}
+        found: dict[str, Number] = {}
         for name, point in mine.items():
             if point.arc_length is not None:
                 twin = next((n for n, other in mine.items() if other.interface == point.interface and n != name), None)
@@ -240,14 +242,14 @@ def resolve(scene: Scene, beside: ResolvedScene | None = None) -> ResolvedScene:
     if beside is not None:
         found._models = beside._models
     for name, body in scene.bodies.items():
-        if isinstance(body, ModelBody) and body.parted and not isinstance(body, CutBody):
+        if isinstance(body, Flexible | SpatialFlexible) and body.parted and not isinstance(body, CutBody):
             found = _with_parts(found, name, body)
     return found
 
 
-def _with_parts(scene: ResolvedScene, name: str, body: Any) -> ResolvedScene:
+def _with_parts(scene: ResolvedScene, name: str, body: Flexible | SpatialFlexible) -> ResolvedScene:
     """The scene with one more body cut into parts."""
-    model = _model(scene, name, body)
+    model = _model(scene, name)
     if body.frames == "auto":
         raise InputError(f'bodies.{name}.frames = "auto" is chosen by runs, and nobody has chosen it here. Write a number.')
     cuts = cuts_of(name, body, model)
@@ -310,21 +312,21 @@ def most_frames(scene: Scene, name: str) -> int:
     InputError
         It cannot be cut; says why.
     """
-    elements = _model(scene, name, scene.bodies[name]).elements
+    elements = _model(scene, name).elements
     assert elements is not None
     return len(elements.connectivity)
 
 
 def fewest_cut(scene: Scene, name: str) -> int:
     """Least number of frames of a body that has more than one: two, or one for every chain where its elements branch."""
-    elements = _model(scene, name, scene.bodies[name]).elements
+    elements = _model(scene, name).elements
     assert elements is not None
     return max(2, len(breaks(elements.connectivity)) + 1)
 
 
 def branches(scene: Scene, name: str) -> bool:
     """Whether the elements of a body of beams are no chain, because they branch, close or turn round."""
-    elements = _model(scene, name, scene.bodies[name]).elements
+    elements = _model(scene, name).elements
     return elements is not None and chain_nodes(elements.connectivity) is None
 
 
@@ -333,8 +335,8 @@ def cuttable(scene: Scene) -> list[str]:
     return [
         name
         for name, body in scene.bodies.items()
-        if isinstance(body, CuttableBody)
-        and body.frame in FRAMES  # type: ignore[attr-defined]
+        if isinstance(body, Flexible | SpatialFlexible)
+        and body.frame in FRAMES
         and not any(body.deflected.values())
         and can_be_cut(scene.model(body.model, "elements"))
     ]
@@ -351,8 +353,10 @@ def tie_name(body: str, model: ReducedModel, node: int) -> str:
     return f"{body} at node {node_labels(model.elements.connectivity)[node]}"
 
 
-def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
+def _model(scene: Scene, name: str) -> ReducedModel:
     """Reduced model of a body, if it can be cut."""
+    body = scene.bodies[name]
+    assert isinstance(body, Flexible | SpatialFlexible)
     model = scene.model(body.model, "elements", "mesh")
     if model.elements is None:
         raise InputError(
@@ -406,7 +410,7 @@ def _clamp(name: str, model: ReducedModel) -> list[int]:
     return found
 
 
-def cuts_of(name: str, body: Any, model: ReducedModel) -> list[int]:
+def cuts_of(name: str, body: Flexible | SpatialFlexible, model: ReducedModel) -> list[int]:
     """First elements of all parts, and the number of all elements.
 
     Where chains of elements meet there is always a cut.

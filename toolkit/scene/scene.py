@@ -6,17 +6,18 @@ import os
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
+from typing import Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.description.description import Description, Registered, number_at, numbers_below
+from toolkit.description.description import Description, InSpace, Registered, number_at, numbers_below
 from toolkit.description.design import BodyPoint, Design, DesignEntry, DesignVariable, Point, lettered, numbered
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import SHORT, InputError, listed, meant
+from toolkit.foundation.value_types import Number
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import AnyLoad
@@ -37,11 +38,11 @@ PLURAL = {"body": "bodies", "point": "points", "joint": "joints", "load": "loads
 
 
 def check_names(
-    points: Mapping[str, object],
+    points: Mapping[str, Point | BodyPoint],
     bodies: Mapping[str, Body],
-    joints: Mapping[str, object],
-    loads: Mapping[str, object],
-    responses: Mapping[str, object],
+    joints: Mapping[str, Joint],
+    loads: Mapping[str, AnyLoad],
+    responses: Mapping[str, Registered],
 ) -> None:
     """Check all names of a scene.
 
@@ -98,7 +99,7 @@ def check_design_names(design: Mapping[str, DesignEntry], where: str = "design")
             )
 
 
-def _named(response: Any, kind: str) -> list[str]:
+def _named(response: Registered, kind: str) -> list[str]:
     """Names that a response, or the one that it looks at over time, gives under the word for one of a kind or for several."""
     found: list[str] = []
     for each in (response, getattr(response, "of", None)):
@@ -107,7 +108,7 @@ def _named(response: Any, kind: str) -> list[str]:
     return found
 
 
-def check_dimension(dimension: int, points: Mapping[str, Any], groups: Mapping[str, Mapping[str, Any]]) -> None:
+def check_dimension(dimension: int, points: Mapping[str, Point | BodyPoint], groups: Mapping[str, Mapping[str, InSpace]]) -> None:
     """Refuse a planar scene with what belongs to space, and the reverse.
 
     Raises
@@ -257,7 +258,7 @@ class Scene(Description):
         found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, UniformGravity)]
         return sum(found, np.zeros(self.dimension))
 
-    def number(self, path: str) -> Any:
+    def number(self, path: str) -> Number:
         """Number at a path; a flexible body's parameter that the scene does not set has its nominal value.
 
         Raises
@@ -280,17 +281,17 @@ class Scene(Description):
 
     def path_of(self, path: str) -> str:
         """Path as `available_paths` has it: in space x, y and z name the numbers of every vector, and 0 and 1 those of a pair."""
-        groups: dict[str, Any] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
+        groups: dict[str, Mapping[str, object]] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
         path = numbered(path, groups) if self.space.named_vectors else path
         return lettered(path, self._numbers_near(path)) if path.endswith((".0", ".1")) else path
 
-    def _written(self, path: str) -> Scalar | None:
+    def _written(self, path: str) -> Number | None:
         """Number at a path, if the scene writes one there."""
         group, name, *keys = (*path.split("."), "", "")[: 2 + max(0, path.count(".") - 1)]
         items = getattr(self, group) if group in type(self).model_fields else None
         return number_at(items[name], keys) if isinstance(items, dict) and name in items else dict(self.numbers()).get(path)
 
-    def _numbers_near(self, path: str) -> dict[str, Scalar]:
+    def _numbers_near(self, path: str) -> dict[str, Number]:
         """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""
         group, name = (*path.split("."), "")[:2]
         items = getattr(self, group) if group in type(self).model_fields else None
@@ -325,7 +326,7 @@ class Scene(Description):
         written = [path for path, _ in self.numbers() if path.split(".")[0] in ("points", "bodies", "joints", "loads")]
         return list(dict.fromkeys([*written, *self.model_parameters()]))
 
-    def with_number(self, path: str, value: Scalar) -> Self:
+    def with_number(self, path: str, value: Number) -> Self:
         """A copy in which one number has another value, real or complex.
 
         Raises
@@ -342,7 +343,7 @@ class Scene(Description):
             return self.model_copy(update={group: {**owner, name: changed}})
         return super().with_all({path: value})
 
-    def with_all(self, values: Mapping[str, Scalar]) -> Self:
+    def with_all(self, values: Mapping[str, Number]) -> Self:
         """A copy in which several numbers have other values, real or complex."""
         written = {path: value for path, value in values.items() if self._written(path) is not None}
         found = super().with_all(written) if written else self
@@ -368,7 +369,7 @@ class Scene(Description):
         """Real part of the number at a path, without an imaginary step."""
         return float(np.real(self.number(path)))
 
-    def moved(self, variable: DesignVariable, step: Scalar) -> Self:
+    def moved(self, variable: DesignVariable, step: Number) -> Self:
         """A copy in which a design variable has grown by a step, real or complex."""
         found = self
         for path, factor in zip(variable.paths, variable.factors, strict=True):
@@ -391,7 +392,7 @@ class Scene(Description):
         return variables_of(self, self.design if names is None else names)
 
 
-def _with_extra(body: Body, key: str, value: Scalar) -> Body:
+def _with_extra(body: Body, key: str, value: Number) -> Body:
     changed = body.model_copy()
     object.__setattr__(changed, "__pydantic_extra__", {**body.model_values(), key: value})
     return changed

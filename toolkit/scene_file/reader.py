@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -15,6 +15,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.description.validation_messages import messages
 from toolkit.foundation.errors import SHORT, InputError, meant
 from toolkit.foundation.files.toml_file import naming_lines, parse_toml, read_toml, refuse_other
+from toolkit.foundation.value_types import TomlTable, TomlValue
 from toolkit.responses.catalogue import Response
 from toolkit.responses.response import Instant
 from toolkit.scene.changed_numbers import with_numbers
@@ -22,11 +23,8 @@ from toolkit.scene.design_variables import refuse_wrong_variables
 from toolkit.scene.kinds import DIMENSIONS, kinds_of
 from toolkit.scene.scene import GROUPS, Scene
 
-if TYPE_CHECKING:
-    from toolkit.foundation.value_types import TomlValue
-
-
 D = TypeVar("D", bound=Description)
+K = TypeVar("K", bound=Registered)
 
 
 def read_scene(path: str | Path, changes: Mapping[str, TomlValue] | None = None) -> Scene:
@@ -71,7 +69,7 @@ def read_scene(path: str | Path, changes: Mapping[str, TomlValue] | None = None)
     return with_numbers(scene, common)[0] if common else scene
 
 
-def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
+def scene_from_table(table: TomlTable, path: Path) -> Scene:
     """Scene from nested tables; `path` is the file they came from.
 
     Raises
@@ -105,13 +103,14 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     return scene
 
 
-def responses_from_table(table: object, problems: list[str]) -> dict[str, Response]:
+def responses_from_table(table: TomlValue, problems: list[str]) -> dict[str, Response]:
     """Responses from a table of names as it stands in a scene file; what is wrong with them is added to the problems."""
     items = _group(table, "responses", problems)
-    return {name: _item(item, Response.kinds, {}, f"responses.{name}", problems) for name, item in items.items()}
+    found = {name: _item(item, Response.kinds, {}, f"responses.{name}", problems) for name, item in items.items()}
+    return {name: response for name, response in found.items() if isinstance(response, Response)}
 
 
-def _dimension(table: Mapping[str, object], path: Path) -> int:
+def _dimension(table: TomlTable, path: Path) -> int:
     """Dimension of the scene, 2 or 3, on which everything else depends.
 
     Raises
@@ -128,7 +127,7 @@ def _dimension(table: Mapping[str, object], path: Path) -> int:
     return given
 
 
-def _group(value: object, name: str, problems: list[str]) -> dict[str, Any]:
+def _group(value: TomlValue, name: str, problems: list[str]) -> TomlTable:
     if isinstance(value, dict):
         return value
     problems.append(f"{name} must be a table of names, not {SHORT.repr(value)}.")
@@ -138,7 +137,7 @@ def _group(value: object, name: str, problems: list[str]) -> dict[str, Any]:
 SPACES = {2: "a planar point has two, [x, y]", 3: "a point in space has three, [x, y, z]"}
 
 
-def _point(value: object, dimension: int, where: str, problems: list[str]) -> Point | BodyPoint | None:
+def _point(value: TomlValue, dimension: int, where: str, problems: list[str]) -> Point | BodyPoint | None:
     if isinstance(value, list):
         if len(value) == dimension:
             return _validated(Point, dict(zip("xyz", value, strict=False)), where, problems)
@@ -155,8 +154,8 @@ def _point(value: object, dimension: int, where: str, problems: list[str]) -> Po
 
 
 def _item(
-    value: object, kinds: Mapping[str, type[Registered]], others: Mapping[str, type[Registered]], where: str, problems: list[str]
-) -> Any:
+    value: TomlValue, kinds: Mapping[str, type[K]], others: Mapping[str, type[Registered]], where: str, problems: list[str]
+) -> K | None:
     """Component of the scene from its table; `others` are the kinds that scenes of the other dimension have."""
     if not isinstance(value, dict) or "type" not in value:
         problems.append(f"{where} needs a `type`, one of: {', '.join(sorted(kinds))}.")
@@ -181,12 +180,13 @@ def _validated(kind: type[D], value: object, where: str, problems: list[str]) ->
         return None
 
 
-def _change(table: dict[str, Any], key: str, text: TomlValue, path: Path) -> None:
+def _change(table: TomlTable, key: str, text: TomlValue, path: Path) -> None:
     """Set one value by its path; x and y, in space z too, name the entries of a vector."""
     value = _value(text)
     *owners, last = key.split(".")
     owner: Any = table
-    axes = "xyz"[: table["dimension"] if table.get("dimension") in DIMENSIONS else 2]
+    dimension, design = table.get("dimension"), table.get("design")
+    axes = "xyz"[: dimension if isinstance(dimension, int) and dimension in DIMENSIONS else 2]
     for depth, name in enumerate(owners):
         index = _index(owner, name, axes)
         if index is None and (owners[0] != "solver" or isinstance(owner, list)):
@@ -199,7 +199,7 @@ def _change(table: dict[str, Any], key: str, text: TomlValue, path: Path) -> Non
             raise InputError(f"{path.name}: {key!r} leads nowhere: {'.'.join(owners[: depth + 1])} is a value, not a table.")
     index = _index(owner, last, axes)
     if index is None and (isinstance(owner, list) or not owners):
-        short = table.get("design", ()) if not owners else ()
+        short = design if isinstance(design, dict) and not owners else ()
         raise InputError(_leads_nowhere(key, last, owner, axes, path, short))
     if index is None and len(owners) == 1 and owners[0] in GROUPS and not isinstance(value, dict | list):
         raise InputError(_leads_nowhere(key, last, owner, axes, path))
@@ -214,7 +214,7 @@ def _value(text: TomlValue) -> TomlValue:
         return text
 
 
-def _index(owner: Any, name: str, axes: str) -> Any:
+def _index(owner: TomlTable | list[TomlValue], name: str, axes: str) -> str | int | None:
     if isinstance(owner, list):
         axis = axes.find(name) if len(name) == 1 else -1
         index = axis if axis >= 0 else int(name) if name.isdecimal() and len(name) < 10 else len(owner)
@@ -222,7 +222,9 @@ def _index(owner: Any, name: str, axes: str) -> Any:
     return name if name in owner else None
 
 
-def _leads_nowhere(key: str, name: str, owner: Any, axes: str, path: Path, short: Iterable[str] = ()) -> str:
+def _leads_nowhere(
+    key: str, name: str, owner: TomlTable | list[TomlValue], axes: str, path: Path, short: Iterable[str] = ()
+) -> str:
     letters, close = ", ".join(axes), [*short, *owner] if isinstance(owner, dict) else []
     possible = ", ".join(owner) if isinstance(owner, dict) else letters if len(owner) == len(axes) else f"0 to {len(owner) - 1}"
     return f"{path.name}: {SHORT.repr(key)} leads nowhere: there is no {SHORT.repr(name)}{meant(name, close)}; possible here: {possible}."

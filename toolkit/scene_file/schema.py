@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from pydantic.json_schema import JsonSchemaValue
+
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.curve import PLACEHOLDER
 from toolkit.description.description import Description

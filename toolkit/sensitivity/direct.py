@@ -12,10 +12,9 @@ With the step h:
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -28,6 +27,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes import one_thread
+from toolkit.foundation.value_types import Number
 from toolkit.responses.extremes import at_peaks
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
@@ -113,7 +113,7 @@ def with_values(compiled: Compiled, kind: Kind, solution: Solution, seconds: flo
 
 def enriched(
     compiled: Compiled, kind: Kind, solution: Solution, method: Callable[[Compiled, Kind], Run]
-) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
     """Values and gradients with more shapes in frozen bodies, and the same steps."""
     other = compiled.enriched()
     if kind == "transient" and compiled.scene.solver.local_error is not None:
@@ -140,7 +140,7 @@ def again(
     q: np.ndarray | None = None,
     v: np.ndarray | None = None,
     known: ConsistentMotion | State | None = None,
-) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+) -> tuple[dict[str, Number], dict[str, dict[str, float]]]:
     """Values of a motion, and gradients by direct differentiation if the system has design variables, with other options; `q` and `v` are
     its start if it is not the scene's, `known` what was found for it. Gradients of extremes are those at peaks between the steps."""
     solution = simulate(system, options, q, v, known=known)
@@ -195,7 +195,7 @@ def by_repetition(
     begun = time.perf_counter()
     for k, variable in enumerate(variables):
         for name, value in derivative(scene, variable, kind, method, base, relative_step, known, solution).items():
-            gradients[name][variable.name] = float(value)
+            gradients[name][variable.name] = float(np.real(value))
         if progress:
             progress(k + 1, len(variables))
     extra = time.perf_counter() - begun
@@ -220,18 +220,18 @@ def derivative(
     variable: DesignVariable,
     kind: Kind,
     method: str,
-    base: dict[str, Any],
+    base: Mapping[str, Number],
     relative_step: float | None = None,
     known: Solution | None = None,
     along: Solution | None = None,
-) -> dict[str, Any]:
+) -> dict[str, Number]:
     """Derivatives of all responses by one variable, by repeated runs.
 
     A complex step need not follow the path to a `known` equilibrium again, which is that of the scene or the one that a motion
     starts in; `along` a known motion it takes fewer iterations.
     """
 
-    def shifted(step: complex) -> dict[str, Any]:
+    def shifted(step: complex) -> dict[str, Number]:
         moved = scene.moved(variable, step)
         if not isinstance(step, complex) or (kind == "static" and not known):
             return values_of(moved, kind)

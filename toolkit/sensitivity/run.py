@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
+from toolkit.foundation.value_types import Number, Record
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.kept_run.layout import STATES, ResultsFileError
 from toolkit.responses.energy import Largest, largest_in, magnitude_that_counts
@@ -64,6 +65,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from toolkit.results.results import Results
+    from toolkit.results.tables import ShortTable
+    from toolkit.validity.motion import Measures
 
 UNIMPORTANT = 0.02
 """A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
@@ -120,7 +123,7 @@ class Run:
     enriched: Enriched | None = field(default=None, compare=False)
 
     @cached_property
-    def measures(self) -> dict[str, Any]:
+    def measures(self) -> Measures:
         """Measures of how exactly the states were found, see `toolkit.validity.judge.measures`."""
         return measures(self.solution)
 
@@ -258,10 +261,11 @@ class Run:
             tied = tied_stresses(self.solution) if self.gradients else ()
             every = [*others, *self._of_vibrations(), *folded, *loose, *tied, *self._undefined()]
             return Verdict.of(without_false_zeros(every), found.measures)
-        measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
+        measured: Measures = {**self.measures}
+        options = self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
-            estimated = {
+            estimated: Record = {
                 "how": self.step_error.how,
                 "relative_to": "the largest magnitude in the motion",
                 "responses": self.step_error.values,
@@ -452,7 +456,7 @@ class Run:
         """HTML that a notebook shows."""
         return "".join(table.html() for table in self._tables()) + f"<pre>{escape(str(self.verdict))}</pre>"
 
-    def _tables(self) -> list[Any]:
+    def _tables(self) -> list[ShortTable]:
         from toolkit.results.tables import table_of_gradients, table_of_values
 
         return [table for table in (table_of_values(self), table_of_gradients(self)) if table is not None]
@@ -460,7 +464,7 @@ class Run:
 
 def run_of(
     solution: Solution,
-    values: Mapping[str, Any],
+    values: Mapping[str, Number],
     gradients: dict[str, dict[str, float]],
     method: str,
     primal: float | None,

@@ -114,7 +114,7 @@ class HandedRecords:
         """Know another record, which has to live as long as the system."""
         self._packed[id(part)] = None
 
-    def of(self, given: Any) -> Any:
+    def of(self, given: object) -> object:
         """Argument in the form that compiled code takes, if it is known here; else the argument itself."""
         known = id(given)
         if known not in self._packed:

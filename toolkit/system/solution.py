@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,7 +15,9 @@ from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, NeedsDirectError
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.markers.planar import MarkerState
 from toolkit.markers.poses import update_pose_designs, update_poses
+from toolkit.markers.spatial import SpatialMarkerState
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.system import System
@@ -118,7 +120,7 @@ class Solution:
         return self.judge(self)
 
     @cached_property
-    def known(self) -> dict[Any, Any]:
+    def known(self) -> dict[Hashable, Any]:
         """Store of what others have found out about the solution, each under a key of its own."""
         return {}
 
@@ -175,7 +177,7 @@ class MarkerStates:
 
     def __init__(self, system: System) -> None:
         markers = system.plan.markers
-        self.found: Any = markers.state(system.dtype)
+        self.found: MarkerState | SpatialMarkerState = markers.state(system.dtype)
         """Poses, rates and accelerations of all markers in the last state, with their derivatives."""
         self.system = system
         self._state: np.ndarray = np.zeros((3, system.n), system.dtype)
@@ -186,7 +188,7 @@ class MarkerStates:
             system.prepared(update_pose_designs, *given, scratch),
         ]
 
-    def at(self, q: np.ndarray, v: np.ndarray | float = 0.0, a: np.ndarray | float = 0.0) -> Any:
+    def at(self, q: np.ndarray, v: np.ndarray | float = 0.0, a: np.ndarray | float = 0.0) -> MarkerState | SpatialMarkerState:
         """State of all markers at coordinates, rates and accelerations (n_q,); holds until the next call."""
         for own, given in zip(self._state, (q, v, a), strict=True):
             own[: self.system.n_q] = given
@@ -195,7 +197,7 @@ class MarkerStates:
         return self.found
 
 
-def marker_states(system: System, q: np.ndarray) -> Any:
+def marker_states(system: System, q: np.ndarray) -> MarkerState | SpatialMarkerState:
     """State of all markers at coordinates (n_q,), at rest."""
     return MarkerStates(system).at(q)
 
@@ -230,7 +232,7 @@ def deforming(scene: ResolvedScene) -> dict[str, ModelBody]:
     }
 
 
-def elastic_coordinates(solution: Solution, body: str) -> Any:
+def elastic_coordinates(solution: Solution, body: str) -> slice | np.ndarray:
     """Places of a body's elastic coordinates on the second axis of q.
 
     They are a slice, or the numbers of those of all parts of a cut body.

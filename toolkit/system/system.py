@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import scipy
@@ -19,6 +19,7 @@ from toolkit.description.design import Design
 from toolkit.equations.equations import (
     Inputs,
     Plan,
+    ScratchMemory,
     Terms,
     allocate_terms,
     allocate_work,
@@ -125,7 +126,8 @@ class System:
         found, origin = HandedRecords((self.plan, *self.plan, self.functions, *self.functions)), self.origin
         if origin is None or not self._is_short(found) or not self._touches_as(origin):
             return found
-        if found.of(self.plan).same_shapes(origin._handed.of(origin.plan)):
+        mine, its = found.of(self.plan), origin._handed.of(origin.plan)
+        if isinstance(mine, Packed) and isinstance(its, Packed) and mine.same_shapes(its):
             found.share_spare(origin._handed)
         return found
 
@@ -376,7 +378,7 @@ class System:
         return {}
 
     @property
-    def work(self) -> Any:
+    def work(self) -> ScratchMemory:
         """Scratch memory of this thread for kernels that evaluate one state."""
         return self._memory.work if self.compiled else allocate_work(self.plan, self.dtype)
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from toolkit.bodies.cuttable_body import ChosenFrames, CuttableBody
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import quoted
 from toolkit.foundation.near_ties import first_largest
+from toolkit.foundation.value_types import Record
 from toolkit.foundation.verdict import SCENE, Caution, check
 from toolkit.joints.joint import Joint
 from toolkit.reduced_model.model import MEAN_AXES, Chord, chord_of
@@ -121,7 +121,7 @@ def _list(names: Chord) -> str:
 ANALYSES = {"static": "equilibrium", "transient": "motion"}
 
 
-def frames_chosen(scene: Scene) -> dict[str, Any]:
+def frames_chosen(scene: Scene) -> Record:
     """Body -> its number of frames and the error it was chosen by, for the bodies whose number was chosen."""
     return {
         name: {"frames": number, "kept_run": choice.kept_run}

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from toolkit.foundation.processes import one_thread
+from toolkit.foundation.value_types import Number
 from toolkit.foundation.verdict import MOTION, REST, SPIN, Caution, Check, Verdict, check, checks
 from toolkit.responses.flutter import UNSTABLE, growing_vibrations, unstable_vibrations
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.missed_statics import shapes_measured
 from toolkit.validity.equilibrium import stays_in_unstable
 from toolkit.validity.frame_choice import frames_chosen
-from toolkit.validity.motion import measured
+from toolkit.validity.motion import Measures, measured
 from toolkit.validity.scene_cautions import cautions_of_scene
 from toolkit.validity.undisturbed import middle_spins, undisturbed
 
@@ -33,11 +33,14 @@ def judge(solution: Solution) -> Verdict:
     return Verdict.of([*cautions(solution), *about_states], measures(solution))
 
 
-def measures(solution: Solution) -> dict[str, Any]:
+def measures(solution: Solution) -> Measures:
     """What is measured to judge a solution; of an equilibrium nothing but how well its joints are closed."""
-    found = measured(solution) if solution.steps else {"drift": solution.drift}
-    told = {"frames": frames_chosen(solution.system.scene), "left_out_shapes": shapes_measured(solution)}
-    return {**found, **{name: each for name, each in told.items() if each}}
+    found: Measures = {**measured(solution)} if solution.steps else {"drift": solution.drift}
+    if frames := frames_chosen(solution.system.scene):
+        found["frames"] = frames
+    if left_out := shapes_measured(solution):
+        found["left_out_shapes"] = left_out
+    return found
 
 
 def cautions(solution: Solution) -> Iterator[Caution]:
@@ -48,13 +51,13 @@ def cautions(solution: Solution) -> Iterator[Caution]:
     yield from cautions_of_scene(solution.system.scene)
 
 
-def _applicable(solution: Solution) -> list[Check[Any]]:
+def _applicable(solution: Solution) -> list[Check[[Solution]]]:
     """Checks of solutions of this kind."""
     kind = MOTION if solution.steps else SPIN if solution.spins else REST
     return [each for each in checks() if kind in each.applies_to]
 
 
-def instabilities(solution: Solution, values: Mapping[str, Any]) -> Iterator[Caution]:
+def instabilities(solution: Solution, values: Mapping[str, Number]) -> Iterator[Caution]:
     """Cautions about equilibria, motions and vibrations that a small disturbance ends: every design of a map is checked for them by itself.
 
     Growth hangs on small differences, and its effect is exponential.

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypedDict
 
 import numpy as np
 
+from toolkit.description.description import Registered
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.value_types import Record
 from toolkit.foundation.verdict import MOTION, STATES, Caution, check
 from toolkit.responses.balance import Power
 from toolkit.responses.extremes import TimeKS, TimeMax, TimeMin
@@ -33,7 +35,27 @@ class JointNoise(NamedTuple):
     row: int
 
 
-def force_noise(solution: Solution) -> dict[str, Any]:
+class ForceNoise(TypedDict, total=False):
+    """Noise of the joint that has most, a part of its largest force, and where and when it has it; empty without joints."""
+
+    size: float
+    where: str
+    time: float
+
+
+class Measures(TypedDict, total=False):
+    """What is measured to judge a solution: how exactly its states were found, and what its model leaves out."""
+
+    drift: float
+    newton_correction: float
+    energy_balance: dict[str, float]
+    force_noise: ForceNoise
+    estimated_error: Record
+    frames: Record
+    left_out_shapes: Record
+
+
+def force_noise(solution: Solution) -> ForceNoise:
     """Amplitude of joint forces at the shortest wave that steps can hold, of two steps.
 
         d_n = lam_n - (h_+ lam_(n-1) + h_- lam_(n+1)) / (h_- + h_+),   amplitude = min |d_n| / 2 of four neighbours with alternating signs
@@ -107,7 +129,7 @@ def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
 
 @check("noisy-forces")
 def noisy_forces(
-    options: RunOptions, noise: Mapping[str, Any], asked: Sequence[str] | None = None, quiet: Sequence[str] = ()
+    options: RunOptions, noise: ForceNoise, asked: Sequence[str] | None = None, quiet: Sequence[str] = ()
 ) -> Iterator[Caution]:
     """Forces of joints jump from step to step.
 
@@ -138,7 +160,7 @@ def noisy_forces(
     )
 
 
-def force_cautions(solution: Solution, noise: Mapping[str, Any], sizes: Mapping[str, float]) -> Iterator[Caution]:
+def force_cautions(solution: Solution, noise: ForceNoise, sizes: Mapping[str, float]) -> Iterator[Caution]:
     """Cautions about noisy joint forces: a doubt where a response is such a force at its time, otherwise a remark.
 
     The noise is that of `force_noise`, sizes are the largest that responses are.
@@ -152,24 +174,24 @@ def force_cautions(solution: Solution, noise: Mapping[str, Any], sizes: Mapping[
     yield from noisy_forces(solution.options or scene.solver, noise, noisy, quiet)
 
 
-def _largest_noise(response: Any, joints: Mapping[str, JointNoise]) -> float:
+def _largest_noise(response: Registered, joints: Mapping[str, JointNoise]) -> float:
     """Noise at any time in the joint's force that a response is made of, as a part of the joint's largest force."""
     looked = response.source if isinstance(response, OverTime) else response
     joint = looked.joint if isinstance(looked, JointForce | Power) else None
     return 0.0 if joint is None else float(joints[joint].noise.max())
 
 
-def _noise_in(response: Any, joints: Mapping[str, JointNoise], solution: Solution, size: float) -> float:
+def _noise_in(response: Registered, joints: Mapping[str, JointNoise], solution: Solution, size: float) -> float:
     """Noise in a response that is a joint's force or a driver's power, relative to the largest.
 
     It is that at the response's time, or of an extreme over time at any. Means do not feel what alternates. It is a part of the
     joint's largest force, or of the largest that the response itself is, whichever is less.
     """
     extreme = isinstance(response, TimeMax | TimeMin | TimeKS)
-    looked = response.source if extreme else response
-    joint = looked.joint if isinstance(looked, JointForce | Power) else None
-    if joint is None:
+    looked = response.source if isinstance(response, TimeMax | TimeMin | TimeKS) else response
+    if not isinstance(looked, JointForce | Power) or looked.joint is None:
         return 0.0
+    joint = looked.joint
     last, step = len(solution.times) - 1, 0 if extreme else looked.step(solution)
     found = float(joints[joint].noise.max()) if extreme else noise_at(joints[joint], step)
     if found <= NOISY:
@@ -220,7 +242,7 @@ def unbalanced_energy(solution: Solution) -> Iterator[Caution]:
             )
 
 
-def measured(solution: Solution) -> dict[str, Any]:
+def measured(solution: Solution) -> Measures:
     """What the states of a motion tell about how exactly they were found.
 
     Returns
@@ -231,7 +253,7 @@ def measured(solution: Solution) -> dict[str, Any]:
         error of one step.
     """
     if measured in solution.known:
-        found: dict[str, Any] = solution.known[measured]
+        found: Measures = solution.known[measured]
         return found
     created, lost = (0.0, 0.0) if solution.run_times is not None else energy_defects(solution)
     solution.known[measured] = {

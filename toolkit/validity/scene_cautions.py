@@ -5,14 +5,14 @@ from __future__ import annotations
 import hashlib
 import os
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 from toolkit.bodies.model_body import MASS_DAMPING, ModelBody
 from toolkit.compilation.redundant_rows import floats_with_its_clamp
 from toolkit.foundation.errors import listed
 from toolkit.foundation.files.safe_files import read_whole
+from toolkit.foundation.value_types import TomlTable, TomlValue
 from toolkit.foundation.verdict import SCENE, STATES, Caution, check, checks
 from toolkit.joints.cylindrical import Cylindrical
 from toolkit.joints.joint import Joint
@@ -139,17 +139,17 @@ def _same(before: str, now: bytes) -> bool:
     return bool(before) and old is not None and old == _table(now.decode(errors="replace"))
 
 
-def _table(text: str) -> dict[str, Any] | None:
+def _table(text: str) -> TomlTable | None:
     try:
         return tomllib.loads(text) if text else None
     except tomllib.TOMLDecodeError:
         return None
 
 
-def _flat(prefix: str, table: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+def _flat(prefix: str, table: Mapping[str, TomlValue]) -> Iterator[tuple[str, TomlValue]]:
     """Every value with its key in all tables above it."""
     for key, value in table.items():
-        if isinstance(value, dict):
+        if isinstance(value, Mapping):
             yield from _flat(f"{prefix}{key}.", value)
         else:
             yield f"{prefix}{key}", value

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from toolkit.bodies.body import QUATERNION
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import unit
+from toolkit.foundation.value_types import Record
 from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.kinematics.orientation import angular_velocity
 from toolkit.scene.scene import Scene
@@ -103,24 +103,24 @@ def _deforming(solution: Solution, name: str, state: np.ndarray) -> float | None
     return float(np.abs(lengths * elastic).max()) if len(lengths) else None
 
 
-def _numbers(values: Iterable[Any]) -> Numbers:
+def _numbers(values: Iterable[float]) -> Numbers:
     return tuple(float(value) for value in values)
 
 
-def start_record(solution: Solution) -> dict[str, Any]:
+def start_record(solution: Solution) -> Record:
     """The start of every body for JSON: name -> quantity -> used and written numbers with their unit."""
     length = unit(solution.system.scene.units, "length")
     units = {"velocity": f"{length}/s", "angular_velocity": "rad/s"}
-    record: dict[str, Any] = {}
+    record: Record = {}
     for each in start_state(solution):
-        frame = {
+        frame: Record = {
             key: {"used": list(getattr(each, key)), "written": _listed(getattr(each, f"written_{key}")), "unit": label}
             for key, label in units.items()
             if getattr(each, key) is not None
         }
         deforming = {"used": each.deforming, "written": each.written_deforming, "unit": f"{length}/s"}
-        elastic = {} if each.deforming is None else {"deforming": deforming}
-        shape = {"deflected": {"used": each.deflected, "unit": length}} if each.deflected else {}
+        elastic: Record = {} if each.deforming is None else {"deforming": deforming}
+        shape: Record = {"deflected": {"used": each.deflected, "unit": length}} if each.deflected else {}
         record[each.body] = {**frame, **elastic, **shape}
     return record
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import numpy as np
 
+from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.rigid import GivenMass, UniformRod
 from toolkit.foundation.units import unit
@@ -39,7 +39,7 @@ def unlikely_materials(scene: ResolvedScene) -> Iterator[Caution]:
     return _said_once(scene, _of_material)
 
 
-def _said_once(scene: ResolvedScene, check_of: Callable[[ResolvedScene, str, Any], Iterator[Caution]]) -> Iterator[Caution]:
+def _said_once(scene: ResolvedScene, check_of: Callable[[ResolvedScene, str, Body], Iterator[Caution]]) -> Iterator[Caution]:
     """Cautions about the bodies of a scene; what many of them share is said once."""
     said: set[str] = set()
     for name, body in scene.bodies.items():
@@ -55,7 +55,7 @@ def _numbers(scene: ResolvedScene, body: ModelBody) -> dict[str, float]:
     return {key: float(np.real(value)) for key, value in values.items()}
 
 
-def _of_material(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
+def _of_material(scene: ResolvedScene, name: str, body: Body) -> Iterator[Caution]:
     if isinstance(body, ModelBody):
         yield from material_questions(_numbers(scene, body), scene.units, f"bodies.{name}")
     elif isinstance(body, UniformRod):
@@ -72,7 +72,7 @@ def unlikely_thicknesses(scene: ResolvedScene) -> Iterator[Caution]:
     return _said_once(scene, _of_thickness)
 
 
-def _of_thickness(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
+def _of_thickness(scene: ResolvedScene, name: str, body: Body) -> Iterator[Caution]:
     if not isinstance(body, ModelBody):
         return
     where, size, length = f"bodies.{name}", body.radius_of_gyration(scene), unit(scene.units, "length")
@@ -96,7 +96,7 @@ def unlikely_areas(scene: ResolvedScene) -> Iterator[Caution]:
     return _said_once(scene, _of_rod)
 
 
-def _of_rod(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
+def _of_rod(scene: ResolvedScene, name: str, body: Body) -> Iterator[Caution]:
     if not isinstance(body, UniformRod):
         return
     start, end = (np.real(scene.position(point)) for point in body.between)
@@ -119,8 +119,10 @@ def unlikely_masses(scene: ResolvedScene) -> Iterator[Caution]:
     return _said_once(scene, _of_mass)
 
 
-def _of_mass(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
-    span = _span(scene, name) if isinstance(body, GivenMass) else 0.0
+def _of_mass(scene: ResolvedScene, name: str, body: Body) -> Iterator[Caution]:
+    if not isinstance(body, GivenMass):
+        return
+    span = _span(scene, name)
     if span > APART * _extent(scene) and float(np.real(body.mass)) / span**3 * IN_SI[scene.units]["density"] > DENSEST:
         yield unlikely_masses.caution(
             f"bodies.{name}.mass = {float(np.real(body.mass)):g} {unit(scene.units, 'mass')} is that of no body whose joints are "
@@ -139,7 +141,7 @@ def unlikely_inertias(scene: ResolvedScene) -> Iterator[Caution]:
     return _said_once(scene, _of_inertia)
 
 
-def _of_inertia(scene: ResolvedScene, name: str, body: Any) -> Iterator[Caution]:
+def _of_inertia(scene: ResolvedScene, name: str, body: Body) -> Iterator[Caution]:
     extent, length = _extent(scene), unit(scene.units, "length")
     if isinstance(body, GivenMass) and extent and (radius := body.radius_of_gyration(scene)) > FAR_OUT * extent:
         yield unlikely_inertias.caution(

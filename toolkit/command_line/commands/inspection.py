@@ -132,7 +132,7 @@ def describe_scene(scene: Scene) -> Record:
         **({"reference_conditions": frames} if frames else {}),
         "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
         "design": {each.name: each.record() for each in scene.design_variables()},
-        "paths": {path: float(scene.number(path)) for path in scene.available_paths()},
+        "paths": {path: scene.value_at(path) for path in scene.available_paths()},
         **_questions(scene).record(),
     }
 
@@ -198,7 +198,7 @@ def described(record: Record, indent: str = "") -> Iterator[str]:
             yield from described(value, indent + "  ")
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

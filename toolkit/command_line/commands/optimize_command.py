@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -55,7 +55,7 @@ def optimize(
         found.check()
 
 
-def _checked(changed: dict[str, Any]) -> dict[str, Any]:
+def _checked(changed: Mapping[str, object]) -> Mapping[str, object]:
     from toolkit.studies.optimization.methods import METHODS
 
     if changed.get("method", "slsqp") not in METHODS:
@@ -97,7 +97,7 @@ class OptimumAnswer(Answer):
             yield EndPicture(name, solution)
 
 
-def _search(each: SearchResult, curved: bool) -> list[Any]:
+def _search(each: SearchResult, curved: bool) -> list[str | int]:
     """Cells about one search."""
     numbers = ["", "", "", ""]
     if each.best is not None and (left := each.optimality) is not None:

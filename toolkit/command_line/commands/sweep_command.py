@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -57,7 +57,7 @@ def sweep(
     tell(SweepAnswer(found, found.verdict), as_json, quiet, folder, pictures, more)
 
 
-def _changed(study: Study, given: dict[str, Any]) -> Study:
+def _changed(study: Study, given: Mapping[str, object]) -> Study:
     """Study with options of the command line; other kinds of designs in the file then count no more.
 
     Raises
@@ -76,7 +76,7 @@ def _changed(study: Study, given: dict[str, Any]) -> Study:
     return study.model_copy(update={"sweep": with_options("sweep", Sweep, {**known, **changed})})
 
 
-def _parquet(columns: dict[str, list[Any]], path: Path, quiet: bool) -> list[Path]:
+def _parquet(columns: Mapping[str, Sequence[object]], path: Path, quiet: bool) -> list[Path]:
     """Write the table for programs that read columns too, where that can be done; what does not exist is null."""
     from importlib.util import find_spec
     from io import BytesIO

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -200,7 +200,7 @@ def _settings(found: Tradeoff) -> Iterator[AnswerTable | str]:
         yield f"Times are medians of {repeats} runs, one setting at a time; {differ}."
 
 
-def _cells(each: JudgedSetting, axes: list[str], reduced: bool) -> list[Any]:
+def _cells(each: JudgedSetting, axes: list[str], reduced: bool) -> list[str | int]:
     """Cells of a setting; its number of coordinates where settings have other reduced models."""
     outcome, (primal, whole) = each.outcome, each.outcome.medians
     errors = ["-" if error != error else f"{error:.1e}" for error in (each.largest(False), each.largest(True))]

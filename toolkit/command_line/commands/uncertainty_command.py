@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -93,7 +93,7 @@ class UncertaintyAnswer(Answer):
         yield uncertainty_drawing(self.result)
 
 
-def _spread(each: Spread) -> list[Any]:
+def _spread(each: Spread) -> list[str | float]:
     """Mean and sigma by polynomials with their error, by first derivatives, and by random designs."""
     first = "" if each.first_order is None else "{:.6g}, {:.3g}".format(*each.first_order)
     drawn = each.sampled

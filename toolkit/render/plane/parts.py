@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
@@ -26,6 +26,9 @@ from toolkit.render.plane.configuration import Configuration, SolidShape, drawn_
 from toolkit.render.plane.look import Look, drawn_thickness, figure_of, shown
 from toolkit.render.readable_units import INK, ROD, SUPPORT, TARGET, UNDEFORMED
 from toolkit.render.sheet import SIGNED
+
+if TYPE_CHECKING:
+    from matplotlib.typing import ColorType
 
 _ALONG_X = np.array([1.0, 0.0])
 
@@ -221,11 +224,11 @@ def outlines(moment: Configuration, body: str, look: Look) -> list[tuple[str, np
     ]
 
 
-def draw_line(axes: Axes, moment: Configuration, body: str, **style: Any) -> None:
+def draw_line(axes: Axes, moment: Configuration, body: str, color: ColorType, width: float, label: str | None = None) -> None:
     """Draw the middle line of a skin."""
     shape = skin_shape(moment, body)
     if shape is not None:
-        axes.plot(*shape.line.reshape(-1, 2).T, zorder=_LINE, **style)
+        axes.plot(*shape.line.reshape(-1, 2).T, zorder=_LINE, color=color, linewidth=width, label=label)
 
 
 def draw_mechanism(

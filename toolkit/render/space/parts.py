@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pyvista
@@ -23,7 +23,7 @@ def whole(shape: BodyShape) -> pyvista.PolyData:
     """Mesh of triangles, sides and lines together."""
     faces = [np.column_stack([np.full(len(each), each.shape[1]), each]).ravel() for each in (shape.triangles, *shape.sides)]
     lines = np.column_stack([np.full(len(shape.lines), 2), shape.lines]).ravel()
-    mesh: Any = pyvista.PolyData()
+    mesh = pyvista.PolyData()
     mesh.points, mesh.faces, mesh.lines = shape.points, np.concatenate(faces).astype(int), lines.astype(int)
     return mesh
 

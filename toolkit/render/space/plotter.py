@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Literal, TypedDict, Unpack
 
 import numpy as np
 import pyvista
@@ -23,10 +23,10 @@ def canvas(path: Path, width: int, height: int, panels: int) -> Iterator[pyvista
 
     It is written at the end, in one stroke.
     """
-    plotter: Any = pyvista.Plotter(off_screen=True, window_size=[width, height], shape=(1, panels + 2), border=False)
+    plotter = pyvista.Plotter(off_screen=True, window_size=[width, height], shape=(1, panels + 2), border=False)
     try:
         plotter.subplot(0, 0)
-        plotter.set_background("white", all_renderers=False)
+        plotter.renderers.set_background("white", all_renderers=False)
         plotter.renderers[0].viewport = (0, 0, 1, 1)
         plotter.renderers[-1].DrawOff()  # until there is something to explain
         plotter.enable_anti_aliasing("msaa", multi_samples=8)
@@ -45,7 +45,7 @@ def letter(
     size: int,
     color: str = INK,
     anchor: tuple[str, str] = ("center", "center"),
-) -> Any:
+) -> pyvista.Text:
     """Write a text at a pixel of the plotter's active renderer; anchor: horizontal and vertical. Returns its actor."""
     # VTK's text takes a bar for the border of columns and a dollar for the start of a formula.
     plain = text.replace("|", "/").replace("$", "")
@@ -74,11 +74,36 @@ _PAPER, _GRID = 200, 4
 """Brightness from which a pixel is free for letters, so that faint shapes are; and the distance of the pixels that are looked at."""
 
 
+class Shine(TypedDict, total=False):
+    """How a mesh reflects light, in the words of pyvista."""
+
+    ambient: float
+    diffuse: float
+    specular: float
+
+
+class Style(Shine, total=False):
+    """What a mesh looks like, in the words of pyvista."""
+
+    color: str
+    opacity: float
+    lighting: bool
+    smooth_shading: bool
+    scalars: str
+    cmap: Literal["coolwarm", "viridis"]
+    clim: tuple[float, float]
+    nan_color: str
+
+
+SHINE: Shine = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
+"""Light that leaves colours readable."""
+
+
 @dataclass(frozen=True)
 class SpatialPanel:
     """Rectangle of pixels of the canvas that shows a camera's view, by renderer `number` of the plotter."""
 
-    plotter: Any
+    plotter: pyvista.Plotter
     number: int
     place: Place
     letter: int  # size of letters in pixels
@@ -92,13 +117,13 @@ class SpatialPanel:
         renderer = plotter.renderers[self.number]
         renderer.viewport = (left / width, bottom / height, (left + wide) / width, (bottom + high) / height)
         renderer.DrawOn()
-        plotter.set_background("white", all_renderers=False)
+        plotter.renderers.set_background("white", all_renderers=False)
         if framed:
             renderer.add_border(FRAME, 2)
         if camera.perspective:
-            plotter.disable_parallel_projection()
+            renderer.disable_parallel_projection()
         else:
-            plotter.enable_parallel_projection()
+            renderer.enable_parallel_projection()
         plotter.camera_position = [tuple(camera.eye), tuple(camera.focus), tuple(ISOMETRIC[1])]
         plotter.camera.parallel_scale = camera.size[1] / 2
         plotter.camera.view_angle = np.rad2deg(ANGLE)
@@ -113,28 +138,28 @@ class SpatialPanel:
         """Place of points (..., 3) in the panel, in pixels from its lower left corner, (..., 2)."""
         return self.camera.seen(points) * self.scale
 
-    def draw(self, mesh: pyvista.DataSet, **style: Any) -> Any:
-        """Add a mesh to the panel, without moving the view; `line_width` is that of a picture 1600 pixels wide.
+    def draw(self, mesh: pyvista.PolyData, **style: Unpack[Style]) -> pyvista.Actor | None:
+        """Add a mesh to the panel, without moving the view.
 
         A mesh without points is nothing to draw, as the tube along a body of two points at one place; some versions of pyvista refuse it.
         """
         if not mesh.n_points:
             return None
         self.plotter.subplot(0, self.number)
-        style["line_width"] = style.get("line_width", 1) * self.letter / 22
-        return self.plotter.add_mesh(mesh, reset_camera=False, show_scalar_bar=False, render=False, **style)
+        width = self.letter / 22
+        return self.plotter.add_mesh(mesh, reset_camera=False, show_scalar_bar=False, render=False, line_width=width, **style)
 
-    def draw_nearer(self, mesh: pyvista.DataSet, shift: float, **style: Any) -> Any:
+    def draw_nearer(self, mesh: pyvista.PolyData, shift: float, **style: Unpack[Style]) -> pyvista.Actor | None:
         """Add a mesh that covers what is behind it and up to a length before it."""
         return self.draw(_moved(mesh, self.camera.nearer(mesh.points, shift)), **style)
 
-    def draw_front(self, mesh: pyvista.DataSet, **style: Any) -> Any:
+    def draw_front(self, mesh: pyvista.PolyData, **style: Unpack[Style]) -> None:
         """Add a mesh that covers everything else, as drawing symbols do."""
-        return self.draw(_moved(mesh, self.camera.before_all(mesh.points)), **style)
+        self.draw(_moved(mesh, self.camera.before_all(mesh.points)), **style)
 
-    def draw_back(self, mesh: pyvista.DataSet, **style: Any) -> Any:
+    def draw_back(self, mesh: pyvista.PolyData, **style: Unpack[Style]) -> None:
         """Add a mesh that everything else covers."""
-        return self.draw(_moved(mesh, self.camera.behind_all(mesh.points)), **style)
+        self.draw(_moved(mesh, self.camera.behind_all(mesh.points)), **style)
 
     def write(self, text: str, pixel: np.ndarray, color: str = INK) -> None:
         """Centre a text at a pixel of the panel, on a light ground that keeps it readable on dark bodies."""
@@ -146,7 +171,9 @@ class SpatialPanel:
         """Places (n, 2) in pixels of the panel where something is drawn: one for every small square that is not white."""
         left, bottom, wide, high = self.place
         self.plotter.render()
-        image = self.plotter.screenshot(return_img=True)[::-1][bottom : bottom + high, left : left + wide]
+        sheet = self.plotter.screenshot(return_img=True)
+        assert sheet is not None
+        image = sheet[::-1][bottom : bottom + high, left : left + wide]
         inked = (image[..., :3].min(axis=2) < _PAPER)[_GRID // 2 :: _GRID, _GRID // 2 :: _GRID]
         y, x = np.nonzero(inked)
         return _GRID * np.column_stack([x, y]) + _GRID / 2.0
@@ -182,7 +209,7 @@ class SpatialPanel:
         )
 
 
-def _moved(mesh: pyvista.DataSet, points: np.ndarray) -> pyvista.DataSet:
+def _moved(mesh: pyvista.PolyData, points: np.ndarray) -> pyvista.PolyData:
     found = mesh.copy(deep=False)
     found.points = points
     return found
@@ -226,12 +253,13 @@ def head_line(pane: SpatialPanel, title: str) -> None:
     letter(pane.plotter, title.replace("-", MINUS), above, pane.letter, INK, ("left", "bottom"))
 
 
-def color_bar(plotter: Any, actor: Any, title: str, letters: int) -> None:
+def color_bar(plotter: pyvista.Plotter, actor: pyvista.Actor, title: str, letters: int) -> None:
     """Draw the colours of an actor at the lower left of the picture."""
     plotter.subplot(0, 0)
     width, height = plotter.window_size
     bar = plotter.add_scalar_bar(
-        " ", mapper=actor.mapper, vertical=False, n_labels=0, position_x=0.06, position_y=0.7 * letters / height,
+        " ",  # type: ignore[arg-type]  # of a wrapper without a type
+        mapper=actor.mapper, vertical=False, n_labels=0, position_x=0.06, position_y=0.7 * letters / height,
         width=0.5, height=3 * letters / height, color=INK, render=False,
     )  # fmt: skip
     bar.SetUnconstrainedFontSize(True)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pyvista
 
 from toolkit.foundation.near_ties import first_smallest
 from toolkit.foundation.units import unit
@@ -22,8 +23,10 @@ from toolkit.render.space.look import ARROW, ISOMETRIC, Camera, SpatialLook, arr
 from toolkit.render.space.parts import SpatialSymbol, spatial_symbols
 from toolkit.render.space.plotter import (
     AXES,
+    SHINE,
     Place,
     SpatialPanel,
+    Style,
     canvas,
     color_bar,
     explain,
@@ -39,8 +42,6 @@ if TYPE_CHECKING:
 
 JOINT, UNTOLD = "#3a3f47", "#c8cdd4"
 LOADS = {"force": "#8e2a9e", "torque": "#d2691e"}
-SHINE: dict[str, Any] = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
-"""Light that leaves colours readable."""
 _REACHES = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0, 7.0, 10.0)
 """Gaps between a point and its name, in letters: a name of a large body has to leave it."""
 SMALLEST = 1e-3
@@ -51,7 +52,7 @@ _MOVED = 0.25
 
 def draw_spatial_scene(
     panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook, motion: NamesOfMotion | None = None
-) -> Any:
+) -> pyvista.Actor | None:
     """Draw everything at one instant into a panel; returns the actor that the colour bar belongs to, or None."""
     _draw_undeformed(panel, moment, look)
     actor = _draw_bodies(panel, moment, look)
@@ -79,40 +80,38 @@ def _apart(before: np.ndarray, now: np.ndarray, look: SpatialLook) -> bool:
 
 def _draw_undeformed(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
     """Draw bodies that have moved in their undeformed places, faint and behind everything else."""
-    start, faint = SpatialConfiguration.undeformed(moment.solution), {"color": UNDEFORMED, "lighting": False}
+    start, draw = SpatialConfiguration.undeformed(moment.solution), partial(panel.draw_back, color=UNDEFORMED, lighting=False)
     for body in look.bodies:
         shape = body_shape(start, body)
         if not _apart(shape.points, body_shape(moment, body).points, look):
             continue
         if len(shape.triangles) or shape.sides:
-            panel.draw_back(parts.surface(shape), opacity=0.12, **faint)
+            draw(parts.surface(shape), opacity=0.12)
         if len(shape.triangles):
-            panel.draw_back(parts.edges(shape), opacity=0.5, line_width=1, **faint)
+            draw(parts.edges(shape), opacity=0.5)
         if len(shape.lines):
-            panel.draw_back(parts.fibres(shape), opacity=0.5, line_width=1, **faint)
+            draw(parts.fibres(shape), opacity=0.5)
     for body in moment.scene.bodies:
         for before, now in zip(start.segments(body), moment.segments(body), strict=True):
             if _apart(before, now, look):
-                panel.draw_back(parts.rod(before, 0.6 * look.radius), opacity=0.25, **faint)
+                draw(parts.rod(before, 0.6 * look.radius), opacity=0.25)
 
 
-def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> Any:
+def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> pyvista.Actor | None:
     """Draw the flexible bodies with their stress, clamped places in the colour of supports."""
     actor, limit = None, look.shown_stress.factor * look.stress_limit or 1.0
-    colors: dict[str, Any] = (
-        {"cmap": SIGNED, "clim": (-limit, limit)} if look.signed else {"cmap": UNSIGNED, "clim": (0.0, limit)}
-    )
+    style: Style = {**SHINE, "scalars": parts.STRESS, "nan_color": UNTOLD}
+    style["cmap"], style["clim"] = (SIGNED, (-limit, limit)) if look.signed else (UNSIGNED, (0.0, limit))
     for body in look.bodies:
         shape = body_shape(moment, body)
-        style: dict[str, Any] = {**colors, **SHINE, "scalars": parts.STRESS, "nan_color": UNTOLD}
         values = look.colored(shape) if look.stress_limit else np.full(len(shape.points), np.nan)
         if len(shape.triangles) or shape.sides:
             actor = panel.draw(parts.surface(shape, values), **style)
         if len(shape.triangles):
-            panel.draw_nearer(parts.edges(shape), 1.0 * look.radius, color="black", opacity=0.6, line_width=1, lighting=False)
+            panel.draw_nearer(parts.edges(shape), 1.0 * look.radius, color="black", opacity=0.6, lighting=False)
         if len(shape.lines):
-            least = 0.2 if shape.sides else 0.6
-            actor = panel.draw(parts.fibres(shape, values).tube(radius=least * look.radius, n_sides=12), **style)
+            share = 0.2 if shape.sides else 0.6
+            actor = panel.draw(parts.fibres(shape, values).tube(radius=share * look.radius, n_sides=12), **style)
         if moment.spatial_body(body).frame == "grounded" and (fixed := parts.clamped_faces(shape)).n_cells:
             panel.draw_nearer(fixed, 0.1 * look.radius, color=SUPPORT, **SHINE)
     return actor
@@ -239,7 +238,12 @@ def _below(look: SpatialLook) -> float:
 
 
 def draw_legend(
-    plotter: Plotter, actor: Any, moments: Sequence[SpatialConfiguration], look: SpatialLook, left: int, letters: int
+    plotter: pyvista.Plotter,
+    actor: pyvista.Actor | None,
+    moments: Sequence[SpatialConfiguration],
+    look: SpatialLook,
+    left: int,
+    letters: int,
 ) -> None:
     """Colour bar at the lower left, meaning of colours beside it or in its place, symbols above."""
     words = 0.62 * plotter.window_size[0] if look.stress_limit else left
@@ -288,7 +292,7 @@ def _kinds(moment: SpatialConfiguration) -> list[str]:
     return [kind for kind in SYMBOLS if kind in found] + ["spring"] * springs
 
 
-def _draw_symbol_words(plotter: Plotter, moment: SpatialConfiguration, left: int, letters: int, top: float) -> None:
+def _draw_symbol_words(plotter: pyvista.Plotter, moment: SpatialConfiguration, left: int, letters: int, top: float) -> None:
     """Each kind of symbol in the picture once, small and with its word; they end `top` letters above the edge."""
     grounded, entries = {symbol.kind: symbol.grounded for symbol in spatial_symbols(moment)}, _kinds(moment)
     if not entries:
@@ -306,12 +310,14 @@ def _draw_symbol_words(plotter: Plotter, moment: SpatialConfiguration, left: int
         icon = _icon(kind, grounded)
         low, high = (extreme(np.vstack([mesh.points for mesh, _ in icon]), axis=0) for extreme in (np.min, np.max))
         for mesh, color in icon:
-            fitted = mesh.translate(-(low + high) / 2).scale(_ICON * letters / np.linalg.norm(high - low)).translate(middle)
+            fitted = (
+                mesh.translate(-(low + high) / 2).scale(_ICON * letters / float(np.linalg.norm(high - low))).translate(middle)
+            )
             panel.draw(fitted, color=color, **SHINE)
         letter(plotter, SYMBOLS[kind][0], pixel + np.array([1.2 * letters, 0.0]), letters, INK, ("left", "center"))
 
 
-def _icon(kind: str, grounded: dict[str, bool]) -> list[tuple[Any, str]]:
+def _icon(kind: str, grounded: dict[str, bool]) -> list[tuple[pyvista.PolyData, str]]:
     """Surfaces that stand for a kind of symbol, and their colours."""
     if kind == "spring":
         return [(parts.rod(parts.coil(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 8.0]]), 1.6, turns=4), 0.4), JOINT)]
@@ -369,7 +375,7 @@ def _draw(
 
 
 def _gravity(moment: SpatialConfiguration) -> np.ndarray | None:
-    found: list[Any] = [load for load in moment.scene.loads.values() if isinstance(load, SpatialGravity)]
+    found = [load for load in moment.scene.loads.values() if isinstance(load, SpatialGravity)]
     return np.real(np.sum([load.acceleration for load in found], axis=0)) if found else None
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,10 +20,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.description.description import Scalar
 from toolkit.description.design import BodyPoint, DesignVariable
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes import run
+from toolkit.foundation.value_types import Record
 from toolkit.foundation.verdict import Caution
+from toolkit.reduced_model.model import ReducedModel
 from toolkit.responses.stress import model_parameter
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
@@ -53,7 +56,7 @@ def is_built_from(scene: Scene, body: str, skin: Path) -> bool:
     return skin.name in {Path(name).name for name in scene.model(flexible.model).inputs}
 
 
-def given_values(scene: Scene, body: str) -> dict[str, Any]:
+def given_values(scene: Scene, body: str) -> dict[str, Scalar]:
     """Parameters to which the scene gives values of its own, by their names for the preprocessing."""
     flexible: Any = scene.bodies[body]
     places = {f"interface_points.{name}.arc_length": s for name, s in loaded(scene).arc_lengths(flexible).items()}
@@ -71,7 +74,7 @@ def with_model(scene: Scene, body: str, file: Path) -> Scene:
     return scene.model_copy(update={"bodies": {**scene.bodies, body: plain}, "points": points})
 
 
-def build_all(skin: Path, wanted: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def build_all(skin: Path, wanted: Sequence[Mapping[str, object]]) -> list[Record]:
     """Reduced models of one skin file in one process of the preprocessing.
 
     Parameters
@@ -217,7 +220,7 @@ def _wanted(scene: Scene, variable: DesignVariable) -> WantedBodies:
     for path, factor in zip(variable.paths, variable.factors, strict=True):
         body, parameter = _parameter(scene, path)
         if body:
-            parts.append(FreshPart(body, parameter, float(scene.number(path)), factor))
+            parts.append(FreshPart(body, parameter, scene.value_at(path), factor))
         else:
             rest.append((path, factor))
     others = replace(variable, paths=tuple(p for p, _ in rest), factors=tuple(f for _, f in rest)) if rest else None
@@ -256,7 +259,7 @@ def _differences(scene: Scene, k: int, wanted: WantedBodies, folder: Path, kind:
     for name in up:
         coarse, fine = (up[name] - down[name]) / (2 * wanted.step), (half_up[name] - half_down[name]) / wanted.step
         noise = 3 * ROUND_OFF * abs(up[name]) / wanted.step
-        found[name] = Fresh(float(4 * fine - coarse) / 3, float(np.abs(fine - coarse) + noise))
+        found[name] = Fresh(float(np.real(4 * fine - coarse)) / 3, float(np.abs(fine - coarse) + noise))
     return found
 
 
@@ -284,6 +287,6 @@ def _build(scene: Scene, wanted: list[WantedBodies], folder: Path) -> None:
         build_all(source(scene, body), lines)
 
 
-def _model(scene: Scene, body: str) -> Any:
+def _model(scene: Scene, body: str) -> ReducedModel:
     flexible: Any = scene.bodies[body]
     return scene.model(flexible.model)

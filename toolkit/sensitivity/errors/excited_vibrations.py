@@ -12,7 +12,7 @@ regular where something is free to move, and leaves to slow motions what is thei
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -35,7 +35,7 @@ def part_kept(scheme: Scheme, rates: np.ndarray, lengths: np.ndarray) -> np.ndar
     return found
 
 
-def amplification(scheme: Scheme, phase: Any) -> np.ndarray:
+def amplification(scheme: Scheme, phase: np.ndarray | float) -> np.ndarray:
     """Amplification matrices (..., 4, 4) of the scheme for q'' = -phase^2 q with steps of length 1, of (q, v, a, w), by phases (...)."""
     s, square = scheme, np.square(phase)
     after, before = np.zeros((2, *square.shape, 4, 4))
@@ -52,7 +52,7 @@ def amplification(scheme: Scheme, phase: Any) -> np.ndarray:
     return found
 
 
-def root(scheme: Scheme, phase: Any) -> Any:
+def root(scheme: Scheme, phase: np.ndarray | float) -> np.ndarray:
     """The eigenvalue of the amplification matrix that stays longest, with the phase of a step, by phases (...); no larger than one."""
     values = np.linalg.eigvals(amplification(scheme, phase)).astype(complex)
     forward = np.where(values.imag >= 0, np.abs(values), -1.0)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -224,7 +224,7 @@ def _gradients(solution: Solution, compared: VibrationComparison) -> dict[str, d
     if not solution.system.n_x or solution.dq.shape[-1] != solution.system.n_x:
         return None
     states = compared.vibrating(0.0, compared.everything)
-    vibrating = [replace(states, **_derivatives(solution, compared, at_peaks)) for at_peaks in (False, True)]
+    vibrating = [_with_derivatives(states, solution, compared, at_peaks) for at_peaks in (False, True)]
     names, found = solution.system.design.names, {}
     for f, each in compared.responses.items():
         slopes = each.evaluate(vibrating[_is_extreme(each)])[1] - each.evaluate(compared.seen)[1]
@@ -237,15 +237,17 @@ def _is_extreme(response: Response) -> bool:
     return isinstance(response, TimeMax | TimeMin | TimeKS) or (isinstance(response, StressResponse) and response.when == "all")
 
 
-def _derivatives(solution: Solution, compared: VibrationComparison, at_peaks: bool) -> dict[str, Any]:
-    """Derivatives of the states with the lost vibrations added."""
-    found = {name: getattr(compared.seen, name) for name in ("dq", "dv", "da", "dmultipliers")}
+def _with_derivatives(states: Solution, solution: Solution, compared: VibrationComparison, at_peaks: bool) -> Solution:
+    """States with the derivatives that were seen, to which those of the lost vibrations are added."""
+    seen = compared.seen
+    found = [seen.dq, seen.dv, seen.da, seen.dmultipliers]
     for each in compared.lost:
-        dq, dv, da = derivatives_of_modes(solution, each, at_peaks)
-        shapes, forces = each.modes.shapes, each.modes.forces
-        for name, basis, change in (("dq", shapes, dq), ("dv", shapes, dv), ("da", shapes, da), ("dmultipliers", forces, dq)):
-            found[name] = found[name] + np.einsum("qm,tmx->tqx", basis, change)
-    return found
+        by_mode = derivatives_of_modes(solution, each, at_peaks)
+        bases = (*[each.modes.shapes] * 3, each.modes.forces)
+        changes = zip(found, bases, (*by_mode, by_mode[0]), strict=True)
+        found = [known + np.einsum("qm,tmx->tqx", basis, change) for known, basis, change in changes]
+    dq, dv, da, dmultipliers = found
+    return replace(states, dq=dq, dv=dv, da=da, dmultipliers=dmultipliers)
 
 
 def steps_that_keep(lost: LostVibrations, options: RunOptions, least: int, most: int) -> int | None:

@@ -14,7 +14,7 @@ what the answers feel of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
@@ -24,6 +24,7 @@ from toolkit.analyses.run_start import known_start
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.value_types import Number
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.motion import Displacement
 from toolkit.scene.resolution import ResolvedScene
@@ -34,7 +35,7 @@ from toolkit.system.solution import Solution, deforming, elastic_coordinates
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.known_chain import chain
 from toolkit.validity.energy_balance import energy_defects
-from toolkit.validity.motion import ENERGY
+from toolkit.validity.motion import ENERGY, Measures
 from toolkit.validity.scene_cautions import bodies_of_stress
 
 K = TypeVar("K")
@@ -49,7 +50,7 @@ MOST = 3
 """So many numbers are named at the most."""
 
 
-def step_cautions(found: StepError | None, values: Mapping[str, Any], gradients: Any, options: RunOptions) -> Iterator[Caution]:
+def step_cautions(found: StepError | None, values: Values, gradients: Gradients, options: RunOptions) -> Iterator[Caution]:
     """Doubts about values and gradients that other steps change too much.
 
     Parameters
@@ -120,7 +121,7 @@ def _worst(errors: Mapping[K, float]) -> list[tuple[K, float]]:
     return sorted(errors.items(), key=lambda item: -np.nan_to_num(item[1], nan=np.inf))[:MOST]
 
 
-def _told(what: str, error: float, ours: float, other: float, how: str) -> str:
+def _told(what: str, error: float, ours: Number, other: Number, how: str) -> str:
     size = f"about {error:.1%}" if error < 1 else "as much as it is large, or more,"
     there = f"{np.real(other):.5g}" if np.isfinite(other) else "unknown"
     return f"{what} is off by {size} because of the length of the steps: {np.real(ours):.5g} as it is, {there} {how}"
@@ -131,11 +132,11 @@ def _how(found: StepError, response: str, variable: str) -> str:
     return f"at the peak between the steps, {found.how}" if (response, variable) in found.at_peaks else found.how
 
 
-def _more(errors: Mapping[K, float]) -> str:
+def _more(errors: Sized) -> str:
     return f" (and {len(errors) - MOST} more)" if len(errors) > MOST else ""
 
 
-def _remedy(errors: Mapping[K, float], found: StepError, options: RunOptions) -> str:
+def _remedy(errors: Mapping[str, float] | Mapping[tuple[str, str], float], found: StepError, options: RunOptions) -> str:
     """A step, or an error of a step, that is expected to be short enough."""
     worst = min(1.0, max(np.nan_to_num(error, nan=1.0) for error in errors.values()))
     order = 1 if found.at_peaks & set(errors) else found.order  # a peak lies within a step, however exact this is
@@ -179,7 +180,7 @@ class Answers(NamedTuple):
 
 
 def unless_it_converges(
-    cautions: Iterable[Caution], solution: Solution, error: StepError | None, measures: Mapping[str, Any]
+    cautions: Iterable[Caution], solution: Solution, error: StepError | None, measures: Measures
 ) -> Iterator[Caution]:
     """The cautions, with those about energy as remarks where shorter steps tell that values are right and the defect goes away.
 
@@ -253,7 +254,7 @@ def _felt(solution: Solution, answers: Answers, parts: Mapping[str, float]) -> f
     return float(np.nan_to_num(max([*changes, *slopes], default=0.0), nan=np.inf))
 
 
-def _part(change: float, scale: float) -> float:
+def _part(change: Number, scale: float) -> float:
     return abs(change) / scale if scale > 0 else 0.0 if change == 0 else np.inf
 
 

@@ -15,21 +15,22 @@ differs by at the peak itself is known without another run, and derivatives of t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.units import unit
+from toolkit.foundation.value_types import Number
 from toolkit.responses.stress import StressResponse, stress_rows
 from toolkit.sensitivity.errors.lost_vibrations import LostVibrations, steps_that_keep
 from toolkit.system.solution import Solution
 
-Values = Mapping[str, Any]
+Values = Mapping[str, Number]
 Gradients = Mapping[str, Mapping[str, float]]
 Repeat = Callable[[RunOptions], tuple[Values, Gradients]]
 """Function that repeats the analysis with other options and returns values and gradients of its responses."""
@@ -246,7 +247,7 @@ def first_order(options: RunOptions) -> bool:
 def _estimate(known: JudgedNumbers, runs: list[ComparisonRun]) -> StepError:
     """Time-step error by comparison with other runs, in the order of their steps."""
 
-    def change(number: Any, others: list[Any]) -> float:
+    def change(number: Number, others: Sequence[Number]) -> float:
         """The largest estimate of what the exact number differs by from one that is `others` in the other runs."""
         chain, ratios = [float(np.real(each)) for each in (number, *others)], [1.0, *(run.ratio for run in runs)]
         pairs = pairwise if runs[0].ratio > 1 else _with_the_first
@@ -286,7 +287,7 @@ def _with_the_first(numbers: list[float]) -> list[tuple[float, float]]:
     return [(numbers[0], each) for each in numbers[1:]]
 
 
-def _own(error: float, number: Any, scale: float) -> float:
+def _own(error: float, number: Number, scale: float) -> float:
     """An error relative to the number itself, from one relative to its scale; unchanged where the number is only round-off."""
     size = abs(float(np.real(number)))
     return error * scale / size if size > NOTHING * scale else error

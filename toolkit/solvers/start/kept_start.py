@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.compilation.quantities import STEP
 from toolkit.description.run_options import RunOptions
@@ -97,7 +98,7 @@ def _refuse(system: System, known: _Known) -> None:
             )
 
 
-def _words(body: Registered) -> dict[str, object]:
+def _words(body: Body) -> dict[str, object]:
     """Words of a body's table that say what its coordinates mean."""
     return {"type": body.kind, **{key: _plain(value) for key, value in body if key not in READ_ANEW and _is_word(key, value)}}
 

@@ -161,7 +161,7 @@ def allocate_ggl(plan: Plan, weights: np.ndarray, dtype: type) -> Ggl:
 
 
 @cache
-def idle_ggl(dtype: type) -> Any:
+def idle_ggl(dtype: type) -> object:
     """Memory of stabilised index 2 for runs in other formulations, of one coordinate and one multiplier.
 
     It is as compiled code takes it, where the run is compiled.

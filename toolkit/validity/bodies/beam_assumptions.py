@@ -29,6 +29,7 @@ import numpy as np
 
 from toolkit.bodies.cuttable_body import CuttableBody
 from toolkit.bodies.framed_part import FramedPart
+from toolkit.bodies.model_body import ModelBody
 from toolkit.compilation.quantities import pressures_of
 from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import STATES, Caution, check
@@ -235,8 +236,8 @@ def _energy_missed(solution: Solution, asked: str | None, step: int) -> float:
         (e x p)^2 l^5 / (1440 E I) + (e . p)^2 l^3 / (24 E A)
     """
     scene, total = solution.system.scene, 0.0
-    for name in deforming(scene):
-        behind, body = chain(scene, name), scene.body(name)
+    for name, body in deforming(scene).items():
+        behind = chain(scene, name)
         if behind is None or asked not in (None, name, getattr(body, "whole", None)):
             continue
         found, bending = beams_of(behind), _bending(behind)
@@ -248,7 +249,7 @@ def _energy_missed(solution: Solution, asked: str | None, step: int) -> float:
     return total
 
 
-def _density(scene: ResolvedScene, body: Any, found: Beams) -> np.ndarray:
+def _density(scene: ResolvedScene, body: ModelBody, found: Beams) -> np.ndarray:
     """Mass per length of the elements (n_e,), as of one material."""
     (mass,) = body.some_invariants(scene, "mass")
     per_length: np.ndarray = float(np.real(mass)) * found.axial / (found.axial @ found.lengths)

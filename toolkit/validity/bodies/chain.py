@@ -26,6 +26,7 @@ import numpy as np
 import scipy
 
 from toolkit.foundation.near_ties import first_smallest
+from toolkit.foundation.value_types import Matrix
 from toolkit.kinematics.beam_elements import BeamElements, at_place
 
 STILL = 1e-9
@@ -55,7 +56,7 @@ class Forms:
         found = self.curved.reshape(n_e, k * p, p) @ np.moveaxis(u[:, self.dofs], 0, -1)
         return np.moveaxis(found, -1, 0).reshape(len(u), n_e, k, p)
 
-    def assembled(self, blocks: np.ndarray) -> scipy.sparse.csc_array:
+    def assembled(self, blocks: np.ndarray) -> Matrix:
         """The sum of blocks (n_e, p, p) on the nodal coordinates, (n, n); sparse where there are many."""
         row, column = np.broadcast_arrays(self.dofs[:, :, None], self.dofs[:, None, :])
         if self.count < FEW:
@@ -65,7 +66,7 @@ class Forms:
         return scipy.sparse.coo_array((blocks.ravel(), (row.ravel(), column.ravel())), shape=(self.count, self.count)).tocsc()
 
 
-def stiffness_matrix(forms: Forms) -> scipy.sparse.csc_array:
+def stiffness_matrix(forms: Forms) -> Matrix:
     """K of the whole chain on its nodal coordinates, (n, n); sparse where there are many."""
     return forms.assembled(np.swapaxes(forms.rows, 1, 2) @ forms.law @ forms.rows)
 

@@ -24,12 +24,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy
 
-from toolkit.bodies.body import CENTRE
+from toolkit.bodies.body import CENTRE, Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
@@ -99,7 +99,7 @@ def _has_more(scene: Scene, body: ModelBody) -> bool:
     return is_frozen(scene.model(body.model)) and scene.model(body.model, *RICHER_PARTS).richer_invariants is not None
 
 
-def _frozen(scene: Scene, name: str, body: Any, variables: Collection[str]) -> FrozenBody | None:
+def _frozen(scene: Scene, name: str, body: Body, variables: Collection[str]) -> FrozenBody | None:
     if not isinstance(body, ModelBody) or isinstance(body.model, RicherModel) or not is_frozen(scene.model(body.model)):
         return None
     moved, asked = dict(_moved(scene, body)), [*_asked(scene, name, variables)]

@@ -47,7 +47,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -56,7 +56,7 @@ from toolkit.kinematics.beam_elements import IN_PLANE
 from toolkit.kinematics.orientation import axes_along, skew
 from toolkit.reduced_model.cut_part import ChainPart
 from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.model import MEAN_AXES, chord_of
+from toolkit.reduced_model.model import MEAN_AXES, Mesh, ReducedModel, chord_of
 from toolkit.reduced_model.parts import BeamSections
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import flexible_body
@@ -172,13 +172,13 @@ def planar_chain(design: DesignPoint) -> PlanarChain | None:
     if mesh is None or made_of is None:
         return None
     shapes = mesh.recovery[:, 1:]
-    held = _held(design.model, shapes)
+    held = _held(design.model, mesh, shapes)
     return PlanarChain(shapes, held, mesh.nodes, mesh.connectivity, made_of.real)
 
 
-def _held(model: Any, shapes: np.ndarray) -> np.ndarray:
+def _held(model: ReducedModel, mesh: Mesh, shapes: np.ndarray) -> np.ndarray:
     """Rows of displacements that the reference condition keeps at zero."""
-    nodes, connectivity = model.mesh.nodes, model.mesh.connectivity
+    nodes, connectivity = mesh.nodes, mesh.connectivity
     if model.reference_condition == MEAN_AXES:
         return mean_rows(nodes, connectivity)
     if chord := chord_of(model.reference_condition):

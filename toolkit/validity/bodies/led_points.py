@@ -27,6 +27,8 @@ import scipy
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import STATES, Caution, check
+from toolkit.markers.planar import MarkerState
+from toolkit.markers.spatial import SpatialMarkerState
 from toolkit.responses.least_frequency import LeastFrequency, LoadMargin
 from toolkit.responses.pencil import Pencil, free_pencil, pencil_of, real_pencil
 from toolkit.responses.response import Instant, Response
@@ -36,6 +38,7 @@ from toolkit.scene.resolution import ResolvedScene
 from toolkit.solvers.free_motions import undamped_rates
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
 from toolkit.system.solution import Solution, marker_states
+from toolkit.system.system import System
 from toolkit.validity.bodies.chain import Chain
 from toolkit.validity.bodies.known_chain import chain
 
@@ -117,7 +120,7 @@ def _axes(line: GuideLine, pose: np.ndarray) -> np.ndarray:
     return np.array([[c * x - s * y, s * x + c * y], [-s * x - c * y, c * x - s * y]])
 
 
-def _jacobian(system: Any, state: Any, marker: int, d: int) -> np.ndarray:
+def _jacobian(system: System, state: MarkerState | SpatialMarkerState, marker: int, d: int) -> np.ndarray:
     """d r / dq of a marker, (d, n_q)."""
     columns = slice(system.plan.markers.start[marker], system.plan.markers.start[marker + 1])
     found: np.ndarray = np.zeros((d, system.n_q))

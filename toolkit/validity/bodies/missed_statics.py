@@ -15,16 +15,18 @@ which is all that they do as long as none of them vibrates, and as joints bear w
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.description.description import Registered
 from toolkit.description.design import BodyPoint
 from toolkit.equations.equations import Inputs
+from toolkit.foundation.value_types import Record
 from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.kinematics.orientation import axes_along
 from toolkit.reduced_model.cut_part import ChainPart
@@ -82,7 +84,7 @@ def shapes_missed(solution: Solution) -> Iterator[Caution]:
             )
 
 
-def shapes_measured(solution: Solution) -> dict[str, Any]:
+def shapes_measured(solution: Solution) -> Record:
     """Body -> displacement and stress that its parts lack, as a record."""
     return {name: asdict(each) for name, each in left_out_shapes(solution).items()}
 
@@ -217,22 +219,28 @@ def _told(solution: Solution, parts: dict[str, float], about: list[str]) -> str:
     )
 
 
-def _asked(solution: Solution) -> dict[str, Any]:
+Asked: TypeAlias = StrainEnergy | LocalStress | StressResponse | MovedPoint
+"""What responses look at that left-out shapes change."""
+
+
+def _asked(solution: Solution) -> dict[str, Asked]:
     """Response -> what it looks at, for stress, strain energy, or points that reduced bodies carry."""
     looked_at = {name: _source(response) for name, response in solution.system.scene.responses.items()}
-    known = {name: each for name, each in looked_at.items() if isinstance(each, StrainEnergy | LocalStress | StressResponse)}
+    known: dict[str, Asked] = {
+        name: each for name, each in looked_at.items() if isinstance(each, StrainEnergy | LocalStress | StressResponse)
+    }
     return known | dict(moved_points(solution.system.scene))
 
 
-def _source(response: Any) -> Any:
+def _source(response: Registered) -> Registered:
     return _source(response.source) if isinstance(response, OverTime) else response
 
 
-def _concerns(asked: Any, body: str) -> bool:
+def _concerns(asked: Asked, body: str) -> bool:
     return asked.body in (None, body)
 
 
-def _left_out(solution: Solution, asked: dict[str, Any]) -> dict[str, LeftOutShapes]:
+def _left_out(solution: Solution, asked: Mapping[str, Asked]) -> dict[str, LeftOutShapes]:
     """Left-out shapes of the bodies that responses concern, as far as their models hold them."""
     scene, found = solution.system.scene, {}
     for name in filter(scene.bodies.__contains__, deforming(scene)):
@@ -243,7 +251,7 @@ def _left_out(solution: Solution, asked: dict[str, Any]) -> dict[str, LeftOutSha
     return found
 
 
-def _instants(solution: Solution, asked: dict[str, Any], bodies: list[str]) -> np.ndarray:
+def _instants(solution: Solution, asked: Mapping[str, Asked], bodies: list[str]) -> np.ndarray:
     """Numbers of the instants that are examined, in order of time."""
     last = len(solution.times) - 1
     responses = [solution.system.scene.responses[name] for name in asked]
@@ -271,7 +279,7 @@ class _Reduced:
         told, missed = (np.einsum("ti,ij,tj->t", x, form, x) / 2 for x, form in forms)
         return np.stack([told, told + missed])
 
-    def is_round_off(self, asked: Any, size: float) -> bool:
+    def is_round_off(self, asked: Asked, size: float) -> bool:
         """Whether a size is round-off: of weight that inertia cancels, as in free fall, or of no motion at all."""
         if isinstance(asked, MovedPoint):
             return size <= STILL * (1.0 if isinstance(asked.response, Rotation) else self.scene.size)
@@ -319,11 +327,11 @@ def _points(solution: Solution, body: str) -> list[str]:
     return sorted(design_point(solution.system.scene, body, "interfaces").model.interfaces or {})
 
 
-def _concerned(asked: Any, bodies: dict[str, _Reduced]) -> dict[str, _Reduced]:
+def _concerned(asked: Asked, bodies: dict[str, _Reduced]) -> dict[str, _Reduced]:
     return {name: each for name, each in bodies.items() if _concerns(asked, name)}
 
 
-def _part(solution: Solution, name: str, asked: Any, bodies: dict[str, _Reduced], instants: np.ndarray) -> float:
+def _part(solution: Solution, name: str, asked: Asked, bodies: dict[str, _Reduced], instants: np.ndarray) -> float:
     """Relative error of a response, against the largest value over the run of what it looks at."""
     mine = [*_concerned(asked, bodies).values()]
     told, true = _moves(solution, asked, mine[0], instants) if isinstance(asked, MovedPoint) else _curves(solution, asked, mine)
@@ -344,7 +352,9 @@ def _moves(solution: Solution, asked: MovedPoint, body: _Reduced, instants: np.n
     return told, told + asked.missed(solution, body.moves(asked.interface), instants)
 
 
-def _curves(solution: Solution, asked: Any, bodies: list[_Reduced]) -> tuple[np.ndarray, np.ndarray]:
+def _curves(
+    solution: Solution, asked: StrainEnergy | LocalStress | StressResponse, bodies: list[_Reduced]
+) -> tuple[np.ndarray, np.ndarray]:
     """Told and true values (n_t,) of the stress or strain energy that a response looks at."""
     if isinstance(asked, StrainEnergy):
         told, true = np.sum([each.energies for each in bodies], axis=0)

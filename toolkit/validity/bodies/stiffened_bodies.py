@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
+from toolkit.foundation.value_types import Matrix
 from toolkit.system.solution import Solution, elastic_coordinates, flexible_body
 from toolkit.validity.bodies.deformation import LIMIT, displacements, flexible_bodies, instants_of
 from toolkit.validity.bodies.geometric_stiffness import Yielding, stiffening, yielding
@@ -90,7 +91,7 @@ def stiffened_state(solution: Solution, known: Mapping[str, PulledBody], n: int)
     )
 
 
-def _form(places: Mapping[str, Any], matrices: Mapping[str, Any]) -> Form:
+def _form(places: Mapping[str, slice | np.ndarray], matrices: Mapping[str, Matrix]) -> Form:
     def form(motion: np.ndarray) -> np.ndarray:
         found = np.zeros(len(motion))
         for body, where in places.items():
