@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 PLAIN = "plain HDF5 of another program: no checksum tells whether a bit of it was flipped"
 
 
-def describe(model: str | Path | ReducedModel) -> Record:
+def describe(model: str | Path | ReducedModel) -> dict[str, object]:
     """Content of a reduced model, as `ffrf inspect --json` prints it: its body, basis, parameters and what depends on them.
 
     Parameters

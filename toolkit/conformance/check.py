@@ -35,13 +35,13 @@ from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
 from toolkit.loads.load import Load
 from toolkit.markers.component import Component
 from toolkit.responses.response import STATES, Response
-from toolkit.scene.resolution import loaded
+from toolkit.scene.resolution import loaded, resolve
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
 
 if TYPE_CHECKING:
-    from toolkit.scene.resolution import ResolvedScene
+    pass
 
 VECTORS = ("position", "axis 1", "axis 2", "axis 3")
 """Vectors of the pose of a marker in space."""
@@ -214,7 +214,7 @@ def _by_numbers(
 ) -> float:
     """Derivative of the value along a direction of some numbers."""
     moved = scene.moved(DesignVariable("direction", 1.0, tuple(factors), tuple(factors.values())), 1j * STEP)
-    system = compile_scene(moved, None, response.grips(scene))
+    system = compile_scene(moved, None, response.grips(resolve(scene)))
     return np.imag(response.value(solution_of(system, times, states))) / STEP
 
 

@@ -15,7 +15,7 @@ from toolkit.description.design import DesignVariable
 from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
 from toolkit.foundation.errors import ConformanceError
 from toolkit.foundation.kernel import plain
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.scene.scene import Scene
 from toolkit.system.evaluation import plain_formulas_of
 from toolkit.system.system import System, compile_scene
@@ -33,7 +33,7 @@ def direction(count: int) -> np.ndarray:
     return rng.uniform(0.5, 1.0, count) * rng.choice([-1.0, 1.0], count)
 
 
-def agree(ours: np.ndarray | Number, exact: np.ndarray | Number, size: float) -> bool:
+def agree(ours: np.ndarray | Scalar, exact: np.ndarray | Scalar, size: float) -> bool:
     """Whether derivatives along a direction differ by no more than `TOLERANCE` times a size; what is not finite does not."""
     return bool(np.all(np.abs(ours - exact) <= TOLERANCE * max(size, float(np.abs(exact).max(initial=0)))))
 

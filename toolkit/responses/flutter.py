@@ -29,6 +29,8 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 if TYPE_CHECKING:
+    from toolkit.foundation.value_types import Scalar
+
     pass
 
 UNSTABLE = "unstable-vibration"
@@ -191,14 +193,14 @@ SUSPECT = 1e-4
 """Growth, a part of |s|, from which on a root is found again to all digits: what is below may be round-off of faster ones."""
 
 
-def growing_vibrations(solution: Solution, values: Mapping[str, float]) -> Iterator[Caution]:
+def growing_vibrations(solution: Solution, values: Mapping[str, Scalar]) -> Iterator[Caution]:
     """Caution for each kind of vibration response whose vibrations grow: a remark where a negative damping ratio says so itself.
 
     Of an equilibrium at rest it is said whatever is asked for, with its dampers; and of frequencies without them if they alone keep it.
     """
     responses = solution.system.scene.responses
     wanted = {type(each): each for name, each in responses.items() if name in values and isinstance(each, OfVibration)}
-    told = any(value < 0 for name, value in values.items() if isinstance(responses[name], DampingRatio))
+    told = any(np.real(value) < 0 for name, value in values.items() if isinstance(responses[name], DampingRatio))
     of_state = list(unstable_vibrations(solution, doubt=not told))
     yield from of_state
     if of_state:

@@ -21,6 +21,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.joints.kernels.planar_joint import change_number, evaluate_planar_joint
 from toolkit.joints.kernels.records import CURVED, DESIGN
 from toolkit.joints.kernels.spatial_joint import NUMBERS, change_spatial_number, evaluate_spatial_joint
+from toolkit.markers.planar import MarkerState
 from toolkit.responses.least_squares_forces import least_squares_forces, lengths_of_joints
 from toolkit.responses.response import Instant, Partials, magnitude
 from toolkit.scene.space import PLANE, SPACE, Space
@@ -29,7 +30,6 @@ from toolkit.system.system import System
 
 if TYPE_CHECKING:
     from toolkit.joints.kernels.records import JointWork
-    from toolkit.markers.planar import MarkerState
     from toolkit.scene.resolution import ResolvedScene
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
@@ -226,6 +226,7 @@ class PlanarJointForce:
         force_q: np.ndarray = np.zeros((3, system.n_q), system.dtype)
         force_x = np.zeros((3, system.n_x))
         if joints.of[j, CURVED]:
+            assert isinstance(state, MarkerState)
             self._add_by_pose(state, force_q, force_x)
         for d in range(joints.of[j, DESIGN], joints.of[j, DESIGN + 1]):
             of_row = self._acc[joints.row[j] + joints.design[d, 1]]

@@ -18,7 +18,7 @@ from toolkit.bodies.model_body import FRAME, ModelBody, refuse_unknown
 from toolkit.description.design import BodyPoint, Point
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.joints.rigid_joint import Tie
 from toolkit.reduced_model.cut_chain import breaks, chain_nodes, node_labels, place_at, place_of
 from toolkit.reduced_model.model import ReducedModel, place_parameter
@@ -143,7 +143,7 @@ class ResolvedScene(Scene):
             raise InputError(f"points.{point} is an interface point of body {written.body!r}, which is not flexible.")
         return body.position_at_rest(self, point, written.body)
 
-    def arc_lengths(self, body: Body) -> dict[str, Number]:
+    def arc_lengths(self, body: Body) -> dict[str, Scalar]:
         """Interface points of a body that the scene puts elsewhere along it: name in the reduced model -> arc length.
 
         Raises
@@ -153,9 +153,9 @@ class ResolvedScene(Scene):
         """
         return self.once(("arc lengths", Itself(body)), lambda: self._arc_lengths(body))
 
-    def _arc_lengths(self, body: Body) -> dict[str, Number]:
+    def _arc_lengths(self, body: Body) -> dict[str, Scalar]:
         mine = {name: p for name, p in self.points.items() if isinstance(p, BodyPoint) and self.bodies.get(p.body) is body}
-        found: dict[str, Number] = {}
+        found: dict[str, Scalar] = {}
         for name, point in mine.items():
             if point.arc_length is not None:
                 twin = next((n for n, other in mine.items() if other.interface == point.interface and n != name), None)
@@ -455,7 +455,7 @@ def _shared(ends: list[int], frames: int) -> list[int]:
 
 
 def _node(name: str, model: ReducedModel, place: int | str) -> int:
-    """Number of the element that begins at a node, given by its number along a chain or by the name of an interface point."""
+    """Scalar of the element that begins at a node, given by its number along a chain or by the name of an interface point."""
     assert model.elements is not None
     connectivity = model.elements.connectivity
     count = len(connectivity)
@@ -482,7 +482,7 @@ def _node(name: str, model: ReducedModel, place: int | str) -> int:
 
 
 def _begun_at(name: str, connectivity: np.ndarray, node: int) -> int:
-    """Number of the element that begins at a node and does not end the body there."""
+    """Scalar of the element that begins at a node and does not end the body there."""
     begun = np.flatnonzero(connectivity[:, 0] == node)
     if np.count_nonzero(connectivity == node) < 2:
         where = node_labels(connectivity)[node]

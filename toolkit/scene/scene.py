@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -17,7 +17,7 @@ from toolkit.description.description import Description, InSpace, Registered, nu
 from toolkit.description.design import BodyPoint, Design, DesignEntry, DesignVariable, Point, lettered, numbered
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import SHORT, InputError, listed, meant
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import AnyLoad
@@ -30,7 +30,7 @@ from toolkit.scene.design_variables import variables_of
 from toolkit.scene.space import SPACES, Space
 
 if TYPE_CHECKING:
-    from toolkit.foundation.value_types import Scalar
+    pass
 
 GROUPS = ("points", "bodies", "joints", "loads", "responses")
 """Tables of names."""
@@ -258,8 +258,8 @@ class Scene(Description):
         found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, UniformGravity)]
         return sum(found, np.zeros(self.dimension))
 
-    def number(self, path: str) -> Number:
-        """Number at a path; a flexible body's parameter that the scene does not set has its nominal value.
+    def number(self, path: str) -> Scalar:
+        """Scalar at a path; a flexible body's parameter that the scene does not set has its nominal value.
 
         Raises
         ------
@@ -285,13 +285,13 @@ class Scene(Description):
         path = numbered(path, groups) if self.space.named_vectors else path
         return lettered(path, self._numbers_near(path)) if path.endswith((".0", ".1")) else path
 
-    def _written(self, path: str) -> Number | None:
-        """Number at a path, if the scene writes one there."""
+    def _written(self, path: str) -> Scalar | None:
+        """Scalar at a path, if the scene writes one there."""
         group, name, *keys = (*path.split("."), "", "")[: 2 + max(0, path.count(".") - 1)]
         items = getattr(self, group) if group in type(self).model_fields else None
         return number_at(items[name], keys) if isinstance(items, dict) and name in items else dict(self.numbers()).get(path)
 
-    def _numbers_near(self, path: str) -> dict[str, Number]:
+    def _numbers_near(self, path: str) -> dict[str, Scalar]:
         """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""
         group, name = (*path.split("."), "")[:2]
         items = getattr(self, group) if group in type(self).model_fields else None
@@ -326,7 +326,7 @@ class Scene(Description):
         written = [path for path, _ in self.numbers() if path.split(".")[0] in ("points", "bodies", "joints", "loads")]
         return list(dict.fromkeys([*written, *self.model_parameters()]))
 
-    def with_number(self, path: str, value: Number) -> Self:
+    def with_number(self, path: str, value: Scalar) -> Self:
         """A copy in which one number has another value, real or complex.
 
         Raises
@@ -343,7 +343,7 @@ class Scene(Description):
             return self.model_copy(update={group: {**owner, name: changed}})
         return super().with_all({path: value})
 
-    def with_all(self, values: Mapping[str, Number]) -> Self:
+    def with_all(self, values: Mapping[str, Scalar]) -> Self:
         """A copy in which several numbers have other values, real or complex."""
         written = {path: value for path, value in values.items() if self._written(path) is not None}
         found = super().with_all(written) if written else self
@@ -369,7 +369,7 @@ class Scene(Description):
         """Real part of the number at a path, without an imaginary step."""
         return float(np.real(self.number(path)))
 
-    def moved(self, variable: DesignVariable, step: Number) -> Self:
+    def moved(self, variable: DesignVariable, step: Scalar) -> Self:
         """A copy in which a design variable has grown by a step, real or complex."""
         found = self
         for path, factor in zip(variable.paths, variable.factors, strict=True):
@@ -392,7 +392,7 @@ class Scene(Description):
         return variables_of(self, self.design if names is None else names)
 
 
-def _with_extra(body: Body, key: str, value: Number) -> Body:
+def _with_extra(body: Body, key: str, value: Scalar) -> Body:
     changed = body.model_copy()
     object.__setattr__(changed, "__pydantic_extra__", {**body.model_values(), key: value})
     return changed

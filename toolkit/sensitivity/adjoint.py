@@ -25,7 +25,7 @@ from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import NeedsDirectError, SingularSystemError
 from toolkit.foundation.memory_sizes import GIGABYTE
 from toolkit.foundation.processes import one_thread
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.windows import combine, steps_seen
 from toolkit.scene.scene import Scene
@@ -329,7 +329,7 @@ def by_adjoint(compiled: Compiled, kind: Kind, progress: Progress | None = None,
 
 def again_backwards(
     primal: System, system: System, known: ConsistentMotion | State | None, options: RunOptions
-) -> tuple[dict[str, Number], dict[str, dict[str, float]]]:
+) -> tuple[dict[str, Scalar], dict[str, dict[str, float]]]:
     """Values of a motion and gradients by the adjoint with other options, of a scene compiled without and with design variables; `known`
     as of `simulate`."""
     return _named(system, *adjoint_gradients(system, simulate(primal, options, known=known)))
@@ -337,7 +337,7 @@ def again_backwards(
 
 def _named(
     system: System, found: dict[str, Partials], gradient: np.ndarray
-) -> tuple[dict[str, Number], dict[str, dict[str, float]]]:
+) -> tuple[dict[str, Scalar], dict[str, dict[str, float]]]:
     """Values, and gradients (n_x, n_r), by the names of responses and variables."""
     return {name: partials.value for name, partials in found.items()}, by_name(system.design, found, gradient.T)
 

@@ -27,7 +27,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes import one_thread
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.responses.extremes import at_peaks
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
@@ -140,7 +140,7 @@ def again(
     q: np.ndarray | None = None,
     v: np.ndarray | None = None,
     known: ConsistentMotion | State | None = None,
-) -> tuple[dict[str, Number], dict[str, dict[str, float]]]:
+) -> tuple[dict[str, Scalar], dict[str, dict[str, float]]]:
     """Values of a motion, and gradients by direct differentiation if the system has design variables, with other options; `q` and `v` are
     its start if it is not the scene's, `known` what was found for it. Gradients of extremes are those at peaks between the steps."""
     solution = simulate(system, options, q, v, known=known)
@@ -220,18 +220,18 @@ def derivative(
     variable: DesignVariable,
     kind: Kind,
     method: str,
-    base: Mapping[str, Number],
+    base: Mapping[str, Scalar],
     relative_step: float | None = None,
     known: Solution | None = None,
     along: Solution | None = None,
-) -> dict[str, Number]:
+) -> dict[str, Scalar]:
     """Derivatives of all responses by one variable, by repeated runs.
 
     A complex step need not follow the path to a `known` equilibrium again, which is that of the scene or the one that a motion
     starts in; `along` a known motion it takes fewer iterations.
     """
 
-    def shifted(step: complex) -> dict[str, Number]:
+    def shifted(step: complex) -> dict[str, Scalar]:
         moved = scene.moved(variable, step)
         if not isinstance(step, complex) or (kind == "static" and not known):
             return values_of(moved, kind)

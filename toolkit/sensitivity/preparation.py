@@ -15,7 +15,7 @@ from toolkit.description.design import Design, DesignVariable
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import CompileWatch
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.responses.response import Response
 from toolkit.scene.resolution import loaded, resolve
 from toolkit.scene.scene import Scene
@@ -110,12 +110,12 @@ def check_names(design: Collection[str]) -> None:
         raise InputError("design variables are names: short names of the scene, or paths of its numbers.")
 
 
-def evaluate_responses(solution: Solution) -> dict[str, Number]:
+def evaluate_responses(solution: Solution) -> dict[str, Scalar]:
     """Values of all responses of the scene."""
     return {name: response.value(solution) for name, response in responses_of(solution.system.scene, moving(solution)).items()}
 
 
-def evaluate_with_gradients(solution: Solution) -> tuple[dict[str, Number], dict[str, dict[str, float]]]:
+def evaluate_with_gradients(solution: Solution) -> tuple[dict[str, Scalar], dict[str, dict[str, float]]]:
     """Values of all responses of the scene, and their gradients by the derivatives that the solution holds."""
     found = {
         name: response.evaluate(solution) for name, response in responses_of(solution.system.scene, moving(solution)).items()
@@ -124,7 +124,7 @@ def evaluate_with_gradients(solution: Solution) -> tuple[dict[str, Number], dict
     return {name: value for name, (value, _) in found.items()}, gradients
 
 
-def values_of(scene: Scene, kind: Kind) -> dict[str, Number]:
+def values_of(scene: Scene, kind: Kind) -> dict[str, Scalar]:
     """Values of all responses after one run, without derivatives."""
     return evaluate_responses(solve(prepare(scene), kind))
 
@@ -142,7 +142,7 @@ class Differentiated(Protocol):
     """What knows values and gradients of responses."""
 
     @property
-    def values(self) -> dict[str, Number]:
+    def values(self) -> dict[str, Scalar]:
         """Response -> value."""
 
     @property

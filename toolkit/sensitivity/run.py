@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from toolkit.foundation.value_types import Number, Record
+from toolkit.foundation.value_types import Record, Scalar
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.kept_run.layout import STATES, ResultsFileError
 from toolkit.responses.energy import Largest, largest_in, magnitude_that_counts
@@ -464,7 +464,7 @@ class Run:
 
 def run_of(
     solution: Solution,
-    values: Mapping[str, Number],
+    values: Mapping[str, Scalar],
     gradients: dict[str, dict[str, float]],
     method: str,
     primal: float | None,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -52,7 +52,7 @@ class CurveOverTime(Protocol):
     def is_constant(self) -> bool:
         """Whether the curve has one value at all times, as in `Curve`."""
 
-    def corners(self) -> tuple[float, ...]:
+    def corners(self) -> tuple[Scalar, ...]:
         """Times of the curve's corners, as in `Curve`."""
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:

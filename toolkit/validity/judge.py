@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from toolkit.foundation.processes import one_thread
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.foundation.verdict import MOTION, REST, SPIN, Caution, Check, Verdict, check, checks
 from toolkit.responses.flutter import UNSTABLE, growing_vibrations, unstable_vibrations
 from toolkit.system.solution import Solution
@@ -57,7 +57,7 @@ def _applicable(solution: Solution) -> list[Check[[Solution]]]:
     return [each for each in checks() if kind in each.applies_to]
 
 
-def instabilities(solution: Solution, values: Mapping[str, Number]) -> Iterator[Caution]:
+def instabilities(solution: Solution, values: Mapping[str, Scalar]) -> Iterator[Caution]:
     """Cautions about equilibria, motions and vibrations that a small disturbance ends: every design of a map is checked for them by itself.
 
     Growth hangs on small differences, and its effect is exponential.

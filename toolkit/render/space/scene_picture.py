@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pyvista
@@ -38,7 +39,7 @@ from toolkit.render.space.plotter import (
 from toolkit.responses.stress import point_stress
 
 if TYPE_CHECKING:
-    from pyvista import Plotter
+    pass
 
 JOINT, UNTOLD = "#3a3f47", "#c8cdd4"
 LOADS = {"force": "#8e2a9e", "torque": "#d2691e"}

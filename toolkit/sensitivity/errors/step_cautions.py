@@ -24,7 +24,7 @@ from toolkit.analyses.run_start import known_start
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.motion import Displacement
 from toolkit.scene.resolution import ResolvedScene
@@ -121,7 +121,7 @@ def _worst(errors: Mapping[K, float]) -> list[tuple[K, float]]:
     return sorted(errors.items(), key=lambda item: -np.nan_to_num(item[1], nan=np.inf))[:MOST]
 
 
-def _told(what: str, error: float, ours: Number, other: Number, how: str) -> str:
+def _told(what: str, error: float, ours: Scalar, other: Scalar, how: str) -> str:
     size = f"about {error:.1%}" if error < 1 else "as much as it is large, or more,"
     there = f"{np.real(other):.5g}" if np.isfinite(other) else "unknown"
     return f"{what} is off by {size} because of the length of the steps: {np.real(ours):.5g} as it is, {there} {how}"
@@ -254,7 +254,7 @@ def _felt(solution: Solution, answers: Answers, parts: Mapping[str, float]) -> f
     return float(np.nan_to_num(max([*changes, *slopes], default=0.0), nan=np.inf))
 
 
-def _part(change: Number, scale: float) -> float:
+def _part(change: Scalar, scale: float) -> float:
     return abs(change) / scale if scale > 0 else 0.0 if change == 0 else np.inf
 
 

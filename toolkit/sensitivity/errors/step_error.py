@@ -25,12 +25,12 @@ import numpy as np
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.units import unit
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.responses.stress import StressResponse, stress_rows
 from toolkit.sensitivity.errors.lost_vibrations import LostVibrations, steps_that_keep
 from toolkit.system.solution import Solution
 
-Values = Mapping[str, Number]
+Values = Mapping[str, Scalar]
 Gradients = Mapping[str, Mapping[str, float]]
 Repeat = Callable[[RunOptions], tuple[Values, Gradients]]
 """Function that repeats the analysis with other options and returns values and gradients of its responses."""
@@ -40,7 +40,7 @@ LONGER = (2, 4)
 CONTRADICTED = 0.04
 """Error by longer steps that steps half as long contradict: these may agree by chance, so that shorter ones decide."""
 TIMES_AS_SHORT = {2: "with steps half as long", 4: "with steps a quarter as long"}
-"""Number of parts of a step in runs with shorter steps -> the phrase for it, in the order in which they are tried."""
+"""Scalar of parts of a step in runs with shorter steps -> the phrase for it, in the order in which they are tried."""
 LENIENT = 2.0
 """Factor by which errors of derivatives may be larger than those of values."""
 NOTHING = 1e-6
@@ -50,7 +50,7 @@ MOST_STEPS, MOST_NUMBERS = 10_000, 2_000_000
 LOST = 0.5
 """Error of a value half of which vibrations must explain, or half of all that is larger, to be told as theirs."""
 SAMPLED = 20
-"""Number of steps in a period of a vibration that is to last."""
+"""Scalar of steps in a period of a vibration that is to last."""
 SURE = 0.01
 """Estimated error by longer steps up to which no shorter ones are asked: it was never too small by more than a factor of four in 200
 random scenes (`tests.benchmarks.random_scenes`)."""
@@ -247,7 +247,7 @@ def first_order(options: RunOptions) -> bool:
 def _estimate(known: JudgedNumbers, runs: list[ComparisonRun]) -> StepError:
     """Time-step error by comparison with other runs, in the order of their steps."""
 
-    def change(number: Number, others: Sequence[Number]) -> float:
+    def change(number: Scalar, others: Sequence[Scalar]) -> float:
         """The largest estimate of what the exact number differs by from one that is `others` in the other runs."""
         chain, ratios = [float(np.real(each)) for each in (number, *others)], [1.0, *(run.ratio for run in runs)]
         pairs = pairwise if runs[0].ratio > 1 else _with_the_first
@@ -287,7 +287,7 @@ def _with_the_first(numbers: list[float]) -> list[tuple[float, float]]:
     return [(numbers[0], each) for each in numbers[1:]]
 
 
-def _own(error: float, number: Number, scale: float) -> float:
+def _own(error: float, number: Scalar, scale: float) -> float:
     """An error relative to the number itself, from one relative to its scale; unchanged where the number is only round-off."""
     size = abs(float(np.real(number)))
     return error * scale / size if size > NOTHING * scale else error

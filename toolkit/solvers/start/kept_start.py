@@ -25,7 +25,7 @@ from toolkit.solvers.start.initial_conditions import ConsistentMotion, closed_st
 from toolkit.system.system import System
 
 if TYPE_CHECKING:
-    from toolkit.description.description import Registered
+    pass
 
 READ_ANEW = ("model", "extrapolation")
 """Words of a body that may differ from those of the kept run: its reduced model is compared by its content."""

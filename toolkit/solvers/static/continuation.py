@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import islice, pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from toolkit.foundation.errors import (
     NoLimitPointError,
     SingularSystemError,
 )
-from toolkit.foundation.value_types import Number
+from toolkit.foundation.value_types import Scalar
 from toolkit.solvers.static.critical_state import is_stable, soft_motion, softest_motion
 from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at
 from toolkit.solvers.static.path_equations import GrowingLoads, PathEquations, parts
@@ -34,7 +34,7 @@ from toolkit.system.solution import LimitPoint, StaticPath
 from toolkit.system.system import System
 
 if TYPE_CHECKING:
-    from toolkit.foundation.value_types import Scalar
+    pass
 
 EXACT = 1e-12
 """Part of an arc to which a place on it is found; at a limit point the load is exact to the square of it."""
@@ -312,7 +312,7 @@ def next_limit_point(system: System, options: RunOptions, begin: np.ndarray, up_
     )
 
 
-def factor_of_limit_point(system: System, options: RunOptions, z: np.ndarray) -> tuple[Number, np.ndarray]:
+def factor_of_limit_point(system: System, options: RunOptions, z: np.ndarray) -> tuple[Scalar, np.ndarray]:
     """Load factor at a limit point z (n + 1,) and its design derivatives (n_x,).
 
     The limit point is that of the real parts of the system's numbers.
