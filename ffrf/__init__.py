@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    import preprocessing
+    from ffrf import preprocessing
     from toolkit import *  # noqa: F403
 
 _HOME = Path(__file__).resolve().parents[1]
@@ -45,9 +45,10 @@ def __getattr__(name: str) -> Any:
     if name in _toolkit.__all__ or name == "__version__":
         return getattr(_toolkit, name)
     if name != "preprocessing":
-        raise AttributeError(f"ffrf has no {name!r}; it has: {', '.join(__all__)}")
-    _refuse_namesake("preprocessing")
-    return import_module("preprocessing")
+        from toolkit.foundation.errors import meant
+
+        raise AttributeError(f"ffrf has no {name!r}{meant(name, __all__)}; it has: {', '.join(__all__)}")
+    return import_module("ffrf.preprocessing")
 
 
 def __dir__() -> list[str]:

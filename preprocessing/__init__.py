@@ -12,7 +12,7 @@ from __future__ import annotations
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from preprocessing.builders.build_model import build, save
@@ -43,7 +43,7 @@ _PLACES = {
 __all__ = ["Section", "build", "new_linkage", "new_solid", "new_wing", "polygon_beam", "save"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _PLACES:
         raise AttributeError(f"preprocessing has no {name!r}; it has: {', '.join(_PLACES)}")
     return getattr(import_module(_PLACES[name]), name)

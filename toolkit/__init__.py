@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from toolkit import bridges
+    from toolkit import air, bridges
     from toolkit.api import extend, plane, space
     from toolkit.api.describe import describe
     from toolkit.api.many_designs import optimize, sweep, uncertainty
@@ -41,6 +41,7 @@ _PLACES = {
     "ToolkitError": "toolkit.foundation.errors:ToolkitError",
     "UncertainResult": "toolkit.studies.uncertain_result:UncertainResult",
     "Verdict": "toolkit.foundation.verdict:Verdict",
+    "air": "toolkit.air:",
     "bridges": "toolkit.bridges:",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
     "compile": "toolkit.api.model:compile_model",
@@ -70,6 +71,7 @@ __all__ = [
     "ToolkitError",
     "UncertainResult",
     "Verdict",
+    "air",
     "bridges",
     "certify",
     "compile",
@@ -92,7 +94,9 @@ def __getattr__(name: str) -> Any:
 
         return version("ffrf-toolkit")
     if name not in _PLACES:
-        raise AttributeError(f"ffrf has no {name!r}; it has: {', '.join(_PLACES)}")
+        from toolkit.foundation.errors import meant
+
+        raise AttributeError(f"ffrf has no {name!r}{meant(name, _PLACES)}; it has: {', '.join(_PLACES)}")
     module, _, attribute = _PLACES[name].partition(":")
     found = import_module(module)
     return getattr(found, attribute) if attribute else found

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -29,7 +29,7 @@ class Interpolant:
         spline = make_interp_spline(u, points, k=degree)
         return cls((spline, *(spline.derivative(order) for order in range(1, degree + 1))))
 
-    def __call__(self, u: np.ndarray, order: int = 0) -> np.ndarray:
+    def __call__(self, u: Number | np.ndarray, order: int = 0) -> np.ndarray:
         """Derivative of an order up to 3, not above the degree, at parameters u (...), real or complex; shape (..., 2)."""
         value = self.derivatives[order](np.real(u))
         if np.iscomplexobj(u):
@@ -76,7 +76,7 @@ def refuse_detours(lengths: np.ndarray, points: np.ndarray) -> None:
         )
 
 
-Number = Any
+Number: TypeAlias = float | complex
 """A float, or a complex number where a complex step is taken."""
 
 _SETTLED = 1e-9
@@ -88,7 +88,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 class Parametric(Protocol):
     """Curve r(u) with its derivatives; an `Interpolant`, or one with bumps."""
 
-    def __call__(self, u: Any, order: int = 0) -> np.ndarray: ...
+    def __call__(self, u: Number | np.ndarray, order: int = 0) -> np.ndarray: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +170,7 @@ class ArcLengthSpline:
         cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
         return cross / norm(first) ** 3
 
-    def arc_length(self, u: Any) -> Any:
+    def arc_length(self, u: Number | np.ndarray) -> np.ndarray:
         """Arc lengths (...) at parameters u (...)."""
         i = self._interval(self.break_u, u)
         return self.break_s[i] + _arc_between(self.spline, self.break_u[i], u)
@@ -198,7 +198,7 @@ class ArcLengthSpline:
         return u, angle + (2 * np.pi if angle[0] < 0 else 0.0)
 
     @staticmethod
-    def _interval(breaks: np.ndarray, at: np.ndarray) -> np.ndarray:
+    def _interval(breaks: np.ndarray, at: Number | np.ndarray) -> np.ndarray:
         """Numbers (...) of the intervals in which real parts lie; what is off the curve belongs to its first or last one."""
         return np.clip(np.searchsorted(breaks.real, np.real(at), side="right") - 1, 0, len(breaks) - 2)
 
@@ -221,7 +221,7 @@ def _speed(spline: Parametric, u: np.ndarray) -> np.ndarray:
     return norm(spline(u, 1))
 
 
-def _arc_between(spline: Parametric, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+def _arc_between(spline: Parametric, start: np.ndarray, end: Number | np.ndarray) -> np.ndarray:
     """Integral of |r'(u)| from start to end (...), both within one interval between points."""
     half = (np.asarray(end) - start) / 2
     u = start[..., None] + half[..., None] * (1 + _NODES)

@@ -104,19 +104,6 @@ class Contour:
         """Signed curvature (1/length), positive where the loop is convex; shape (...)."""
         return self.curve.curvature(s)
 
-    def at_row(self, i: int) -> Number:
-        """Arc length of row i of the points, counted from 0.
-
-        Raises
-        ------
-        InputError
-            There is no such row.
-        """
-        n = len(self.curve.point_s)
-        if not 0 <= i < n:
-            raise InputError(f"row {i} is not on the contour: its rows count from 0 to {n - 1}.")
-        return self.curve.point_s[i].item()
-
     @cached_property
     def outline(self) -> np.ndarray:
         """Points (n, 2) to draw the contour by: the rows, and three between any two, for a nose of few rows is round too."""
@@ -140,12 +127,11 @@ class Contour:
     def nearest(self, point: np.ndarray) -> Number:
         """Arc length of the point of the contour nearest to `point` (2,); an end of the loop, if that is nearest."""
         place, ends = np.real(point), self.curve.point_u[[0, -1]]
-        u: Number = self._foot(place, int(np.argmin(norm(self._samples[1] - place))))
+        u = self._foot(place, int(np.argmin(norm(self._samples[1] - place))))
         if u in ends:
             return 0.0 if u == ends[0] else self.length
-        if self.is_complex or np.iscomplexobj(point):
-            u = polished(lambda t: self._distance_along(point, t), u)
-        return self.curve.arc_length(u).item()
+        stepped = self.is_complex or np.iscomplexobj(point)
+        return self.curve.arc_length(polished(lambda t: self._distance_along(point, t), u) if stepped else u).item()
 
     def at_x(self, x: float, side: str) -> Number:
         """Arc length where the upper or lower side, split at the leading edge, has abscissa x.
@@ -293,7 +279,7 @@ class _Bumped:
     bumps: tuple[Bump, ...]
     ends: np.ndarray  # (n_bumps, 2) real parts of the parameters between which the bumps act
 
-    def __call__(self, u: np.ndarray, order: int = 0) -> np.ndarray:
+    def __call__(self, u: Number | np.ndarray, order: int = 0) -> np.ndarray:
         """Derivative of order 0, 1 or 2 at parameters u (...), shape (..., 2); outside all bumps that of the curve without them."""
         flat = np.reshape(u, -1)
         value, inside = self.base.spline(flat, order), self._inside(flat)

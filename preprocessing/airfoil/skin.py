@@ -83,10 +83,11 @@ class Skin:
                 'nodes spaced by "curvature" have no derivative by the shape. Use spacing = "equal", or leave the shape out of the '
                 "parameters that derivatives are wanted by."
             )
-        s = np.linspace(0.0, self.length, 100 * len(self.contour.curve.point_s) + 1)
-        density = 1 + grading * np.sqrt(np.abs(self.curvature(s)) * self.length)
+        length = self.length.real
+        s = np.linspace(0.0, length, 100 * len(self.contour.curve.point_s) + 1)
+        density = 1 + grading * np.sqrt(np.abs(self.curvature(s)) * length)
         count = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2)])
-        return np.interp(even / self.length, count / count[-1], s)
+        return np.interp(even.real / length, count / count[-1], s)
 
     def locate(
         self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import PurePath
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
@@ -140,11 +140,6 @@ class ShapeVariable(InputTable):
 
     field: FileName  # (.npy, .npz, .csv) displacement x, y, z of every node of the mesh file, per unit of the variable
     value: FiniteFloat = 0.0
-
-
-def given(table: InputTable) -> dict[str, Any]:
-    """Keys of a table that are not left out."""
-    return table.model_dump(exclude_none=True)
 
 
 class BodyFile(InputTable):

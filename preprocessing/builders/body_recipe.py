@@ -21,19 +21,24 @@ Then `ffrf-preprocess body.toml`, or `preprocessing.save(preprocessing.build("bo
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from preprocessing.builders.body_file import BodyFile
 from preprocessing.builders.recipe import Recipe, Remark, Seal
+from preprocessing.builders.tables import Keys
 from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.reduction.reduced import ELEMENT_PARTS, mesh_composition
 from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.composition import Attributes
+from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.told_body import told_left_out
 
 if TYPE_CHECKING:
+    from preprocessing.builders.cut_mesh import PieceBodies
     from preprocessing.builders.discrete_body import DiscreteBody
 
 
@@ -48,7 +53,7 @@ PLACES = {
 """Keys of a body's parameters in body.toml, besides its shape variables."""
 
 
-class BodyRecipe(Recipe[BodyFile]):
+class BodyRecipe(Recipe[BodyFile, "DiscreteBody | PieceBodies"]):
     """Recipe of a body with a mesh of solid elements, or with finished matrices.
 
     What needs scikit-fem is loaded when the body is built: it takes a second.
@@ -64,17 +69,17 @@ class BodyRecipe(Recipe[BodyFile]):
         return ("invariants", "derivatives", "affine", "interfaces", "stress", *cut, *self.file.basis.parts)
 
     @classmethod
-    def means(cls, content: Mapping[str, Any]) -> bool:
+    def means(cls, content: Mapping[str, object]) -> bool:
         return "mesh" in content or "matrices" in content
 
     def _named(self) -> list[Path]:
         drawn = drawn_on(self.path.parent / self.file.mesh.file) if self.file.mesh else []
         return [*(self.path.parent / name for name in self.file.inputs), *drawn]
 
-    def _places(self) -> dict[str, tuple[Any, ...]]:
+    def _places(self) -> dict[str, Keys]:
         return {**PLACES, **{name: ("shape_variables", name, "value") for name in self.file.shape_variables}}
 
-    def _content_at(self, values: Mapping[str, float]) -> dict[str, Any]:
+    def _content_at(self, values: Mapping[str, float]) -> dict[str, object]:
         if values and self.file.matrices is not None:
             raise InputError(
                 f"{str(self.path)!r}: finished matrices hold for the values that they were made with. Change {', '.join(values)} in the "
@@ -82,7 +87,7 @@ class BodyRecipe(Recipe[BodyFile]):
             )
         return super()._content_at(values)
 
-    def _designs(self, remark: Remark | None) -> Any:
+    def _designs(self, remark: Remark | None) -> DiscreteBody | PieceBodies:
         try:
             from preprocessing.builders.cut_mesh import piece_bodies
             from preprocessing.builders.discrete_body import discretised
@@ -106,15 +111,15 @@ class BodyRecipe(Recipe[BodyFile]):
                 remark(f"{self.path.name}: {each}")
         return body
 
-    def _fields(self, designs: Any) -> dict[str, Any]:
-        from preprocessing.builders.joined_model import joined_model
+    def _model(self, designs: DiscreteBody | PieceBodies) -> ReducedModel:
+        from preprocessing.builders.joined_model import PieceBodies, joined_model
         from preprocessing.builders.reduced_body import reduced_body
 
         file = self.file
-        if file.pieces is not None:
-            return {**joined_model(designs), **_composition(designs.whole, file)}
-        fields = reduced_body(designs, file.basis.choice(), file.clamp.words if file.clamp else "", file.units)
-        return {**fields, **_composition(designs, file)}
+        if isinstance(designs, PieceBodies):
+            return replace(joined_model(designs), composition=_composition(designs.whole, file))
+        model = reduced_body(designs, file.basis.choice(), file.clamp.words if file.clamp else "", file.units)
+        return replace(model, composition=_composition(designs, file))
 
     def _writers(self) -> dict[str, str]:
         return {name: version(name) for name in ("scikit-fem", "meshio", "numpy", "scipy")}
@@ -127,7 +132,7 @@ def told_of_file(mesh: SolidMesh) -> Iterator[str]:
         yield f"not part of the body: {told_left_out([each._asdict() for each in mesh.left_out])}."
 
 
-def _composition(body: DiscreteBody, file: BodyFile) -> dict[str, Any]:
+def _composition(body: DiscreteBody, file: BodyFile) -> Attributes:
     """Composition of the body; the volume of a plane one is known if its width is."""
     from preprocessing.elements.elasticity import volume_of
     from preprocessing.elements.solid_elements import element_blocks
@@ -138,4 +143,4 @@ def _composition(body: DiscreteBody, file: BodyFile) -> dict[str, Any]:
     if body.mesh.blocks and width is not None:
         volume = width * volume_of(body.elastic.blocks if body.elastic else element_blocks(body.mesh))
     tied = {name: each.nodes for name, each in body.ties.items()}
-    return {"composition": mesh_composition(body.mesh, volume, body.clamped, tied)}
+    return mesh_composition(body.mesh, volume, body.clamped, tied)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from preprocessing.builders.body_recipe import BodyRecipe
 from preprocessing.builders.frame_recipe import FrameRecipe
@@ -15,15 +14,11 @@ from toolkit.foundation.files.toml_file import read_toml, refuse_other
 from toolkit.reduced_model.file import save as write
 from toolkit.reduced_model.model import ReducedModel
 
-RECIPES: tuple[type[Recipe[Any]], ...] = (
-    FrameRecipe,
-    BodyRecipe,
-    SkinRecipe,
-)
+RECIPES: tuple[type[Recipe], ...] = (FrameRecipe, BodyRecipe, SkinRecipe)
 """All kinds; a file is of the first that its content is meant as, and of the last if of none."""
 
 
-def read_recipe(path: str | Path) -> Recipe[Any]:
+def read_recipe(path: str | Path) -> Recipe:
     """Recipe from the file that describes a flexible body, of whatever kind it is.
 
     Raises
@@ -42,7 +37,7 @@ def build(
     path: str | Path,
     remark: Remark | None = None,
     values: Mapping[str, float] | None = None,
-    keys: Mapping[str, Any] | None = None,
+    keys: Mapping[str, object] | None = None,
 ) -> ReducedModel:
     """Build the reduced model that a skin.toml, body.toml or frame.toml describes.
 

@@ -7,14 +7,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
 from toolkit.foundation.errors import InputError
 
 
-def load_gmsh() -> Any:
+def load_gmsh() -> ModuleType:
     """Module gmsh, loaded when a mesh is wanted.
 
     Raises
@@ -33,7 +33,7 @@ def load_gmsh() -> Any:
 
 
 @contextmanager
-def gmsh_model(name: str) -> Iterator[Any]:
+def gmsh_model(name: str) -> Iterator[ModuleType]:
     """Context with a gmsh model of our own, which leaves a gmsh session of the caller as it was; gives the module."""
     gmsh = load_gmsh()
     if gmsh.isInitialized():
@@ -132,7 +132,7 @@ def _check(stations: np.ndarray) -> None:
         raise InputError(f"stations {steps.argmin()} and {steps.argmin() + 1} of the skin coincide; use fewer elements.")
 
 
-def _enter(gmsh: Any, stations: np.ndarray) -> None:
+def _enter(gmsh: ModuleType, stations: np.ndarray) -> None:
     n = len(stations)
     spatial = np.column_stack([stations, np.zeros(n)])
     chain = np.column_stack([np.arange(1, n), np.arange(2, n + 1)])
@@ -149,6 +149,6 @@ def _enter(gmsh: Any, stations: np.ndarray) -> None:
         gmsh.model.addPhysicalGroup(dimension, [tag], name=name)
 
 
-def _group(gmsh: Any, dimension: int, name: str) -> int:
+def _group(gmsh: ModuleType, dimension: int, name: str) -> int:
     groups = gmsh.model.getPhysicalGroups(dimension)
     return next(tag for _, tag in groups if gmsh.model.getPhysicalName(dimension, tag) == name)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from scipy import sparse
@@ -33,8 +33,8 @@ from preprocessing.mesh.matrix_file import read_matrix, square_of
 from preprocessing.mesh.overlaps import refuse_overlaps
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.reduction.assembly import Parts, assemble
-from preprocessing.reduction.body_change import BodyChange, rate_of
-from preprocessing.reduction.discretisation import STEP
+from preprocessing.reduction.body_change import BodyChange
+from preprocessing.reduction.discretisation import STEP, derivative_of
 from preprocessing.reduction.ties import NodeTie
 from toolkit.foundation.errors import InputError
 
@@ -102,6 +102,7 @@ def _state(file: BodyFile, mesh: SolidMesh) -> str:
 
 
 def _stress(named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray | None = None) -> Rows:
+    assert named.boundary is not None
     with at_key(named.path, "stress.quantity"):
         return stress_rows(named.file.stress.quantity, blocks, named.boundary, motion)
 
@@ -116,13 +117,14 @@ def _from_elements(
         refuse_overlaps(mesh)
     matrices, rows = solid_matrices(blocks, len(mesh.nodes), mesh.dimension), _stress(named, blocks)
     lame = lame_factors(ratio, state)
-    slopes = tuple(rate_of(factor) for factor in lame_factors(ratio + 1j * STEP, state))
+    stepped_lame = lame_factors(ratio + 1j * STEP, state)
+    slopes = stepped_lame[0].imag / STEP, stepped_lame[1].imag / STEP
     with at_key(named.path, "mesh.file"):
         masses = constant_masses(mesh) if mesh.masses else None
     no_masses = None if masses is None else {pair: 0 * matrix for pair, matrix in masses.items()}
     weightless = SolidMatrices(sparse.csr_array(matrices.scalar_mass.shape), matrices.first, matrices.shear)
     of_ratio = assemble(element_solid(mesh.nodes, weightless, rows, slopes, None, no_masses))
-    stepped = StressedSolid(blocks, lame_factors(ratio + 1j * STEP, state))
+    stepped = StressedSolid(blocks, stepped_lame)
     changes = _changes(of_ratio, named, blocks, lame, values, ties, stepped)
     elastic = Elastic(blocks, mesh.nodes, lame, ratio if state == "plane-strain" else 0.0)
     return element_solid(mesh.nodes, matrices, rows, lame, StressedSolid(blocks, lame), masses), changes, elastic
@@ -132,7 +134,7 @@ def _changes(
     of_ratio: Parts,
     named: NamedMesh,
     blocks: list[ElementBlock],
-    lame: tuple[Any, Any],
+    lame: tuple[float, float],
     values: Mapping[str, float],
     ties: Mapping[str, NodeTie],
     stepped: StressedSolid,
@@ -148,13 +150,13 @@ def _changes(
 
 
 def _moved(
-    named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray, lame: tuple[Any, Any], values: Mapping[str, float]
+    named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray, lame: tuple[float, float], values: Mapping[str, float]
 ) -> BodyChange:
     """Change of the body by a motion of the nodes."""
     mesh = named.mesh
     own = solid_matrices(blocks, len(mesh.nodes), mesh.dimension, motion)
     moved = mesh.moved(1j * STEP * motion)
-    masses = {pair: rate_of(matrix) for pair, matrix in constant_masses(moved).items()} if mesh.masses else None
+    masses = {pair: derivative_of(matrix) for pair, matrix in constant_masses(moved).items()} if mesh.masses else None
     rates = assemble(element_solid(mesh.nodes, own, _stress(named, blocks, motion), lame, None, masses)).at(values)
     normals = {key: BoundaryFaces(moved.nodes, each.faces).normals() for key, each in named.surfaces.items()}
     return BodyChange(rates, moved, named.ties(moved.nodes), normals, StressedSolid(blocks, lame, STEP * motion))
@@ -198,7 +200,7 @@ def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> tuple[Solid
     return solid, [*dict.fromkeys(remark for remark in (of_mass, of_stiffness) if remark)]
 
 
-def _finished_stress(named: NamedMesh, blocks: list[ElementBlock]) -> Any:
+def _finished_stress(named: NamedMesh, blocks: list[ElementBlock]) -> sparse.csr_array:
     """Stress per nodal displacement, from its file, or from the elements where there are both these and their material."""
     path, file, mesh = named.path, named.file, named.mesh
     if file.matrices is not None and file.matrices.stress is not None:
@@ -213,7 +215,7 @@ def _finished_stress(named: NamedMesh, blocks: list[ElementBlock]) -> Any:
     return file.material.youngs_modulus * (by_lambda * first + by_mu * shear)
 
 
-def _among_finished(mesh: SolidMesh) -> dict[Pair, Any] | None:
+def _among_finished(mesh: SolidMesh) -> dict[Pair, sparse.csr_array] | None:
     """Concentrated masses of the mesh, which another program's mass matrix holds already; None if there are none."""
     if not mesh.masses:
         return None
@@ -225,7 +227,7 @@ def _among_finished(mesh: SolidMesh) -> dict[Pair, Any] | None:
     return constant_masses(mesh)
 
 
-def _square(path: Path, matrices: MatricesTable, name: str, mesh: SolidMesh) -> tuple[Any, str]:
+def _square(path: Path, matrices: MatricesTable, name: str, mesh: SolidMesh) -> tuple[sparse.csr_array, str]:
     """Mass or stiffness matrix in the order of the mesh's nodes, and a remark."""
     degrees = matrices.degrees_of(name)
     if degrees is not None and matrices.dof is None and not (path.parent / degrees).exists():
@@ -238,7 +240,7 @@ def _square(path: Path, matrices: MatricesTable, name: str, mesh: SolidMesh) -> 
     )
 
 
-def _compare(named: NamedMesh, blocks: list[ElementBlock], mass: Any, stiffness: Any) -> None:
+def _compare(named: NamedMesh, blocks: list[ElementBlock], mass: sparse.csr_array, stiffness: sparse.csr_array) -> None:
     """Refuse matrices that are not those of the material, in the elements of the mesh where there is one."""
     file, mesh, given = named.file, named.mesh, named.file.material
     if given is None or file.matrices is None or (file.matrices.mass_differs and not blocks):
@@ -267,8 +269,12 @@ def _refuse_other_points(rows: int, boundary: Boundary | None, mesh: SolidMesh) 
         )
 
 
-def lame_factors(poisson_ratio: Any, state: str) -> tuple[Any, Any]:
-    """Lame factors lambda / E and mu / E; real, or complex for a complex step in nu.
+Ratio = TypeVar("Ratio", float, complex)
+"""Poisson's ratio nu and what follows from it: real, or complex for a complex step in nu."""
+
+
+def lame_factors(poisson_ratio: Ratio, state: str) -> tuple[Ratio, Ratio]:
+    """Lame factors lambda / E and mu / E.
 
         mu / E = 1 / (2 (1 + nu)),   lambda / E = nu / ((1 + nu) (1 - 2 nu)), or nu / (1 - nu^2) in plane stress
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import meshio
 import numpy as np
@@ -106,7 +105,7 @@ def places(path: Path, geometry: Geometry, file: SkinFile) -> dict[str, float]:
     found = {"F": 0.0, "G": float(np.real(geometry.skin.length))}
     for name, place in file.interface_points.items():
         with at_key(path, f"interface_points.{name}"):
-            s = float(geometry.skin.locate(**place.where, stations=geometry.arc_lengths))
+            s = geometry.skin.locate(**place.model_dump(), stations=geometry.arc_lengths).real
             if name == "skin" or abs(s - found.get(name, s)) > ON_NODE * found["G"]:
                 raise InputError("the solid's groups F, G and skin are its ends and all of it. Give the point another name.")
             found[name] = s
@@ -132,7 +131,7 @@ def _mesh(geometry: Geometry, file: SkinFile, at: dict[str, float], layers: int)
         tags.append(np.full(layers, tag))
     used, blocks = _used(blocks)
     names = {"skin": np.array([1, 3])} | {name: np.array([tag, 2]) for tag, name in enumerate(at, 2)}
-    data: dict[str, Any] = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
     return meshio.Mesh(nodes.reshape(-1, 3)[used], blocks, cell_data=data, field_data=names)
 
 
@@ -177,7 +176,7 @@ def _description(file: SkinFile, mesh: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _inline(table: InputTable | dict[str, Any]) -> str:
+def _inline(table: InputTable | dict[str, object]) -> str:
     """A table on one line."""
     given = table if isinstance(table, dict) else table.model_dump(exclude_none=True)
     return "{ " + ", ".join(f"{key} = {json.dumps(value)}" for key, value in given.items()) + " }"

@@ -31,7 +31,7 @@ from preprocessing.builders.frame_tables import (
     loose_contacts,
     positions,
 )
-from preprocessing.builders.tables import BasisTable, Damping, InputTable, InterfaceName
+from preprocessing.builders.tables import BasisTable, Damping, InputTable, InterfaceName, Keys
 from preprocessing.elements.beams import BeamPatch, PlanarBeam, SpatialBeam
 from preprocessing.elements.section import Patch, Sheared
 from preprocessing.reduction.discretisation import DesignSpace, Discretisation
@@ -175,11 +175,9 @@ _OF_NODES = ("nodes", "polar_nodes")
 _ABOVE = np.array([0.0, 0.0, 1.0])
 
 
-def places(file: FrameFile) -> dict[str, tuple[Any, ...]]:
+def places(file: FrameFile) -> dict[str, Keys]:
     """Keys in frame.toml that lead to each parameter."""
-    found: dict[str, tuple[Any, ...]] = {
-        f"{key}_{name}": ("materials", name, key) for name in file.materials for key in _material(file)
-    }
+    found: dict[str, Keys] = {f"{key}_{name}": ("materials", name, key) for name in file.materials for key in _material(file)}
     found |= {f"{key}_{name}": ("sections", name, key) for name, each in file.sections.items() for key in DIMENSIONS[each.kind]}
     found |= {f"damping_{key}": ("damping", key) for key in _DAMPING}
     found |= {
@@ -195,13 +193,8 @@ def _material(file: FrameFile) -> dict[str, str]:
 
 def quantities(file: FrameFile) -> dict[str, str]:
     """Physical quantity of each parameter, for its unit."""
-    found = {}
-    for parameter, (table, *rest) in places(file).items():
-        if table == "sections":
-            found[parameter] = DIMENSIONS[file.sections[rest[0]].kind][rest[1]]
-        else:
-            found[parameter] = {**_MATERIAL, **_DAMPING, **POLAR}.get(rest[-1], "length")
-    return found
+    found = {name: {**_MATERIAL, **_DAMPING, **POLAR}.get(str(keys[-1]), "length") for name, keys in places(file).items()}
+    return found | {f"{key}_{name}": what for name, each in file.sections.items() for key, what in DIMENSIONS[each.kind].items()}
 
 
 def frame_space(file: FrameFile) -> DesignSpace:
@@ -212,11 +205,11 @@ def frame_space(file: FrameFile) -> DesignSpace:
     return DesignSpace(values, quantities(file), frozenset(values) - by_steps, partial(frame_elements, file))
 
 
-def frame_elements(file: FrameFile, design: Mapping[str, Any]) -> Discretisation:
+def frame_elements(file: FrameFile, design: Mapping[str, complex]) -> Discretisation:
     """Finite elements at one design, which gives every parameter a value, real or complex."""
     beams = frame_beams(file, design)
     at_nodes = {name: node_number(file, point.node) for name, point in file.interface_points.items()}
-    return Discretisation(beams, at_nodes)
+    return Discretisation(beams, at_nodes=at_nodes)
 
 
 def node_number(file: FrameFile, name: str) -> int:
@@ -224,7 +217,7 @@ def node_number(file: FrameFile, name: str) -> int:
     return list(file.places).index(name)
 
 
-def frame_beams(file: FrameFile, design: Mapping[str, Any]) -> SpatialBeam | PlanarBeam:
+def frame_beams(file: FrameFile, design: Mapping[str, complex]) -> SpatialBeam | PlanarBeam:
     """Named nodes, then those between the ends of each beam; elements in the order of the beams."""
     places = positions(file.nodes, file.polar_nodes, design)
     names, corners = list(places), np.array(list(places.values()))
@@ -260,7 +253,7 @@ def _values(file: FrameFile) -> dict[str, float]:
     return {parameter: reduce(getitem, keys, content) for parameter, keys in places(file).items()}
 
 
-def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[BeamPatch]:
+def _patches(file: FrameFile, design: Mapping[str, complex]) -> list[BeamPatch]:
     """Patches of the elements of every section in space, which also twist."""
     found = []
     for name, patch in _sections(file):
@@ -269,7 +262,7 @@ def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[BeamPatch]:
     return found
 
 
-def _sheared(file: FrameFile, name: str, design: Mapping[str, Any]) -> Sheared | None:
+def _sheared(file: FrameFile, name: str, design: Mapping[str, complex]) -> Sheared | None:
     """Dimensions of a section as numbers, if shear deforms it."""
     section = file.sections[name]
     if not file.shear or section.kappa is None:

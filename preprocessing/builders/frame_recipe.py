@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from preprocessing.builders.curve_mesh import CurveMesh
 from preprocessing.builders.frame_file import FrameFile, frame_beams, frame_space, node_number, places
 from preprocessing.builders.recipe import WRITER_VERSION, Recipe, Remark, Seal
+from preprocessing.builders.tables import Keys
 from preprocessing.elements.beams import PlanarBeam, SpatialBeam
 from preprocessing.elements.section import Section, distribute
 from preprocessing.reduction.basis import BasisChoice
 from preprocessing.reduction.discretisation import DesignSpace, Discretisation
-from preprocessing.reduction.pictured_parts import beam_surface
-from preprocessing.reduction.reduced import ELEMENT_PARTS, SECTIONS, ReducedParts, reduce
+from preprocessing.reduction.pictured_parts import with_fibres
+from preprocessing.reduction.reduced import ELEMENT_PARTS, SECTIONS, reduce
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import Mesh, ReducedModel
 
 
-class FrameRecipe(Recipe[FrameFile]):
+class FrameRecipe(Recipe[FrameFile, DesignSpace]):
     """Recipe of a frame of beams."""
 
     name = "frame.toml"
@@ -31,7 +31,7 @@ class FrameRecipe(Recipe[FrameFile]):
     seal = Seal("frame, ", lengths_of_files=False)
 
     @classmethod
-    def means(cls, content: Mapping[str, Any]) -> bool:
+    def means(cls, content: Mapping[str, object]) -> bool:
         return "beams" in content or "nodes" in content
 
     @property
@@ -51,7 +51,7 @@ class FrameRecipe(Recipe[FrameFile]):
     def _hash_mark(self) -> str:
         return "rotary inertia, " if self.file.dimension == 2 and self.file.rotary_inertia else ""
 
-    def _places(self) -> dict[str, tuple[Any, ...]]:
+    def _places(self) -> dict[str, Keys]:
         return places(self.file)
 
     def _designs(self, remark: Remark | None) -> DesignSpace:
@@ -60,20 +60,16 @@ class FrameRecipe(Recipe[FrameFile]):
                 remark(text)
         return frame_space(self.file)
 
-    def _fields(self, designs: DesignSpace) -> dict[str, Any]:
+    def _model(self, designs: DesignSpace) -> ReducedModel:
         file, clamp = self.file, self.file.clamp or []
         clamped = [node_number(file, node) for node in clamp]
         found = reduce(
             designs, file.basis.choice(), clamped, ("the node " if len(clamp) == 1 else "the nodes ") + ", ".join(clamp)
         )
-        return {**found.fields(file.units), **_picture(found, frame_beams(file, designs.values), outline(file))}
-
-
-def _picture(found: ReducedParts, beams: SpatialBeam | PlanarBeam, line: np.ndarray) -> dict[str, Any]:
-    """Field of the reduced model for pictures: the mesh in the plane, the surface in space."""
-    if isinstance(beams, SpatialBeam):
-        return beam_surface(found, beams)
-    return {"mesh": Mesh(beams.nodes, beams.connectivity, found.basis.z, line, np.zeros((0, 2)))}
+        model, beams = found.model(file.units), frame_beams(file, designs.values)
+        if isinstance(beams, SpatialBeam):
+            return with_fibres(model, found, beams)
+        return replace(model, mesh=Mesh(beams.nodes, beams.connectivity, found.basis.z, outline(file), np.zeros((0, 2))))
 
 
 def outline(file: FrameFile) -> np.ndarray:
@@ -139,8 +135,8 @@ def polygon_beam(
     chosen = {key: value for key, value in asdict(basis).items() if key not in LATER or value}
     inputs = repr((nodes.tolist(), asdict(section), dict(interfaces), units, sorted(separate), chosen, WRITER_VERSION))
     inputs += ", rotary inertia" if rotary_inertia else ""  # models of files that had no such key keep their hash
-    return ReducedModel(
-        **found.fields(units),
+    return replace(
+        found.model(units),
         input_hash=hashlib.sha256(inputs.encode()).hexdigest(),
         writers={"ffrf-toolkit": WRITER_VERSION, "numpy": np.__version__},
         mesh=Mesh(nodes, mesh.connectivity, found.basis.z, nodes, np.zeros((0, 2))),

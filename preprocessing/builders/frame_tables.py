@@ -6,8 +6,8 @@ without a common node is not connected with it. That may be meant (braces that p
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
@@ -147,7 +147,7 @@ def node_values(nodes: Mapping[str, Sequence[float]], polar: Mapping[str, PolarN
 
 
 def positions(
-    nodes: Mapping[str, Sequence[float]], polar: Mapping[str, PolarNode], design: Mapping[str, Any] | None = None
+    nodes: Mapping[str, Sequence[float]], polar: Mapping[str, PolarNode], design: Mapping[str, complex] | None = None
 ) -> dict[str, np.ndarray]:
     """Places (d,) of all nodes at a design, by default that of the file, real or complex; those with coordinates first."""
     values = node_values(nodes, polar) if design is None else design
@@ -158,12 +158,12 @@ def positions(
     return {name: found[name] for name in [*nodes, *polar] if name in found}
 
 
-def hanging_in_the_air(nodes: Mapping[str, Any], polar: Mapping[str, PolarNode]) -> list[str]:
+def hanging_in_the_air(nodes: Collection[str], polar: Mapping[str, PolarNode]) -> list[str]:
     """Names of nodes that do not lead back to one with coordinates."""
     return [name for name in polar if name not in set(_in_order(polar, nodes))]
 
 
-def _in_order(polar: Mapping[str, PolarNode], known: Mapping[str, Any]) -> Iterator[str]:
+def _in_order(polar: Mapping[str, PolarNode], known: Collection[str]) -> Iterator[str]:
     """Names of nodes, each behind that of the node that it starts from."""
     placed, waiting = set(known), dict(polar)
     while ready := [name for name, each in waiting.items() if each.start in placed]:

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from scipy.linalg import eigh
 
 from preprocessing.builders.cut_mesh import ENDS, CutMesh, PieceBodies
 from preprocessing.builders.discrete_body import DiscreteBody
-from preprocessing.builders.reduced_body import mesh_error, reduced_body
+from preprocessing.builders.reduced_body import MeshError, mesh_error, reduced_body, reduced_solid
 from preprocessing.mesh.faces import BoundaryFaces
-from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.reduction.basis import BasisChoice
 from preprocessing.reduction.chosen_basis import clamped_in_tangent_frame
-from preprocessing.reduction.solid_basis import solid_shapes
-from preprocessing.reduction.ties import freedom
 from toolkit.reduced_model.cut_part import symmetric
 from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
-from toolkit.reduced_model.model import InterfacePoint, StressPoints
+from toolkit.reduced_model.model import InterfacePoint, Invariants, ReducedModel, StressPoints
 from toolkit.reduced_model.parts import (
     PAIRS,
     SPATIAL_LOCAL,
@@ -73,42 +70,38 @@ def in_row(number: int, size: int, count: int) -> PiecePlacement:
     return PiecePlacement(number * size + np.arange(size), count * size)
 
 
-def placed(pieces: Sequence[Mapping[str, Any]], places: Sequence[Mapping[str, PiecePlacement]]) -> PlacedArrays:
+def placed(pieces: Sequence[ReducedModel], places: Iterable[Mapping[str, PiecePlacement]]) -> PlacedArrays:
     """Sums of the pieces' items in their places.
 
     Parameters
     ----------
-    pieces : fields of their reduced models
     places : of each piece, item -> placement
     """
     arrays, slopes, terms = dict[str, np.ndarray](), dict[str, list[Derivatives]](), dict[str, list[SparsePolynomial]]()
     for piece, own in zip(pieces, places, strict=True):
         for item, place in own.items():
-            values = np.ravel(_item(piece, item))
+            values = np.ravel(piece.item(item))
             here = place.to >= 0
             np.add.at(arrays.setdefault(item, np.zeros(place.size)), place.to[here], values[here])
-            if item in piece["derivatives"]:
-                slopes.setdefault(item, []).append(_moved(piece["derivatives"][item], place.to))
-            if item in piece["affine"]:
-                terms.setdefault(item, []).append(_moved(piece["affine"][item], place.to))
+            if item in piece.all_derivatives:
+                slopes.setdefault(item, []).append(_moved(piece.all_derivatives[item], place.to))
+            if item in piece.all_polynomials:
+                terms.setdefault(item, []).append(_moved(piece.all_polynomials[item], place.to))
     return PlacedArrays(
         arrays, {k: sum(each[1:], each[0]) for k, each in slopes.items()}, {k: _sum(each) for k, each in terms.items()}
     )
 
 
-def letters_of_items(invariants: Any) -> dict[str, str]:
+def letters_of_items(invariants: Invariants | SpatialInvariants) -> dict[str, str]:
     """Letters of the axes of all invariants, see `toolkit.reduced_model.shapes`."""
     letters = letters_of(invariants)
     return {f.name: letters[f.name] for f in fields(invariants)}
 
 
-def _item(piece: Mapping[str, Any], item: str) -> np.ndarray:
-    group, *rest = item.split(".")
-    found: np.ndarray = getattr(piece[group][rest[0]], rest[1]) if rest else getattr(piece["invariants"], group)
-    return found
+Dependence = TypeVar("Dependence", Derivatives, SparsePolynomial)
 
 
-def _moved(found: Any, to: np.ndarray) -> Any:
+def _moved(found: Dependence, to: np.ndarray) -> Dependence:
     """Derivatives or polynomial with entries in their new places, without those that are left out."""
     here = to[found.entry] >= 0
     along = {name: getattr(found, name)[here] for name in ("parameter", "term") if name in vars(found)}
@@ -148,59 +141,61 @@ def columns_of_piece(number: int) -> np.ndarray:
     return np.concatenate([[0], columns_of_end(number), columns_of_end(number + 1)])
 
 
-PieceArrays = Sequence[Mapping[str, Any]]
-"""Fields of their reduced models."""
+class PiecePressures(NamedTuple):
+    """Unit pressures on the body's surfaces and on those of its pieces, with their derivatives."""
+
+    surface_loads: dict[str, SurfaceLoad]
+    piece_loads: dict[str, PieceLoads]
+    derivatives: dict[str, Derivatives]  # of the former
+    element_derivatives: dict[str, Derivatives]  # of the latter
 
 
-def pressed_body(pieces: PieceArrays) -> dict[str, Any]:
-    """Fields of the reduced model, and derivatives that belong to those of the invariants and of the elements."""
-    names, count = [*pieces[0]["surface_loads"]], len(pieces)
-    whole, every = _pressure_in_body(pieces, names), _pressure_in_row(pieces, names)
-    return {
-        "surface_loads": {name: SurfaceLoad(*_arrays(whole, name, (), 1 + MOTIONS * count)) for name in names},
-        "piece_loads": {name: PieceLoads(*_arrays(every, name, (count,), 1 + SPATIAL_LOCAL)) for name in names},
-        "derivatives": whole.derivatives,
-        "element_derivatives": {
-            item.replace("surface_loads", "piece_loads", 1): each for item, each in every.derivatives.items()
-        },
-    }
+def pressures(pieces: Sequence[ReducedModel]) -> PiecePressures:
+    """Unit pressures on all surfaces that the pieces share."""
+    loads, count = [each.surface_loads or {} for each in pieces], len(pieces)
+    names = [*loads[0]]
+    whole, every = placed(pieces, _pressure_in_body(loads)), placed(pieces, _pressure_in_row(loads))
+    return PiecePressures(
+        {name: SurfaceLoad(*_arrays(whole, name, (), 1 + MOTIONS * count)) for name in names},
+        {name: PieceLoads(*_arrays(every, name, (count,), 1 + SPATIAL_LOCAL)) for name in names},
+        whole.derivatives,
+        {item.replace("surface_loads", "piece_loads", 1): each for item, each in every.derivatives.items()},
+    )
 
 
-def _arrays(found: PlacedArrays, name: str, first: tuple[int, ...], width: int) -> tuple[Any, Any]:
+def _arrays(found: PlacedArrays, name: str, first: tuple[int, ...], width: int) -> tuple[np.ndarray, np.ndarray]:
     force, moment = (found.arrays[f"surface_loads.{name}.{key}"] for key in ("force", "moment"))
     return force.reshape(*first, 3), moment.reshape(*first, 3, 3, width)
 
 
-def _pressure_in_body(pieces: PieceArrays, names: list[str]) -> PlacedArrays:
-    places, lengths = [], {"z": 1 + MOTIONS * len(pieces)}
-    for k, piece in enumerate(pieces):
-        own = dict[str, PiecePlacement]()
-        for name in names:
-            for key, letters in SHAPES[SurfaceLoad].items():
-                array = getattr(piece["surface_loads"][name], key)
-                own[f"surface_loads.{name}.{key}"] = placement(array, letters, {"z": columns_of_piece(k)}, lengths)
-        places.append(own)
-    return placed(pieces, places)
+def _pressure_in_body(loads: Sequence[Mapping[str, SurfaceLoad]]) -> Iterator[dict[str, PiecePlacement]]:
+    """Placements of every piece's loads on the coordinates of the body."""
+    lengths = {"z": 1 + MOTIONS * len(loads)}
+    for k, own in enumerate(loads):
+        numbers = {"z": columns_of_piece(k)}
+        yield {
+            f"surface_loads.{name}.{key}": placement(getattr(load, key), letters, numbers, lengths)
+            for name, load in own.items()
+            for key, letters in SHAPES[SurfaceLoad].items()
+        }
 
 
-def _pressure_in_row(pieces: PieceArrays, names: list[str]) -> PlacedArrays:
-    places = []
-    for k, piece in enumerate(pieces):
-        own = dict[str, PiecePlacement]()
-        for name in names:
-            for key in SHAPES[SurfaceLoad]:
-                size = getattr(piece["surface_loads"][name], key).size
-                own[f"surface_loads.{name}.{key}"] = in_row(k, size, len(pieces))
-        places.append(own)
-    return placed(pieces, places)
+def _pressure_in_row(loads: Sequence[Mapping[str, SurfaceLoad]]) -> Iterator[dict[str, PiecePlacement]]:
+    """Placements of every piece's loads one after the other."""
+    for k, own in enumerate(loads):
+        yield {
+            f"surface_loads.{name}.{key}": in_row(k, getattr(load, key).size, len(loads))
+            for name, load in own.items()
+            for key in SHAPES[SurfaceLoad]
+        }
 
 
 ROUND_OFF = 1e-6
 """Error below which it is round-off of both compliances."""
 
 
-def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.ndarray) -> dict[str, Any]:
-    """Fields of the reduced model: `face_errors`, and those of the mesh.
+def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.ndarray) -> tuple[dict[str, float], MeshError]:
+    """Errors of the faces between pieces, as `ReducedModel.face_errors`, and of the mesh.
 
     Parameters
     ----------
@@ -208,17 +203,11 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
     ends : interface point -> number of its end, the clamp's is zero
     stiffness : of the pieces, on the motions of all ends but the clamped one
     """
-    free = freedom(body.mesh, body.clamped, body.ties)
-    matrices = body.parts.at(body.values)
-    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
-    mass, whole = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
-    motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
-    places = free.places(body.mesh.nodes, body.ties)
-    shapes = solid_shapes(BasisChoice("static"), mass, whole, motions, places, free, body.ties)
-    m = body.mesh.motions
+    solid = reduced_solid(body, BasisChoice("static"))
+    shapes, m = solid.shapes, body.mesh.motions
     here = np.concatenate([m * (ends[name] - 1) + np.arange(m) for name in shapes.points])
     in_pieces = symmetric(np.linalg.inv(stiffness)[np.ix_(here, here)])
-    uncut = symmetric(np.linalg.inv(shapes.columns.T @ (whole @ shapes.columns)))
+    uncut = symmetric(np.linalg.inv(shapes.columns.T @ (solid.stiffness @ shapes.columns)))
     extremes = eigh(in_pieces, uncut, eigvals_only=True)[[0, -1]] - 1
     loads = [f"{what} {axis} at {name}" for name in shapes.points for what in ("force", "moment") for axis in "xyz"]
     found = {
@@ -226,7 +215,7 @@ def judged_by_uncut(body: DiscreteBody, ends: Mapping[str, int], stiffness: np.n
         **dict(zip(loads, np.diag(in_pieces) / np.diag(uncut) - 1, strict=True)),
     }
     errors = {name: float(error) if abs(error) > ROUND_OFF else 0.0 for name, error in found.items()}
-    return {"face_errors": errors, **mesh_error(body.elastic, mass, whole, free, shapes)}
+    return errors, mesh_error(solid)
 
 
 class PieceSurface(NamedTuple):
@@ -236,25 +225,24 @@ class PieceSurface(NamedTuple):
     rows: list[np.ndarray]  # of every point of the surface of each piece its number among those of the body, or `LEFT_OUT`
     triangles: np.ndarray
 
-    def fields(self, pieces: Sequence[Mapping[str, Any]], width: int, n_stress: int) -> dict[str, Any]:
-        """Fields of the reduced model: surface, pieces, and stress points, one to each surface point or none."""
+    def parts(self, pieces: Sequence[ReducedModel], width: int, n_stress: int) -> tuple[Surface, Pieces, StressPoints]:
+        """Parts of the reduced model: surface, pieces, and stress points, one to each surface point or none."""
         surface, own = np.zeros((len(self.owner), 3, width)), np.zeros((len(self.owner), 3, 1 + SPATIAL_LOCAL))
         for k, (piece, rows) in enumerate(zip(pieces, self.rows, strict=True)):
             here, columns = rows >= 0, columns_of_piece(k)
-            moved, kept = piece["surface"].position[here], columns >= 0
+            assert piece.surface is not None
+            moved, kept = piece.surface.position[here], columns >= 0
             own[rows[here]] = moved
             surface[np.ix_(rows[here], np.arange(3), columns[kept])] = moved[:, :, kept]
         told = self.owner[:n_stress]
-        return {
-            "surface": Surface(surface, self.triangles, np.zeros((0, 2), int)),
-            "pieces": Pieces(self.owner, own),
-            "stress": StressPoints(told, np.zeros_like(told), np.ones_like(told)),
-        }
+        points = StressPoints(told, np.zeros_like(told), np.ones_like(told))
+        return Surface(surface, self.triangles, np.zeros((0, 2), int)), Pieces(self.owner, own), points
 
 
 def piece_surface(found: PieceBodies) -> PieceSurface:
     """Points of the surface of the uncut body, shared among the pieces."""
     cut, whole = found.cut, found.cut.named.boundary
+    assert isinstance(whole, BoundaryFaces)
     points = whole.points
     owner = np.full(len(points), LEFT_OUT)
     for k, piece in reversed([*enumerate(cut.pieces)]):
@@ -268,16 +256,17 @@ def piece_surface(found: PieceBodies) -> PieceSurface:
     return PieceSurface(owner, rows, whole.triangles)
 
 
-def places_of_ends(pieces: Sequence[Mapping[str, Any]]) -> PlacedArrays:
+def places_of_ends(pieces: Sequence[ReducedModel]) -> PlacedArrays:
     """Item `nodes`, (3 n_ends,): each end where the piece behind it has it, the last one where the last piece has it."""
     places, count = [], len(pieces) + 1
     for k, piece in enumerate(pieces):
         own = {}
         for number, name in zip((k, k + 1), ENDS, strict=True):
-            to = np.full(piece["interfaces"][name].position.shape, LEFT_OUT)
+            item = f"interfaces.{name}.position"
+            to = np.full(piece.item(item).shape, LEFT_OUT)
             if number == k or number == count - 1:
                 to[0, :, 0] = 3 * number + np.arange(3)
-            own[f"interfaces.{name}.position"] = PiecePlacement(to.ravel(), 3 * count)
+            own[item] = PiecePlacement(to.ravel(), 3 * count)
         places.append(own)
     found = placed(pieces, places)
     slopes = [each for each in found.derivatives.values() if len(each.entry)]
@@ -319,34 +308,38 @@ COMPONENTS = 6
 """Number of stress components at a point."""
 
 
-def joined_model(found: PieceBodies) -> dict[str, Any]:
-    """Fields of the reduced model that follow from the pieces, each reduced to the motions of its ends by constraint modes."""
+def joined_model(found: PieceBodies) -> ReducedModel:
+    """Reduced model that follows from the pieces, each reduced to the motions of its ends by constraint modes."""
     cut, surface = found.cut, piece_surface(found)
     choice, units = BasisChoice("static"), cut.named.file.units
     pieces = [reduced_body(replace(body, elastic=None), choice, "", units) for body in found.bodies]  # the uncut mesh is judged
-    n_stress = len(surface.owner) if len(pieces[0]["invariants"].stress_operator) else 0
+    n_stress = len(surface.owner) if len(pieces[0].invariants.stress_operator) else 0
     stress = [{"s": rows if n_stress else rows[:0]} for rows in surface.rows]  # where the stress points of every piece go
     whole, every = _in_body(pieces, stress, n_stress), _in_row(pieces, stress, n_stress)
     invariants, nodes = _invariants(whole, len(pieces), n_stress), places_of_ends(pieces)
-    width, pressed = invariants.first_moment.shape[1], pressed_body(pieces)
-    return {
-        **{name: pieces[0][name] for name in ("dimension", "units", "nominal", "nominal_units", "writers")},
-        "reference_condition": clamped_in_tangent_frame(f"the nodes of {cut.named.file.clamp and cut.named.file.clamp.words}"),
-        "basis": _words(cut),
-        "left_out": {
-            "interface": min(piece["left_out"]["interface"] for piece in pieces)
-        },  # what each leaves out moves none of its ends
-        "invariants": invariants,
-        "derivatives": whole.derivatives | derivatives_of_points(cut, nodes, width) | pressed.pop("derivatives"),
-        "affine": whole.affine,
-        "interfaces": interfaces_of_ends(cut, nodes.arrays["nodes"], width),
-        "elements": _elements(every, nodes, len(pieces), n_stress),
-        "element_derivatives": _of_elements({**every.derivatives, **nodes.derivatives}) | pressed.pop("element_derivatives"),
-        "element_affine": _of_elements(every.affine),
-        **pressed,
-        **surface.fields(pieces, width, n_stress),
-        **judged_by_uncut(found.whole, dict(numbers_of_points(cut)), invariants.stiffness),
-    }
+    width, pressed = invariants.first_moment.shape[1], pressures(pieces)
+    drawn, pieces_of_surface, points = surface.parts(pieces, width, n_stress)
+    face_errors, errors_of_mesh = judged_by_uncut(found.whole, dict(numbers_of_points(cut)), invariants.stiffness)
+    return replace(
+        pieces[0],  # of which units, parameters and writers are those of the body
+        reference_condition=clamped_in_tangent_frame(f"the nodes of {cut.named.file.clamp and cut.named.file.clamp.words}"),
+        basis=_words(cut),
+        invariants=invariants,
+        derivatives=whole.derivatives | derivatives_of_points(cut, nodes, width) | pressed.derivatives,
+        affine=whole.affine,
+        interfaces=interfaces_of_ends(cut, nodes.arrays["nodes"], width),
+        stress=points,
+        elements=_elements(every, nodes, len(pieces), n_stress),
+        element_derivatives=_of_elements({**every.derivatives, **nodes.derivatives}) | pressed.element_derivatives,
+        element_affine=_of_elements(every.affine),
+        surface=drawn,
+        surface_loads=pressed.surface_loads,
+        pieces=pieces_of_surface,
+        piece_loads=pressed.piece_loads,
+        left_out={"interface": min(each.left_out["interface"] for each in pieces)},  # what each leaves out moves none of its ends
+        face_errors=face_errors,
+        **errors_of_mesh._asdict(),
+    )
 
 
 def _words(cut: CutMesh) -> str:
@@ -358,22 +351,22 @@ Rows = Sequence[Mapping[str, np.ndarray]]
 """Arrays of every piece, by their names."""
 
 
-def _in_body(pieces: Sequence[Mapping[str, Any]], stress: Rows, n_stress: int) -> PlacedArrays:
+def _in_body(pieces: Sequence[ReducedModel], stress: Rows, n_stress: int) -> PlacedArrays:
     """Invariants of the body: sums of those of the pieces on its coordinates."""
     lengths, places = {"z": 1 + MOTIONS * len(pieces), "f": MOTIONS * len(pieces), "s": n_stress}, []
     for k, piece in enumerate(pieces):
-        inv, columns = piece["invariants"], columns_of_piece(k)
+        inv, columns = piece.invariants, columns_of_piece(k)
         numbers = {"z": columns, "f": np.where(columns[1:] >= 0, columns[1:] - 1, LEFT_OUT), **stress[k]}
         letters = letters_of_items(inv)
         places.append({item: placement(getattr(inv, item), letters[item], numbers, lengths) for item in letters})
     return placed(pieces, places)
 
 
-def _in_row(pieces: Sequence[Mapping[str, Any]], stress: Rows, n_stress: int) -> PlacedArrays:
+def _in_row(pieces: Sequence[ReducedModel], stress: Rows, n_stress: int) -> PlacedArrays:
     """Invariants of every piece one after the other; the stress of every point once."""
     places = []
     for k, piece in enumerate(pieces):
-        inv, own = piece["invariants"], dict[str, PiecePlacement]()
+        inv, own = piece.invariants, dict[str, PiecePlacement]()
         for item, letters in letters_of_items(inv).items():
             array = getattr(inv, item)
             own[item] = in_row(k, array.size, len(pieces))
@@ -411,5 +404,5 @@ def _elements(every: PlacedArrays, nodes: PlacedArrays, count: int, n_stress: in
     return SpatialElements(nodes.arrays["nodes"].reshape(-1, 3), connectivity, np.array([CLAMPED]), **sums)
 
 
-def _of_elements(items: Mapping[str, Any]) -> dict[str, Any]:
+def _of_elements(items: Mapping[str, Dependence]) -> dict[str, Dependence]:
     return {f"elements.{name}": each for name, each in items.items()}

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -90,7 +90,7 @@ def _in_box(mesh: SolidMesh, box: list[float]) -> np.ndarray:
     return np.flatnonzero(np.all((mesh.nodes >= low - slack) & (mesh.nodes <= high + slack), axis=1))
 
 
-def spread_of(mesh: SolidMesh, boundary: Boundary | None, nodes: np.ndarray) -> Any:
+def spread_of(mesh: SolidMesh, boundary: Boundary | None, nodes: np.ndarray) -> sparse.sparray:
     """Weights W (k, k) of means sum_kl W_kl f_k g_l over the nodes; the sum of all is 1.
 
     Where the nodes are those of whole elements, the mean is that over these elements, int f g dV / V; where every node is on an edge or
@@ -105,7 +105,7 @@ def spread_of(mesh: SolidMesh, boundary: Boundary | None, nodes: np.ndarray) -> 
     return sparse.diags_array(np.full(len(nodes), 1 / len(nodes)), format="csr")
 
 
-def _over_elements(mesh: SolidMesh, nodes: np.ndarray) -> Any:
+def _over_elements(mesh: SolidMesh, nodes: np.ndarray) -> sparse.csr_array | None:
     """Integrals int N_k N_l dV over elements between these nodes, (n_nodes, n_nodes); None where there are none.
 
     The nodes of the mesh may carry a complex step, along which the integral has its derivative.
@@ -150,7 +150,7 @@ class NamedMesh:
     path: Path
     file: BodyFile
     mesh: SolidMesh
-    boundary: Any  # `Boundary`; None without elements
+    boundary: Boundary | None  # None without elements
     clamped: np.ndarray
     tied: Mapping[str, np.ndarray]  # interface point -> nodes
     surfaces: Mapping[str, BoundaryFaces]  # pressure surfaces
@@ -188,6 +188,7 @@ def named_mesh(path: Path, file: BodyFile) -> NamedMesh:
     surfaces = {}
     for name, region in file.pressure_surfaces.items():
         with at_key(path, f"pressure_surfaces.{name}"):
+            assert isinstance(boundary, BoundaryFaces)
             surfaces[name] = faces_in(unmoved, boundary, region)
     return NamedMesh(path, file, mesh, boundary, _clamped(path, file, unmoved), _tied(path, file, unmoved), surfaces, motions)
 
@@ -214,7 +215,7 @@ def _mesh(path: Path, file: BodyFile) -> tuple[SolidMesh, SolidMesh, dict[str, n
     return unmoved, mesh, motions
 
 
-def _boundary(mesh: SolidMesh) -> Any:
+def _boundary(mesh: SolidMesh) -> Boundary | None:
     if not mesh.blocks:
         return None
     return outline_of(mesh.nodes, mesh.blocks) if mesh.dimension == 2 else faces_of(mesh.nodes, mesh.blocks)
@@ -273,12 +274,12 @@ class Moved(NamedTuple):
     """Weight that moves by rows of nodal coordinates."""
 
     weight: float
-    rows: Any  # sparse (d, n)
+    rows: sparse.csr_array  # (d, n)
     undeformed: np.ndarray  # (d,), where it is in the undeformed body: its place, or its arm if it only turns
 
 
-def constant_masses(mesh: SolidMesh) -> dict[Pair, Any]:
-    """Component masses M_ab, sparse (n + 1, n + 1), of all concentrated masses, with a hidden coordinate; complex as the nodes.
+def constant_masses(mesh: SolidMesh) -> dict[Pair, sparse.csr_array]:
+    """Component masses M_ab (n + 1, n + 1), of all concentrated masses, with a hidden coordinate; complex as the nodes.
 
     Raises
     ------
@@ -328,7 +329,7 @@ def _remarks(mesh: SolidMesh, mass: PointMass, turns: bool, rigid: Sequence[np.n
         yield f"of the rotary inertia of {mass.source} only that about z counts in the plane."
 
 
-def _stacked(mesh: SolidMesh) -> tuple[np.ndarray, list[Any]]:
+def _stacked(mesh: SolidMesh) -> tuple[np.ndarray, list[sparse.csr_array]]:
     """Weights (p,), and for each axis the rows (p, n + 1) of all weights, with the hidden coordinate."""
     every = [*zip(mesh.masses, _turning(mesh), strict=True)]
     still = [mass for mass, turns in every if not turns]
@@ -343,7 +344,7 @@ def _stacked(mesh: SolidMesh) -> tuple[np.ndarray, list[Any]]:
     return np.array([each.mass for each in still] + [each.weight for each in moved]), axes
 
 
-def _means(mesh: SolidMesh, masses: Sequence[PointMass], axis: int) -> Any:
+def _means(mesh: SolidMesh, masses: Sequence[PointMass], axis: int) -> sparse.csr_array:
     """Rows (p, n) of the mean displacements along an axis of the nodes that carry each mass."""
     counts = np.array([len(each.carriers) for each in masses], int)
     nodes = np.concatenate([np.zeros(0, int), *(each.carriers for each in masses)])

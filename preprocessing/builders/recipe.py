@@ -12,9 +12,9 @@ from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 
 import numpy as np
 
-from preprocessing.builders.tables import InputTable, put, validated
+from preprocessing.builders.tables import InputTable, Keys, put, validated
 from preprocessing.foreign_files.child import LARGEST_FILE
-from preprocessing.mesh.input_files import at_key, origin
+from preprocessing.mesh.input_files import at_key, with_origin
 from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.foundation.files.safe_files import meant_path, read_whole
 from toolkit.foundation.files.toml_file import read_toml
@@ -25,6 +25,8 @@ WRITER_VERSION = "0.1.0"
 """Version of this distribution; part of the input hash, so that a new version builds its files again."""
 
 File = TypeVar("File", bound=InputTable)
+Designs = TypeVar("Designs")
+"""Finite elements of a body, with what its designs change of them."""
 Remark = Callable[[str], None]
 
 
@@ -40,7 +42,7 @@ class Seal(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Recipe(ABC, Generic[File]):
+class Recipe(ABC, Generic[File, Designs]):
     """File that describes a flexible body, with the values in it or with others.
 
     A new kind is one subclass, which states the facts and the methods that are abstract here, and one line in `build_model.RECIPES`.
@@ -49,15 +51,15 @@ class Recipe(ABC, Generic[File]):
     path: Path
     file: File  # its content, with the values and keys below
     values: Mapping[str, float] = field(default_factory=dict)  # parameter -> value other than that of the file
-    keys: Mapping[str, Any] = field(default_factory=dict)  # key -> value other than that of the file
+    keys: Mapping[str, object] = field(default_factory=dict)  # key -> value other than that of the file
 
     name: ClassVar[str]  # of the file, "skin.toml"
-    schema: ClassVar[type[Any]]
+    schema: ClassVar[type[Any]]  # its `File`
     seal: ClassVar[Seal]
 
     @classmethod
     @abstractmethod
-    def means(cls, content: Mapping[str, Any]) -> bool:
+    def means(cls, content: Mapping[str, object]) -> bool:
         """Whether a TOML file's content is meant as one of this kind."""
 
     @property
@@ -75,18 +77,18 @@ class Recipe(ABC, Generic[File]):
         """Files that the recipe names, and those that these draw on."""
 
     @abstractmethod
-    def _designs(self, remark: Remark | None) -> Any:
+    def _designs(self, remark: Remark | None) -> Designs:
         """Finite elements at all designs."""
 
     @abstractmethod
-    def _fields(self, designs: Any) -> dict[str, Any]:
-        """Fields of the reduced model that follow from finite elements and a basis; of `writers` those that only this body had."""
+    def _model(self, designs: Designs) -> ReducedModel:
+        """Reduced model without its hash and inputs, as finite elements and a basis make it; of `writers` those of this body alone."""
 
     def _hash_mark(self) -> str:
         """Mark in the hash beside its files: physics that a file of the same words had not when its first models were built."""
         return ""
 
-    def _places(self) -> Mapping[str, Sequence[Any]]:
+    def _places(self) -> Mapping[str, Keys]:
         """Keys in the file that lead to each parameter."""
         return {}
 
@@ -106,7 +108,7 @@ class Recipe(ABC, Generic[File]):
         return cls.of(read_toml(Path(path), f"a {cls.name}"), Path(path))
 
     @classmethod
-    def of(cls, content: Mapping[str, Any], path: Path) -> Self:
+    def of(cls, content: Mapping[str, object], path: Path) -> Self:
         """Recipe from the content of the file at `path`; raises as `read`."""
         return cls(path, validated(cls.schema, content, repr(str(path)), path))
 
@@ -115,7 +117,7 @@ class Recipe(ABC, Generic[File]):
         """File of the recipe, files that it names, and files that these draw on."""
         return [self.path, *self._named()]
 
-    def hash(self, changes: Mapping[str, Any] | None = None) -> str:
+    def hash(self, changes: Mapping[str, object] | None = None) -> str:
         """SHA-256 of all that the result depends on: the inputs, changes of values and keys, schema and writer version.
 
         Parameters
@@ -135,7 +137,7 @@ class Recipe(ABC, Generic[File]):
             digest.update(_behind_length(words) if self.seal.lengths_of_changes else words)
         return digest.hexdigest()
 
-    def at(self, values: Mapping[str, float] | None = None, keys: Mapping[str, Any] | None = None) -> Self:
+    def at(self, values: Mapping[str, float] | None = None, keys: Mapping[str, object] | None = None) -> Self:
         """Recipe of the same body at another design, or modelled otherwise.
 
         Parameters
@@ -152,7 +154,7 @@ class Recipe(ABC, Generic[File]):
         file = self._changed(values, keys) if values or keys else self.file
         return replace(self, file=file, values={**self.values, **values}, keys={**self.keys, **keys})
 
-    def changed_tables(self, other: Self) -> dict[str, Any]:
+    def changed_tables(self, other: Self) -> dict[str, object]:
         """Tables of the other recipe that differ from those of this; only what is not the default in them, unless that is nothing."""
         mine, theirs = (each.file.model_dump(exclude_none=True, by_alias=True) for each in (self, other))
         brief = other.file.model_dump(exclude_none=True, exclude_defaults=True, by_alias=True)
@@ -173,14 +175,9 @@ class Recipe(ABC, Generic[File]):
         """
         designs = self._designs(remark)
         with at_key(self.path, "basis"):
-            fields = self._fields(designs)
-        writers = {"ffrf-toolkit": WRITER_VERSION, **self._writers(), **fields.pop("writers", {})}
-        return ReducedModel(
-            **fields,
-            input_hash=self.hash(),
-            **origin(self.path, self.inputs[1:], self.values),
-            writers=writers,
-        )
+            model = self._model(designs)
+        writers = {"ffrf-toolkit": WRITER_VERSION, **self._writers(), **model.writers}
+        return replace(with_origin(model, self.path, self.inputs[1:], self.values), input_hash=self.hash(), writers=writers)
 
     def _content(self, each: Path) -> bytes:
         """Content of one of the inputs, for the hash."""
@@ -192,22 +189,21 @@ class Recipe(ABC, Generic[File]):
                 "relative to that file."
             ) from error
 
-    def _changed(self, values: Mapping[str, float], keys: Mapping[str, Any]) -> File:
+    def _changed(self, values: Mapping[str, float], keys: Mapping[str, object]) -> File:
         """Content of the file with other values and keys, checked."""
         content = self._content_at(values)
         for key, value in keys.items():
             put(content, key.split("."), value)
-        file: File = validated(self.schema, content, repr(str(self.path)))
-        return file
+        return validated(self.schema, content, repr(str(self.path)))
 
-    def _content_at(self, values: Mapping[str, float]) -> dict[str, Any]:
+    def _content_at(self, values: Mapping[str, float]) -> dict[str, object]:
         """Content of the file with other values of parameters, not checked yet."""
         content = self.file.model_dump(exclude_none=True, by_alias=True)
         for name, value in values.items():
             self._put(content, name, value)
         return content
 
-    def _put(self, content: dict[str, Any], parameter: str, value: float) -> None:
+    def _put(self, content: dict[str, object], parameter: str, value: float) -> None:
         """Give a parameter another value."""
         places = self._places()
         if parameter not in places:

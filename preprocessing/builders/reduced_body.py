@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
 from preprocessing.builders.discrete_body import DiscreteBody
@@ -17,20 +18,20 @@ from preprocessing.mesh.faces import BoundaryLines
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions, translations
 from preprocessing.reduction.assembly import Matrices
 from preprocessing.reduction.basis import BasisChoice
-from preprocessing.reduction.body_change import BodyChange, rate_of
+from preprocessing.reduction.body_change import BodyChange
 from preprocessing.reduction.chosen_basis import clamped_in_tangent_frame
-from preprocessing.reduction.discretisation import STEP
+from preprocessing.reduction.discretisation import STEP, derivative_of
 from preprocessing.reduction.invariants import Term, polynomial_of
 from preprocessing.reduction.pictured_parts import pressure_on, surface_of
 from preprocessing.reduction.reduced import Rate, contracted
 from preprocessing.reduction.solid_basis import SolidShapes, solid_shapes
 from preprocessing.reduction.spin_stiffening import SpinStiffening, Spun, without_round_off_of_rate
 from preprocessing.reduction.stored_entries import ROUND_OFF, with_held_points
-from preprocessing.reduction.ties import Freedom, chord_turn, freedom
+from preprocessing.reduction.ties import Freedom, NodeTie, chord_turn, freedom
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import SparsePolynomial
-from toolkit.reduced_model.model import MEAN_AXES, Chord, InterfacePoint, Outline, StressPoints
+from toolkit.reduced_model.model import MEAN_AXES, Chord, InterfacePoint, Outline, ReducedModel, StressPoints
 from toolkit.reduced_model.parts import SPIN_STIFFENING, Interior, Spin
 
 MODES, MOST = 2, 12
@@ -38,30 +39,55 @@ MODES, MOST = 2, 12
 AXES = "xyz"
 
 
-def mesh_error(body: Elastic | None, mass: Any, stiffness: Any, free: Freedom, shapes: SolidShapes) -> dict[str, Any]:
-    """Fields of the reduced model with stress errors by load case, and the place of the largest; empty without elements.
+class MeshError(NamedTuple):
+    """Estimated error of the mesh; the fields of `ReducedModel` have the same names."""
 
-    Parameters
-    ----------
-    mass, stiffness : on the independent coordinates
-    """
-    if body is None:
-        return {}
-    names, columns = _cases(body.nodes, mass, stiffness, free, shapes)
+    stress_errors: dict[str, float]  # load case -> error
+    stress_error_at: dict[str, float]  # axis -> coordinate of the largest
+
+
+class ReducedSolid(NamedTuple):
+    """Solid with its matrices on the independent coordinates, and the shapes of its basis."""
+
+    body: DiscreteBody
+    matrices: Matrices  # on all coordinates
+    free: Freedom
+    mass: csr_array  # (n^, n^)
+    stiffness: csr_array  # (n^, n^)
+    shapes: SolidShapes
+
+
+def reduced_solid(body: DiscreteBody, choice: BasisChoice) -> ReducedSolid:
+    """Shapes that a basis choice asks for, with all that they are made of; raises as `solid_shapes`."""
+    free = freedom(body.mesh, body.clamped, body.ties)
+    matrices = body.parts.at(body.values)
+    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
+    mass, stiffness = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
+    motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
+    shapes = solid_shapes(choice, mass, stiffness, motions, free.places(body.mesh.nodes, body.ties), free, body.ties)
+    return ReducedSolid(body, matrices, free, mass, stiffness, shapes)
+
+
+def mesh_error(solid: ReducedSolid) -> MeshError:
+    """Stress errors by load case, and the place of the largest; empty without elements."""
+    if solid.body.elastic is None:
+        return MeshError({}, {})
+    names, columns = _cases(solid)
     if not names:
-        return {}
-    found = stress_errors(body, np.asarray(free.map @ columns))
+        return MeshError({}, {})
+    found = stress_errors(solid.body.elastic, np.asarray(solid.free.map @ columns))
     known = {name: float(value) for name, value in zip(names, found.relative, strict=True) if np.isfinite(value)}
     if not known:
-        return {}
+        return MeshError({}, {})
     place = found.place[names.index(max(known, key=lambda name: known[name]))]
-    return {"stress_errors": known, "stress_error_at": dict(zip(AXES, map(float, place), strict=False))}
+    return MeshError(known, dict(zip(AXES, map(float, place), strict=False)))
 
 
-def _cases(nodes: np.ndarray, mass: Any, stiffness: Any, free: Freedom, shapes: SolidShapes) -> tuple[list[str], np.ndarray]:
+def _cases(solid: ReducedSolid) -> tuple[list[str], np.ndarray]:
     """Names of load cases, and their shapes on the independent coordinates."""
+    shapes = solid.shapes
     if shapes.system is None:
-        return _weights(nodes, mass, stiffness, free)
+        return _weights(solid)
     n_modes = shapes.modes.count if shapes.modes else 0
     n_static = shapes.columns.shape[1] - n_modes
     static, modes = min(n_static, MOST), min(n_modes, MODES)
@@ -69,14 +95,14 @@ def _cases(nodes: np.ndarray, mass: Any, stiffness: Any, free: Freedom, shapes: 
     return names, shapes.columns[:, [*range(static), *range(n_static, n_static + modes)]]
 
 
-def _weights(nodes: np.ndarray, mass: Any, stiffness: Any, free: Freedom) -> tuple[list[str], np.ndarray]:
+def _weights(solid: ReducedSolid) -> tuple[list[str], np.ndarray]:
     """Bending under its own weight along the axes, of a body that keeps all coordinates; nothing if it is not held."""
-    factors = splu(stiffness.tocsc())
+    factors, nodes = splu(solid.stiffness.tocsc()), solid.body.mesh.nodes
     pivots = np.abs(factors.U.diagonal())
     if pivots.min() <= np.finfo(float).eps * len(pivots) * pivots.max():
-        return [], np.zeros((mass.shape[0], 0))
-    along = free.map.T @ translations(*nodes.shape)
-    return [f"weight along {axis}" for axis in AXES[: nodes.shape[1]]], factors.solve(np.asarray(mass @ along))
+        return [], np.zeros((solid.mass.shape[0], 0))
+    along = solid.free.map.T @ translations(*nodes.shape)
+    return [f"weight along {axis}" for axis in AXES[: nodes.shape[1]]], factors.solve(np.asarray(solid.mass @ along))
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +146,7 @@ class SolidSpin:
         """Derivative by what changes the elements, and Z by d_z."""
         nominal, element = self.found.nominal, self.body.element
         assert element is not None
-        matrices, values = change.matrices, dict[str, Any](self.body.values)
+        matrices, values = change.matrices, dict[str, complex](self.body.values)
         if change.mass is not None and self._of_ratio:
             matrices = self.body.parts.derivative(values, parameter)
             values[parameter] += 1j * STEP
@@ -144,7 +170,7 @@ def solid_spin(body: DiscreteBody, matrices: Matrices, free: Freedom, z: np.ndar
     return SolidSpin(body, matrices, floats, SpinStiffening(spun, free.places(nodes, body.ties)))
 
 
-def _motions(nodes: np.ndarray, free: Freedom, ties: Any, floats: bool) -> np.ndarray | None:
+def _motions(nodes: np.ndarray, free: Freedom, ties: Mapping[str, NodeTie], floats: bool) -> np.ndarray | None:
     return free.coordinates_of(rigid_motions(nodes), ties) if floats else None
 
 
@@ -200,8 +226,8 @@ NEW = 1e-6
 """Part of a derivative of a shape beyond all shapes, below which it is round-off."""
 
 
-def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str) -> dict[str, Any]:
-    """Fields of the reduced model that follow from basis and contractions; `clamp` says in words what is held.
+def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str) -> ReducedModel:
+    """Reduced model that follows from basis and contractions, without hash and inputs; `clamp` says in words what is held.
 
     All shapes stay what they are when modulus, density, width or damping change, because their span does: so the invariants are exact
     polynomials of these. Poisson's ratio turns the shapes, unless they are frozen, and places of nodes change all; these have derivatives.
@@ -209,43 +235,37 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     """
     if _enriched(body, choice):
         body = replace(body, changes=list(body.changes))
-    free = freedom(body.mesh, body.clamped, body.ties)
-    matrices = body.parts.at(body.values)
-    nodal = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
-    mass, stiffness = ((free.map.T @ matrix @ free.map).tocsr() for matrix in nodal)
-    motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
-    shapes = solid_shapes(choice, mass, stiffness, motions, free.places(body.mesh.nodes, body.ties), free, body.ties)
+    solid = reduced_solid(body, choice)
+    free, shapes = solid.free, solid.shapes
     z = np.column_stack([body.mesh.nodes.ravel(), free.map @ shapes.columns])
     nominal = {**body.values, **body.others}
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
     interfaces = with_held_points(interfaces, z[:, 1:], body.mesh.size)
-    spin = solid_spin(body, matrices, free, z, choice.boundary == "free") if choice.spin_stiffening else None
-    rates = (
-        (name, _rate(body, name, change, z, _turned(body, matrices, change, choice, free, shapes), spin))
-        for name, change in body.changes
-    )
-    found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
+    spin = solid_spin(body, solid.matrices, free, z, choice.boundary == "free") if choice.spin_stiffening else None
+    rates = ((name, _rate(body, name, change, z, _turned(solid, change, choice), spin)) for name, change in body.changes)
+    found = contracted(body.parts, solid.matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     if spin and stored:
         found = found._replace(affine=found.affine | spin.polynomial(stored, list(nominal)))
     points = len(found.invariants.stress_operator)
-    return {
-        "dimension": body.mesh.dimension,
-        "units": units,
-        "reference_condition": _condition(choice, clamp),
-        "basis": shapes.words,
-        "left_out": shapes.left_out,
-        "nominal": nominal,
-        "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
+    model = ReducedModel(
+        dimension=body.mesh.dimension,
+        units=units,
+        reference_condition=_condition(choice, clamp),
+        basis=shapes.words,
+        nominal=nominal,
+        nominal_units={name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
+        input_hash="",
+        writers={} if shapes.system is None else shapes.system.writers,
         **found._asdict(),
-        "writers": {} if shapes.system is None else shapes.system.writers,
-        **_drawn_parts(body, z, list(nominal), coloured=points > 0),
-        **mesh_error(body.elastic, mass, stiffness, free, shapes),
-        **_richer(body, matrices, nominal, choice, free, shapes, z),
-        "interfaces": interfaces,
-        "spin": stored,
-        "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
-    }
+        interfaces=interfaces,
+        stress=StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
+        spin=stored,
+        left_out=shapes.left_out,
+        **mesh_error(solid)._asdict(),
+    )
+    model = _with_richer(model, solid, choice, z)
+    return _drawn(model, body, z, coloured=points > 0)
 
 
 def _condition(choice: BasisChoice, clamp: str) -> str:
@@ -266,52 +286,41 @@ def _rate(
     return Rate(change.matrices, d_z, _item_rates(change, z, d_z) | more)
 
 
-def _turned(
-    body: DiscreteBody, matrices: Matrices, change: BodyChange, choice: BasisChoice, free: Freedom, shapes: SolidShapes
-) -> np.ndarray | None:
+def _turned(solid: ReducedSolid, change: BodyChange, choice: BasisChoice) -> np.ndarray | None:
     """Derivative dPsi (n, n_f), where Psi = T Psi^; None of frozen shapes, which are the same at every design."""
     if choice.derivative == "frozen":
         return None
-    stepped = change.freedom(body.clamped)
-    on_independent = change.on(free, stepped, matrices, shapes.averaged)
+    stepped, shapes = change.freedom(solid.body.clamped), solid.shapes
+    on_independent = change.on(solid.free, stepped, solid.matrices, shapes.averaged)
     if choice.chord is not None and change.moves:
         turned = chord_turn(Chord(*choice.chord), shapes.points, change.ties)
-        on_independent = replace(on_independent, turn=rate_of(turned))
-    return np.asarray(free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns)
+        on_independent = replace(on_independent, turn=derivative_of(turned))
+    return np.asarray(solid.free.map @ shapes.rates(on_independent) + derivative_of(stepped.map) @ shapes.columns)
 
 
-def _richer(
-    body: DiscreteBody,
-    matrices: Matrices,
-    values: dict[str, Any],
-    choice: BasisChoice,
-    free: Freedom,
-    shapes: SolidShapes,
-    z: np.ndarray,
-) -> dict[str, Any]:
-    """Fields of the richer basis: frozen shapes, and those that they would turn into; empty where nothing turns them.
+def _with_richer(model: ReducedModel, solid: ReducedSolid, choice: BasisChoice, z: np.ndarray) -> ReducedModel:
+    """Reduced model with a richer basis: frozen shapes, and those that they would turn into.
 
-    Derivatives are then right at the nominal design.
-
-    None where nothing turns them, or modes cannot be followed.
+    Derivatives are then right at the nominal design. It has none where nothing turns the shapes, or modes cannot be followed.
     """
+    body = solid.body
     if not _enriched(body, choice) or not body.changes:
-        return {}
+        return model
     following = replace(choice, derivative="differentiated")
     try:
-        turned = [_turned(body, matrices, change, following, free, shapes) for _, change in body.changes]
+        turned = [_turned(solid, change, following) for _, change in body.changes]
     except InputError:  # a cluster of modes is cut
-        return {}
+        return model
     richer = np.column_stack([z, _beyond(z[:, 1:], np.column_stack([each for each in turned if each is not None]))])
     interfaces = {name: _interface(*each.motion(richer), body.mesh.size) for name, each in body.ties.items()}
     interfaces = with_held_points(interfaces, richer[:, 1:], body.mesh.size)
     rates = ((name, _rate(body, name, change, richer, None)) for name, change in body.changes)
-    found = contracted(body.parts, matrices, values, richer, rates, interfaces, computed=True)
+    found = contracted(body.parts, solid.matrices, model.nominal, richer, rates, interfaces, computed=True)
     loads = None
     if body.boundary is not None and not isinstance(body.boundary, BoundaryLines):
         loads = {name: pressure_on(each.normals(), richer) for name, each in body.pressure_surfaces.items()}
-    parts = {**found._asdict(), "interfaces": interfaces, "surface_loads": loads}
-    return {f"richer_{name}": part for name, part in parts.items()}
+    parts = {f"richer_{name}": part for name, part in found._asdict().items()}
+    return replace(model, **parts, richer_interfaces=interfaces, richer_surface_loads=loads)
 
 
 def _enriched(body: DiscreteBody, choice: BasisChoice) -> bool:
@@ -331,13 +340,13 @@ def _beyond(shapes: np.ndarray, more: np.ndarray) -> np.ndarray:
     return new[:, parts > NEW]
 
 
-def _drawn_parts(body: DiscreteBody, z: np.ndarray, parameters: Sequence[str], coloured: bool) -> dict[str, Any]:
-    """Parts of the reduced model for pictures: outline and interior in the plane; surface and its pressures in space."""
+def _drawn(model: ReducedModel, body: DiscreteBody, z: np.ndarray, coloured: bool) -> ReducedModel:
+    """Reduced model with its parts for pictures: outline and interior in the plane; surface and its pressures in space."""
     if body.boundary is None or isinstance(body.boundary, BoundaryLines):
-        interior = inside(body.elastic, body.mesh, z, parameters) if coloured else None
-        return {"outline": None if body.boundary is None else _outline(body.boundary, z), "interior": interior}
+        interior = inside(body.elastic, body.mesh, z, model.parameters) if coloured else None
+        return replace(model, outline=None if body.boundary is None else _outline(body.boundary, z), interior=interior)
     loads = {name: pressure_on(each.normals(), z) for name, each in body.pressure_surfaces.items()}
-    return {"surface": surface_of(body.boundary, z), "surface_loads": loads}
+    return replace(model, surface=surface_of(body.boundary, z), surface_loads=loads)
 
 
 def _outline(lines: BoundaryLines, z: np.ndarray) -> Outline:
@@ -367,4 +376,4 @@ def _item_rates(change: BodyChange, z: np.ndarray, d_z: np.ndarray) -> dict[str,
     for name, normals in change.normals.items():
         load = pressure_on(normals, stepped)
         found |= {f"surface_loads.{name}.force": load.force, f"surface_loads.{name}.moment": load.moment}
-    return {name: rate_of(item) for name, item in found.items()}
+    return {name: derivative_of(item) for name, item in found.items()}

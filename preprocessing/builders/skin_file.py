@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, FiniteFloat, model_validator
 
@@ -175,7 +175,7 @@ class ElementGroup(InputTable):
 
 
 class Place(InputTable):
-    """A place on the skin: a node (0 at F), an arc length from F, or an x on one side."""
+    """A place on the skin: a node (0 at F), an arc length from F, or an x on one side; the keys are arguments of `Skin.locate`."""
 
     node: Annotated[int, Field(ge=0)] | None = None
     arc_length: FiniteFloat | None = None
@@ -184,15 +184,10 @@ class Place(InputTable):
 
     @model_validator(mode="after")
     def _one_way(self) -> Place:
-        given = set(self.where)
+        given = {*self.model_dump(exclude_none=True)}
         if given not in ({"node"}, {"arc_length"}, {"x", "side"}):
             raise ValueError(f"give either node, or arc_length, or x with side (given: {', '.join(sorted(given)) or 'nothing'})")
         return self
-
-    @property
-    def where(self) -> dict[str, Any]:
-        """The keys that are given, as arguments of `Skin.locate`."""
-        return self.model_dump(exclude_none=True)
 
 
 class SkinFile(InputTable):

@@ -56,8 +56,8 @@ def drooped(contour: Contour, skin: Skin, depth: float, chord: float) -> np.ndar
     InputError
         No such droop exists; it is too deep for this section.
     """
-    s = np.linspace(0, skin.length, SAMPLES)
-    place, angle, nose = skin.position(s), skin.tangent_angle(s), contour.leading_edge - skin.start
+    s = np.linspace(0, skin.length.real, SAMPLES)
+    place, angle, nose = skin.position(s), skin.tangent_angle(s), contour.leading_edge - skin.start.real
 
     def moved(c: np.ndarray) -> tuple[np.ndarray, float]:
         turn = cumulative_simpson(_change(s / skin.length, c) / skin.length, x=s, initial=0)
@@ -114,7 +114,7 @@ def slenderness(skin: Skin, arc_lengths: np.ndarray, thickness: float) -> tuple[
     InputError
         The bending stiffness would be lost in the round-off of the stretching stiffness.
     """
-    if thickness < THINNEST * skin.length:
+    if thickness < THINNEST * skin.length.real:
         raise InputError(
             f"a thickness of {thickness:g} is less than {THINNEST:g} of the skin's length {skin.length:g}: its bending stiffness "
             "would be lost in round-off. Fix the exponent or the units."

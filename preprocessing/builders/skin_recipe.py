@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,15 +18,15 @@ from preprocessing.elements.beams import BeamPatch, LineElement, PlanarBeam, Spa
 from preprocessing.elements.section import QUANTITIES, Patch, distribute, rectangle, strip
 from preprocessing.mesh.input_files import at_key
 from preprocessing.reduction.discretisation import DesignSpace, Discretisation
-from preprocessing.reduction.pictured_parts import beam_surface
+from preprocessing.reduction.pictured_parts import with_fibres
 from preprocessing.reduction.reduced import ELEMENT_PARTS, SECTIONS, ReducedParts, reduce
 from toolkit.foundation.errors import InputError, meant
 from toolkit.foundation.files.safe_files import meant_path, read_start
-from toolkit.reduced_model.model import Mesh, Shape
+from toolkit.reduced_model.model import Mesh, ReducedModel, Shape
 
 
 def spatial_skin(
-    mesh: CurveMesh, patches: Iterable[Patch], modulus_factor: Any, poisson_ratio: Any, rotary_inertia: bool
+    mesh: CurveMesh, patches: Iterable[Patch], modulus_factor: complex, poisson_ratio: complex, rotary_inertia: bool
 ) -> SpatialBeam:
     """Spatial beams along the skin, in the plane z = 0, with the thickness in the plane and the width along z.
 
@@ -62,7 +61,7 @@ def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geomet
     in_plane, wide = file.dimension == 2, file.material.state == "plane-strain"
     ratio = {"poisson_ratio": file.material.poisson_ratio or 0.0} if wide or not in_plane else {}
 
-    def discretise(design: Mapping[str, Any]) -> Discretisation:
+    def discretise(design: Mapping[str, complex]) -> Discretisation:
         moved = {name: design[name] for name in shape if design[name] != shape[name]}
         at = geometry.moved(moved) if moved else geometry
         factor = 1 / (1 - design["poisson_ratio"] ** 2) if wide else 1.0
@@ -112,15 +111,15 @@ def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:
     )
 
 
-def _arc_length(path: Path, name: str, place: Place, geometry: Geometry) -> Any:
+def _arc_length(path: Path, name: str, place: Place, geometry: Geometry) -> complex:
     with at_key(path, f"interface_points.{name}"):
-        return geometry.skin.locate(**place.where, stations=geometry.arc_lengths)
+        return geometry.skin.locate(**place.model_dump(), stations=geometry.arc_lengths)
 
 
 ELEMENTS = "skin.elements"
 
 
-def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], Any]) -> SkinFile:
+def with_keys(file: SkinFile, keys: Mapping[str, object], stations: Callable[[], np.ndarray]) -> SkinFile:
     """Skin file with other values of some keys.
 
     Parameters
@@ -137,14 +136,14 @@ def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], An
         A key or a value is invalid, or a group ends where no element of the other mesh does.
     """
     content = file.model_dump(exclude_none=True)
-    if ELEMENTS in keys:
-        _remesh(file, content, keys[ELEMENTS], stations)
+    if isinstance(elements := keys.get(ELEMENTS), int):
+        _remesh(file, content, elements, stations)
     for key, value in keys.items():
         put(content, key.split("."), value)
     return validated(SkinFile, content, "the changed skin")
 
 
-def _remesh(file: SkinFile, content: dict[str, Any], elements: int, stations: Callable[[], Any]) -> None:
+def _remesh(file: SkinFile, content: dict[str, object], elements: int, stations: Callable[[], np.ndarray]) -> None:
     """Restate the interface points and groups that count nodes or elements."""
     own = file.skin.elements
     if file.skin.separate:
@@ -152,14 +151,15 @@ def _remesh(file: SkinFile, content: dict[str, Any], elements: int, stations: Ca
     for name, place in file.interface_points.items():
         if place.node is not None:
             moved, rest = divmod(place.node * elements, own)
-            content["interface_points"][name] = {"arc_length": float(stations()[place.node])} if rest else {"node": moved}
+            where = {"arc_length": float(stations()[place.node])} if rest else {"node": moved}
+            put(content, ("interface_points", name), where)
     for name, group in file.groups.items():
         first, end = group.elements[0] * elements, (group.elements[1] + 1) * elements
         if first % own or end % own:
             raise InputError(
                 f"groups.{name} ends where no element of a mesh of {elements} does. Choose a multiple of {own} elements."
             )
-        content["groups"][name]["elements"] = [first // own, end // own - 1]
+        put(content, ("groups", name, "elements"), [first // own, end // own - 1])
 
 
 _KEYS = {
@@ -176,7 +176,7 @@ _KEYS = {
 """Keys of the body's own parameters in skin.toml."""
 
 
-def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) -> None:
+def put_value(content: dict[str, object], file: SkinFile, name: str, value: float) -> None:
     """Give a parameter of the file another value in its content.
 
     Besides the parameters of the reduced model, `interface_points.C.arc_length` puts an interface point elsewhere. Those of single
@@ -189,7 +189,7 @@ def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) 
     """
     keys = _place(file, name)
     if keys and keys[0] == "interface_points":
-        content["interface_points"][keys[1]] = {"arc_length": value}
+        put(content, keys, {"arc_length": value})
     elif not keys and not (value > 0 or (value == 0 and name.startswith("damping"))):
         raise InputError(f"the parameter {name!r} cannot be {value!r}; give a positive number.")
     elif keys:
@@ -223,7 +223,7 @@ def _place(file: SkinFile, name: str) -> tuple[str, ...]:
 _CLAMPED_NODE = {"F": 0, "G": -1}
 
 
-class SkinRecipe(Recipe[SkinFile]):
+class SkinRecipe(Recipe[SkinFile, tuple[Geometry, DesignSpace]]):
     """Recipe of a skin cut from an airfoil.
 
     Remarks are every repair of an airfoil file, every warning about it or the thickness, and every parameter of the shape by which
@@ -235,7 +235,7 @@ class SkinRecipe(Recipe[SkinFile]):
     seal = Seal(lengths_of_changes=True)
 
     @classmethod
-    def means(cls, content: Mapping[str, Any]) -> bool:
+    def means(cls, content: Mapping[str, object]) -> bool:
         return "airfoil" in content
 
     @property
@@ -258,22 +258,22 @@ class SkinRecipe(Recipe[SkinFile]):
     def _hash_mark(self) -> str:
         return "rotary inertia, " if self.file.rotary_inertia else ""
 
-    def _changed(self, values: Mapping[str, float], keys: Mapping[str, Any]) -> SkinFile:
+    def _changed(self, values: Mapping[str, float], keys: Mapping[str, object]) -> SkinFile:
         file = validated(SkinFile, self._content_at(values), "the changed design")
         return with_keys(file, keys, lambda: read_geometry(self.path, file).arc_lengths) if keys else file
 
-    def _put(self, content: dict[str, Any], parameter: str, value: float) -> None:
+    def _put(self, content: dict[str, object], parameter: str, value: float) -> None:
         put_value(content, self.file, parameter, value)
 
     def _designs(self, remark: Remark | None) -> tuple[Geometry, DesignSpace]:
         geometry = read_geometry(self.path, self.file, remark)
         return geometry, differentiable(design_space(self.path, self.file, self.values, geometry), remark)
 
-    def _fields(self, designs: tuple[Geometry, DesignSpace]) -> dict[str, Any]:
+    def _model(self, designs: tuple[Geometry, DesignSpace]) -> ReducedModel:
         geometry, space = designs
         clamp = self.file.clamp
         found = reduce(space, self.file.basis.choice(), _CLAMPED_NODE[clamp], clamp)
-        return {**found.fields(self.file.units), **_shape_and_pictures(found, geometry)}
+        return _with_shape_and_pictures(found.model(self.file.units), found, geometry)
 
     def _writers(self) -> dict[str, str]:
         return {"gmsh": load_gmsh().__version__, **super()._writers()}
@@ -289,15 +289,16 @@ def _airfoil_bytes(path: Path) -> bytes:
         ) from error
 
 
-def _shape_and_pictures(found: ReducedParts, geometry: Geometry) -> dict[str, Any]:
-    """Fields of the reduced model for shape and pictures: the mesh in the plane, the surface in space.
+def _with_shape_and_pictures(model: ReducedModel, found: ReducedParts, geometry: Geometry) -> ReducedModel:
+    """Reduced model with its shape, and for pictures with the mesh in the plane, the surface in space.
 
     The shape is compared in the plane of the section in both.
     """
     z, mesh, elements = found.basis.z, geometry.mesh, found.space.nominal()
-    shapes = {"shape": Shape(elements.positions(z)[:, :2], geometry.target, geometry.arc_lengths)}
+    shape = Shape(elements.positions(z)[:, :2], geometry.target, geometry.arc_lengths)
+    model = replace(model, shape=shape)
     if found.richer is not None:
-        shapes["richer_shape"] = replace(shapes["shape"], position=elements.positions(found.richer.basis.z)[:, :2])
+        model = replace(model, richer_shape=replace(shape, position=elements.positions(found.richer.basis.z)[:, :2]))
     if isinstance(elements.element, SpatialBeam):
-        return {**shapes, **beam_surface(found, elements.element)}
-    return {**shapes, "mesh": Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline)}
+        return with_fibres(model, found, elements.element)
+    return replace(model, mesh=Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline))

@@ -8,6 +8,7 @@ from types import NoneType
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
 from preprocessing.reduction.basis import BasisChoice
 from toolkit.foundation.errors import SHORT, InputError, meant
@@ -108,9 +109,11 @@ class BasisTable(InputTable):
 
 
 File = TypeVar("File", bound=BaseModel)
+Keys = tuple[str | int, ...]
+"""Keys of tables and numbers in lists that lead to a value in a file."""
 
 
-def validated(schema: type[File], content: Mapping[str, Any], whose: str, source: Path | None = None) -> File:
+def validated(schema: type[File], content: Mapping[str, object], whose: str, source: Path | None = None) -> File:
     """Content of a file, checked against its schema; `whose` it is begins the message, and lines are those of the source.
 
     Raises
@@ -126,7 +129,7 @@ def validated(schema: type[File], content: Mapping[str, Any], whose: str, source
         raise InputError(f"{whose} cannot be used:\n{problems}") from error
 
 
-def put(content: dict[str, Any], keys: Sequence[Any], value: Any) -> None:
+def put(content: dict[str, object], keys: Sequence[str | int], value: object) -> None:
     """Set a table (`basis`), a key in one (`skin`, `elements`), or an item of a list there (`nodes`, `A`, 0)."""
     *tables, last = keys
     table: Any = content
@@ -135,7 +138,7 @@ def put(content: dict[str, Any], keys: Sequence[Any], value: Any) -> None:
     table[last] = value
 
 
-def explain(item: Any, schema: type[BaseModel]) -> str:
+def explain(item: ErrorDetails, schema: type[BaseModel]) -> str:
     """Line on one wrong key of a file with this schema: where it is, what is wrong, what would be right."""
     location = _location(item)
     key = ".".join(map(str, location))
@@ -149,13 +152,12 @@ def explain(item: Any, schema: type[BaseModel]) -> str:
     return f"{key}: {reason[0].lower()}{reason[1:]}{value}.".removeprefix(": ")
 
 
-def _location(item: Any) -> tuple[str | int, ...]:
+def _location(item: ErrorDetails) -> tuple[str | int, ...]:
     """Keys that lead to what is wrong, without pydantic's mark for a key itself."""
-    location: tuple[str | int, ...] = item["loc"][:-2] if item["loc"][-1:] == ("[key]",) else item["loc"]
-    return location
+    return item["loc"][:-2] if item["loc"][-1:] == ("[key]",) else item["loc"]
 
 
-def _line(text: str, item: Any) -> str:
+def _line(text: str, item: ErrorDetails) -> str:
     """Line number of a wrong key, to append; empty where the file has none."""
     line = line_of(text, ".".join(map(str, _location(item))))
     return "" if line is None else f" (line {line})"
@@ -166,11 +168,7 @@ def _keys(schema: type[BaseModel], location: tuple[str | int, ...]) -> list[str]
     table: Any = schema
     for part in location:
         of_group = get_args(table)  # (InterfaceName, Place) of dict, (BeamTable,) of list
-        table = of_group[-1] if of_group else _optional(table.model_fields[str(part)].annotation)
+        table = of_group[-1] if of_group else table.model_fields[str(part)].annotation
+        options = get_args(table)  # (Table, None) of a key that may be left out
+        table = options[0] if options[1:] == (NoneType,) else table
     return [field.alias or name for name, field in table.model_fields.items()]
-
-
-def _optional(annotation: Any) -> Any:
-    """Type of a key, without the None of one that may be left out."""
-    options = get_args(annotation)
-    return options[0] if options[1:] == (NoneType,) else annotation

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from importlib.util import find_spec
 from io import BytesIO
 from itertools import combinations
@@ -15,12 +15,17 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import read_start, write_whole
-from toolkit.reduced_model.body_summary import body_summary
+from toolkit.foundation.units import unit
+from toolkit.reduced_model.body_summary import body_summary, centre_and_inertia
+from toolkit.reduced_model.composition import read_composition
 from toolkit.reduced_model.model import Outline, ReducedModel
 from toolkit.reduced_model.told_body import body_line, told_place
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from mpl_toolkits.mplot3d import Axes3D
 
 
 MOST_OF_A_KIND = 12
@@ -89,39 +94,24 @@ class Label(NamedTuple):
         return (x - u < other.width if x > u else u - x < self.width) and abs(y - v) < HEIGHT + 2
 
 
-def marks_of(summary: Mapping[str, Any]) -> list[Mark]:
-    """Marks of interface points, clamp, masses, centre and groups, in the order of their numbers."""
-    return [*_marks(summary)]
-
-
-def _marks(summary: Mapping[str, Any]) -> Iterator[Mark]:
-    for name, each in _first(summary["interface_points"].items()):
-        yield Mark(name, "point", each["position"], each["nodes"])
-    if summary["clamp"]:
-        yield Mark("", "clamp", summary["clamp"]["position"], summary["clamp"]["nodes"])
-    for each in _first(summary["masses"]):
-        yield Mark(f"of {each['mass']:.6g} {summary['units']['mass']}", "mass", each["position"], each["nodes"])
-    yield Mark("", "centre", summary["centre"], None)
-    for name, each in _first(_placed_groups(summary)):
-        yield Mark(name, "group", each["position"], each["nodes"])
-
-
-def _first(each: Iterable[Any]) -> list[Any]:
-    return list(each)[:MOST_OF_A_KIND]
-
-
-def _placed_groups(summary: Mapping[str, Any]) -> list[tuple[str, Any]]:
-    return [(name, each) for name, each in summary["groups"].items() if each["position"] is not None]
-
-
-def not_marked(summary: Mapping[str, Any]) -> Iterator[str]:
-    """Words on how many more places of a kind there are than the list has room for."""
+def marks_of(model: ReducedModel) -> tuple[list[Mark], list[str]]:
+    """Marks in the order of their numbers, and words on how many more places of a kind there are than the list has room for."""
+    kept = read_composition(model.composition, model.dimension)
+    places = {name: np.real(point.position[0, :, 0]).tolist() for name, point in (model.interfaces or {}).items()}
+    points = [Mark(name, "point", place, kept.interface_points.get(name)) for name, place in places.items()]
+    clamp = [Mark("", "clamp", kept.clamp.position, kept.clamp.nodes)] if kept.clamp and kept.clamp.position is not None else []
+    mass = unit(model.units, "mass")
+    masses = [Mark(f"of {each.mass:.6g} {mass}", "mass", each.position, each.nodes) for each in kept.masses]
+    centre = Mark("", "centre", centre_and_inertia(model)[0].tolist(), None)
+    placed = ((name, each.position, each.nodes) for name, each in kept.groups.items())
+    groups = [Mark(name, "group", position, nodes) for name, position, nodes in placed if position is not None]
     numbers = {
-        "interface points": len(summary["interface_points"]),
-        "masses": len(summary["masses"]) + summary["not_listed"].get("masses", 0),
-        "groups": len(_placed_groups(summary)) + summary["not_listed"].get("groups", 0),
+        "interface points": len(points),
+        "masses": len(masses) + kept.not_listed.get("masses", 0),
+        "groups": len(groups) + kept.not_listed.get("groups", 0),
     }
-    yield from (f"and {n - MOST_OF_A_KIND} more {words}" for words, n in numbers.items() if n > MOST_OF_A_KIND)
+    marks = [*points[:MOST_OF_A_KIND], *clamp, *masses[:MOST_OF_A_KIND], centre, *groups[:MOST_OF_A_KIND]]
+    return marks, [f"and {n - MOST_OF_A_KIND} more {words}" for words, n in numbers.items() if n > MOST_OF_A_KIND]
 
 
 def labels_at(places: Sequence[tuple[float, float]], right: float) -> list[Label]:
@@ -237,42 +227,41 @@ def picture_of(model: ReducedModel, name: str) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    summary = body_summary(model)
-    figure, shape, marks = Figure(figsize=SIZE), body_shape(model), marks_of(summary)
+    summary, length = body_summary(model), unit(model.units, "length")
+    figure, shape, (marks, others) = Figure(figsize=SIZE), body_shape(model), marks_of(model)
     FigureCanvasAgg(figure)
-    axes = _axes_of(figure, model.dimension)
-    (_in_plane if model.dimension == 2 else _in_space)(axes, shape)
-    _frame(axes, shape, marks, model.dimension, summary["units"]["position"])
+    axes = _in_plane(figure, shape) if model.dimension == 2 else _in_space(figure, shape)
+    _frame(axes, shape, marks, length)
     for mark in reversed(marks):
         _draw_mark(axes, mark)
     _number(figure, axes, marks)
-    _list(figure, marks, summary, empty=not len(shape.triangles) and not shape.lines)
+    if not len(shape.triangles) and not shape.lines:
+        others.append("the model keeps no surface of this body")
+    _list(figure, marks, [_words(mark, f"{told_place(mark.position, summary, 5)} {length}") for mark in marks], others)
     text = textwrap.shorten(body_line(name, summary), 420, placeholder=" …")
     figure.text(0.02, 0.975, textwrap.fill(text, 140), fontsize=10, va="top", parse_math=False)
     return figure
 
 
-def _axes_of(figure: Figure, dimension: int) -> Any:
-    if dimension == 2:
-        return figure.add_axes((0.07, 0.09, 0.57, 0.76))
-    axes: Any = figure.add_axes((0.02, 0.07, 0.62, 0.78), projection="3d")
-    axes.computed_zorder = False  # marks stay in front of the surface
-    return axes
-
-
-def _in_plane(axes: Any, shape: PictureShape) -> None:
+def _in_plane(figure: Figure, shape: PictureShape) -> Axes:
+    """Axes with the lines and nodes of a body in the plane."""
     from matplotlib.collections import LineCollection
 
+    axes = figure.add_axes((0.07, 0.09, 0.57, 0.76))
     axes.add_collection(LineCollection(shape.lines, colors="#444444", linewidths=1.2), autolim=False)
     axes.plot(*shape.nodes.T, ".", color="#888888", markersize=3)
     axes.set_aspect("equal")
     axes.grid(color="#e6e6e6", linewidth=0.6)
     axes.set_axisbelow(True)
+    return axes
 
 
-def _in_space(axes: Any, shape: PictureShape) -> None:
+def _in_space(figure: Figure, shape: PictureShape) -> Axes3D:
+    """Axes with the surface and lines of a body in space."""
     from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
+    axes: Axes3D = figure.add_axes((0.02, 0.07, 0.62, 0.78), projection="3d")
+    axes.computed_zorder = False  # marks stay in front of the surface
     axes.set_proj_type("ortho")
     axes.view_init(*VIEW)
     triangles, colors = _seen(shape.triangles)
@@ -281,6 +270,7 @@ def _in_space(axes: Any, shape: PictureShape) -> None:
         axes.add_collection3d(Poly3DCollection(triangles, facecolors=colors, zorder=1, **edges), autolim=False)
     if shape.lines:
         axes.add_collection3d(Line3DCollection(shape.lines, colors="#555555", linewidths=0.8, zorder=1), autolim=False)
+    return axes
 
 
 def _seen(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -298,39 +288,43 @@ def _towards(elevation: float, azimuth: float) -> np.ndarray:
     return np.array([np.cos(up) * np.cos(round_), np.cos(up) * np.sin(round_), np.sin(up)])
 
 
-def _frame(axes: Any, shape: PictureShape, marks: list[Mark], dimension: int, unit: str) -> None:
-    """Set axes with their units, of one scale, around all that is drawn."""
+def _frame(axes: Axes | Axes3D, shape: PictureShape, marks: list[Mark], length: str) -> None:
+    """Set axes with their unit of length, of one scale, around all that is drawn."""
+    from matplotlib.ticker import MaxNLocator
+    from mpl_toolkits.mplot3d import Axes3D
+
+    dimension = shape.nodes.shape[1]
     points = np.vstack([shape.triangles.reshape(-1, dimension), *shape.lines, *([mark.position] for mark in marks)])
     low, high = points.min(axis=0), points.max(axis=0)
     largest = (high - low).max() or 1.0
     half = np.maximum(0.54 * (high - low), THIN * largest)
     for axis, middle, width in zip("xyz"[:dimension], (low + high) / 2, half, strict=True):
         getattr(axes, f"set_{axis}lim")(middle - width, middle + width)
-        getattr(axes, f"set_{axis}label")(f"{axis} in {unit}")
-        getattr(axes, f"{axis}axis").set_major_locator(_ticks(width / half.max()))
+        getattr(axes, f"set_{axis}label")(f"{axis} in {length}")
+        ticks = MaxNLocator(nbins=max(2, round(6 * width / half.max())))  # fewer numbers along shorter axes
+        getattr(axes, f"{axis}axis").set_major_locator(ticks)
         getattr(axes, f"{axis}axis").set_tick_params(labelsize=8)
-    if dimension == 3:
+    if isinstance(axes, Axes3D):
         axes.set_box_aspect(half, zoom=0.9)
 
 
-def _ticks(part: float) -> Any:
-    """Set fewer numbers along shorter axes."""
-    from matplotlib.ticker import MaxNLocator
-
-    return MaxNLocator(nbins=max(2, round(6 * part)))
-
-
-def _draw_mark(axes: Any, mark: Mark) -> None:
+def _draw_mark(axes: Axes | Axes3D, mark: Mark) -> None:
     look = LOOKS[mark.kind]
     face = look.color if look.filled else "none"
-    axes.scatter(*([x] for x in mark.position), marker=look.marker, s=look.size, facecolors=face, edgecolors=look.color, linewidths=1.4,
-                 zorder=5)  # fmt: skip
+    style: dict[str, Any] = {"s": look.size, "marker": look.marker, "facecolors": face, "edgecolors": look.color}
+    axes.scatter(*([x] for x in mark.position), linewidths=1.4, zorder=5, **style)
 
 
-def _number(figure: Any, axes: Any, marks: list[Mark]) -> None:
+def _number(figure: Figure, axes: Axes | Axes3D, marks: list[Mark]) -> None:
     """Write a number beside every mark."""
+    from mpl_toolkits.mplot3d import Axes3D
+    from mpl_toolkits.mplot3d.proj3d import proj_transform
+
     figure.draw_without_rendering()
-    places = axes.transData.transform([_on_paper(axes, mark.position) for mark in marks])
+    flat = [mark.position for mark in marks]
+    if isinstance(axes, Axes3D):
+        flat = [proj_transform(*position, axes.get_proj())[:2] for position in flat]
+    places = axes.transData.transform(flat)
     for label in labels_at([(float(x), float(y)) for x, y in places], LIST * figure.bbox.width):
         x, y = figure.transFigure.inverted().transform(label.place)
         figure.text(
@@ -338,24 +332,13 @@ def _number(figure: Any, axes: Any, marks: list[Mark]) -> None:
         )
 
 
-def _on_paper(axes: Any, position: Any) -> Any:
-    """Place of a point in the two coordinates of the axes."""
-    if len(position) == 2:
-        return position
-    from mpl_toolkits.mplot3d.proj3d import proj_transform
-
-    return proj_transform(*position, axes.get_proj())[:2]
-
-
-def _list(figure: Any, marks: list[Mark], summary: Any, empty: bool) -> None:
-    """Write the marks with their numbers, names and places."""
+def _list(figure: Figure, marks: list[Mark], words: list[str], others: list[str]) -> None:
+    """Write the marks with their numbers and words, and other lines below."""
     from matplotlib.lines import Line2D
 
     none = Line2D([], [], linestyle="none")
-    lines = [(_sign(Line2D, mark), f"{number}  {_words(mark, summary)}") for number, mark in enumerate(marks, 1)]
-    lines += [(none, text) for text in not_marked(summary)]
-    if empty:
-        lines.append((none, "the model keeps no surface of this body"))
+    lines = [(_sign(mark), f"{number}  {text}") for number, (mark, text) in enumerate(zip(marks, words, strict=True), 1)]
+    lines += [(none, text) for text in others]
     size = min(8.5, ROOM_FOR_LIST / (3.1 * len(lines)))
     legend = figure.legend(*zip(*lines, strict=True), loc="upper left", bbox_to_anchor=(LIST, 0.87), fontsize=size, frameon=False,
                   labelspacing=0.7, handletextpad=0.6, borderaxespad=0)  # fmt: skip
@@ -363,14 +346,16 @@ def _list(figure: Any, marks: list[Mark], summary: Any, empty: bool) -> None:
         text.set_parse_math(False)  # names are foreign
 
 
-def _sign(line: Any, mark: Mark) -> Any:
+def _sign(mark: Mark) -> Line2D:
+    from matplotlib.lines import Line2D
+
     look = LOOKS[mark.kind]
     face = look.color if look.filled else "none"
-    return line([], [], linestyle="none", marker=look.marker, markersize=7, markerfacecolor=face, markeredgecolor=look.color)
+    return Line2D([], [], linestyle="none", marker=look.marker, markersize=7, markerfacecolor=face, markeredgecolor=look.color)
 
 
-def _words(mark: Mark, summary: Any) -> str:
-    """Words of the list for a mark, for example "interface point tip" and, below, "(4, 0.5, 0.25), 4 nodes"."""
+def _words(mark: Mark, place: str) -> str:
+    """Words of the list for a mark at a place, for example "interface point tip" and, below, "(4, 0.5, 0.25), 4 nodes"."""
     name = f"{LOOKS[mark.kind].words} {textwrap.shorten(mark.name, 40, placeholder='…')}".strip()
     nodes = "" if mark.nodes is None else f", {mark.nodes} node{'s' * (mark.nodes != 1)}"
-    return f"{name}\n     {told_place(mark.position, summary, 5)} {summary['units']['position']}{nodes}"
+    return f"{name}\n     {place}{nodes}"

@@ -122,7 +122,7 @@ class BuildAnswer:
     """Answer of the command: sentences, the same as part of a JSON object, and the warnings that belong to it."""
 
     text: str
-    record: dict[str, Any]
+    record: dict[str, object]
     warnings: list[str] = field(default_factory=list)
 
 

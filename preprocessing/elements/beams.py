@@ -17,9 +17,10 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
+from scipy import sparse
 
 from preprocessing.elements.element import (
     PLANE,
@@ -85,7 +86,7 @@ class BlockElement(Element):
 
 
 def section_terms(
-    name: str, patch: Patch, rows: np.ndarray, terms: Terms, factor: Any = 1.0, column: int = 0, **material: int
+    name: str, patch: Patch, rows: np.ndarray, terms: Terms, factor: complex = 1.0, column: int = 0, **material: int
 ) -> Iterator[SectionTerm]:
     """Section terms of a polynomial, times a factor and powers of quantities of the material."""
     for number, powers in terms:
@@ -142,8 +143,8 @@ class LineElement(BlockElement):
         """Axes e_3 of all sections before they are made normal to their elements, (n_e, 3); z in the plane."""
         return np.tile([0.0, 0.0, 1.0], (len(self.connectivity), 1))
 
-    def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
-        n, found = self.coordinates.n, list[tuple[Any, Blocks]]()
+    def geometric_stiffness(self, values: Mapping[str, complex], displacement: np.ndarray) -> sparse.csr_array:
+        n, found = self.coordinates.n, list[tuple[complex, Blocks]]()
         for patch, elements, terms, strain, slopes in self.tensions():
             dofs = self.dofs[elements, : strain.shape[1]]
             stretched = np.einsum("ep,ep->e", strain, displacement[dofs])
@@ -182,8 +183,8 @@ class BeamPatch:
 
     patch: Patch
     shape: SectionShape
-    shear_factor: Any  # G / E = 1 / (2 (1 + nu)), of torsion
-    modulus_factor: Any = 1.0  # by which E is multiplied in stretching and bending: 1 / (1 - nu^2) in plane strain
+    shear_factor: complex  # G / E = 1 / (2 (1 + nu)), of torsion
+    modulus_factor: complex = 1.0  # by which E is multiplied in stretching and bending: 1 / (1 - nu^2) in plane strain
     sheared: Sheared | None = None  # its numbers if shear deforms it
 
     @property
@@ -279,7 +280,7 @@ class Beam(LineElement):
 
     def _elastic(self, each: BeamPatch, beams: BeamElements, elements: np.ndarray, here: np.ndarray) -> Iterator[Contribution]:
         shape, factor = each.polynomials, each.modulus_factor
-        stiff: list[tuple[Terms, Any, np.ndarray]] = [(shape.area, factor, beams.stretching)]
+        stiff: list[tuple[Terms, complex, np.ndarray]] = [(shape.area, factor, beams.stretching)]
         stiff += [(terms, factor, rows) for terms, rows in zip((shape.bending_2, shape.bending_3), beams.bending, strict=False)]
         if shape.torsion:
             stiff.append((shape.torsion, each.shear_factor, beams.torsion))
@@ -378,7 +379,7 @@ class PlanarBeam(Beam):
     """
 
     patches: Sequence[Patch]
-    modulus_factor: Any = 1.0  # 1, or 1 / (1 - nu^2) in plane strain; may carry a complex step
+    modulus_factor: complex = 1.0  # 1, or 1 / (1 - nu^2) in plane strain; may carry a complex step
     rotary_inertia: bool = False  # whether the mass of the section is spread over its thickness, or lies on the centre line
     sheared: Sequence[Sheared] = ()  # the numbers of every patch if shear deforms them
 

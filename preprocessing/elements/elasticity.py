@@ -27,10 +27,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import fsum
-from typing import Any
 
 import numpy as np
 from scipy import sparse
+from skfem import CellBasis
 
 from preprocessing.elements.solid_elements import ElementBlock, points_of
 
@@ -50,7 +50,7 @@ class NodePairs:
         every = [np.bincount(places.ravel(), column, len(self.columns)) for column in flat.T]
         return np.stack(every, axis=-1).reshape(len(self.columns), *values.shape[3:])
 
-    def matrix(self, values: np.ndarray) -> Any:
+    def matrix(self, values: np.ndarray) -> sparse.csr_array:
         """Sparse (n_nodes, n_nodes) of one value (n_pairs,) for each pair, or of blocks (n_pairs, d, d) between their components."""
         if values.ndim == 1:
             return sparse.csr_array((values, self.columns, self.starts), shape=(self.n_nodes,) * 2)
@@ -76,9 +76,9 @@ def _split(number: np.ndarray, keys: Sequence[np.ndarray]) -> Iterator[np.ndarra
 class SolidMatrices:
     """Mass and stiffness matrices of a solid for unit parameters."""
 
-    scalar_mass: Any  # s, sparse (n_nodes, n_nodes)
-    first: Any  # K_lambda, sparse (n, n)
-    shear: Any  # K_mu, sparse (n, n)
+    scalar_mass: sparse.csr_array  # s (n_nodes, n_nodes)
+    first: sparse.csr_array  # K_lambda (n, n)
+    shear: sparse.csr_array  # K_mu (n, n)
 
 
 def solid_matrices(
@@ -98,7 +98,7 @@ def solid_matrices(
     return SolidMatrices(pairs.matrix(mass), pairs.matrix(gradients), pairs.matrix(shear))
 
 
-def in_block(scalar: Any, a: int, b: int, dimension: int) -> Any:
+def in_block(scalar: sparse.csr_array, a: int, b: int, dimension: int) -> sparse.csr_array:
     """A sparse matrix (n_nodes, n_nodes) by rows between the components a and b of the displacement, (n, n)."""
     each = np.zeros((scalar.shape[0], dimension), scalar.indptr.dtype)
     each[:, a] = np.diff(scalar.indptr)
@@ -107,7 +107,7 @@ def in_block(scalar: Any, a: int, b: int, dimension: int) -> Any:
     return sparse.csr_array((scalar.data, dimension * scalar.indices + b, starts), shape=(n, n))
 
 
-def _element_matrices(functions: Any, motion: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+def _element_matrices(functions: CellBasis, motion: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """Matrices s_pq at [e, p, q] and g^ab_pq at [e, p, q, a, b] of some elements, or their rates.
 
     The rates are those as their nodes move (n_e, n_local, d).
@@ -132,19 +132,19 @@ class StressedSolid:
     """Elements of a solid, and Lame's constants for unit modulus; complex where a parameter made a complex step."""
 
     blocks: Sequence[ElementBlock]
-    lame: tuple[Any, Any]  # lambda / E and mu / E
+    lame: tuple[complex, complex]  # lambda / E and mu / E
     motion: np.ndarray | None = (
         None  # (n_nodes, d), imaginary displacement of the nodes that is so small that its square vanishes
     )
 
-    def stiffness(self, displacement: np.ndarray) -> Any:
+    def stiffness(self, displacement: np.ndarray) -> sparse.csr_array:
         """Geometric stiffness K_g for unit modulus and width, sparse (n, n), of a displacement (n,), real or complex."""
         entries = [np.concatenate(each) for each in zip(*self._entries(displacement), strict=True)]
         d = self.blocks[0].geometry.p.shape[0]
         n = len(displacement) // d
         return sparse.kron(sparse.coo_array((entries[2], (entries[0], entries[1])), shape=(n, n)), np.eye(d), format="csr")
 
-    def _entries(self, displacement: np.ndarray) -> Any:
+    def _entries(self, displacement: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Rows, columns and values of the elements, kind by kind and part by part."""
         for block in self.blocks:
             d = block.geometry.p.shape[0]
@@ -156,7 +156,7 @@ class StressedSolid:
                 row, column = np.broadcast_arrays(members[:, :, None], members[:, None, :])
                 yield row.ravel(), column.ravel(), value.ravel()
 
-    def _measured(self, functions: Any, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _measured(self, functions: CellBasis, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gradients of the shape functions (n_e, n_points, d, n_local) and weights of the points (n_e, n_points)."""
         gradients = np.stack([each[0].grad for each in functions.basis], axis=-1).transpose(1, 2, 0, 3)
         if self.motion is None:

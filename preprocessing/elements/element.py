@@ -16,19 +16,22 @@ The centrifugal forces of a body that spins with omega about its frame's origin 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse import issparse
+from scipy.sparse import csr_array, issparse
 
 from preprocessing.elements.section import Patch, Terms
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import Invariants
 from toolkit.reduced_model.parts import PAIRS, SpatialInvariants
+
+Matrix: TypeAlias = np.ndarray | csr_array
+"""Dense or sparse matrix."""
 
 Pair = tuple[int, int]
 """Axes a and b of a component mass matrix M_ab; M_ba is its transpose."""
@@ -55,9 +58,9 @@ class ElementSpace:
     pairs: tuple[Pair, ...]  # the component mass matrices, those with a = b first
     forms: tuple[ElementForm, ...]
     spins: tuple[Spin, ...]
-    invariants: type
+    invariants: type[Invariants] | type[SpatialInvariants]
 
-    def by_point(self, rows: Any, components: int) -> Any:
+    def by_point(self, rows: Matrix, components: int) -> Matrix:
         """Rows of the stress (n_stress * components, n_f) as the invariants have them; in the plane a point has one, sparse rows stay."""
         return rows if self.dimension == 2 or issparse(rows) else rows.reshape(-1, components, rows.shape[1])
 
@@ -116,7 +119,7 @@ class Blocks:
         return self.places.shape
 
     @cached_property
-    def sparse(self) -> Any:
+    def sparse(self) -> csr_array:
         """Body's matrix as a sparse one, by rows."""
         return sparse.coo_array((self.values.ravel(), self.places.entries), shape=self.shape).tocsr()
 
@@ -125,10 +128,10 @@ class Blocks:
             raise ValueError("blocks of different elements have no sum; make matrices of them first.")
         return Blocks(self.places, self.values + other.values)
 
-    def __rmul__(self, factor: Any) -> Blocks:
+    def __rmul__(self, factor: complex) -> Blocks:
         return Blocks(self.places, factor * self.values)
 
-    def __matmul__(self, shapes: Any) -> Any:
+    def __matmul__(self, shapes: Matrix) -> Matrix:
         return self.sparse @ shapes
 
     def squared(self) -> Blocks:
@@ -137,17 +140,21 @@ class Blocks:
         return Blocks(Places(at.elements, at.columns, at.columns, (n, n)), np.swapaxes(self.values, 1, 2) @ self.values)
 
 
+BodyMatrix: TypeAlias = Blocks | csr_array
+"""Matrix of a whole body: blocks of some of its elements, or sparse."""
+
+
 def without_cancelled(sums: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """Real sums with zeros where all but round-off of their summands cancels; `sizes` are the sums of their absolute values."""
     return np.where(np.abs(sums) > CANCELLED * sizes, sums, 0.0)
 
 
-def sparse_of(matrix: Any) -> Any:
+def sparse_of(matrix: BodyMatrix) -> csr_array:
     """Sparse matrix of the body, by rows."""
     return matrix.sparse if isinstance(matrix, Blocks) else matrix.tocsr()
 
 
-def weighted_sum(terms: list[tuple[Any, Any]], shape: tuple[int, int]) -> Any:
+def weighted_sum(terms: Sequence[tuple[complex, BodyMatrix]], shape: tuple[int, int]) -> csr_array:
     """Sum of weights times matrices as one sparse matrix by rows; all blocks come into it by one conversion."""
     blocks = [(weight, each) for weight, each in terms if isinstance(each, Blocks)]
     whole = [weight * each for weight, each in terms if not isinstance(each, Blocks)]
@@ -155,7 +162,7 @@ def weighted_sum(terms: list[tuple[Any, Any]], shape: tuple[int, int]) -> Any:
         row, column = (np.concatenate([each.places.entries[k] for _, each in blocks]) for k in (0, 1))
         value = np.concatenate([weight * each.values.ravel() for weight, each in blocks])
         whole.append(sparse.coo_array((value, (row, column)), shape=shape))
-    return sum(whole[1:], whole[0]).tocsr() if whole else sparse.csr_array(shape)
+    return sum(whole[1:], whole[0]).tocsr() if whole else csr_array(shape)
 
 
 class Contribution(NamedTuple):
@@ -168,8 +175,8 @@ class Contribution(NamedTuple):
     kind: Literal["mass", "constant mass", "stiffness", "stress"]
     patch: Patch  # whose parameters they are
     terms: Terms  # of quantities of the patch
-    matrix: Any  # (a, b) -> M_ab (n, n), for all pairs of the space; K (n, n); rows (n_stress, n): blocks, or sparse
-    rows: Any = None  # F of K = F^T F; of shapes that hardly strain stiff elements F psi keeps the digits that K psi loses
+    matrix: BodyMatrix | Mapping[Pair, BodyMatrix]  # K (n, n); rows (n_stress, n); M_ab (n, n) of all pairs of the space
+    rows: BodyMatrix | None = None  # F of K = F^T F, whose product F psi keeps digits that K psi loses in stiff elements
 
 
 def squared(patch: Patch, terms: Terms, rows: Blocks) -> Contribution:
@@ -208,20 +215,20 @@ class Coordinates:
             translation[axis : self.nodal : self.per_node] = 1
         return found
 
-    def of_nodes(self, matrix: Any) -> Any:
+    def of_nodes(self, matrix: sparse.csr_array) -> csr_array:
         """The block of a square matrix that belongs to the nodal coordinates; the matrix itself where none is hidden."""
         return matrix[: self.nodal, : self.nodal] if self.hidden else matrix
 
-    def undeformed(self, z: Any) -> Any:
+    def undeformed(self, z: Matrix) -> Matrix:
         """Matrix Z (nodal, 1 + n_f), the undeformed shape first, with the rows of the hidden coordinates; sparse as Z is."""
         return _below(z, *[np.eye(1, z.shape[1], dtype=z.dtype)] * self.hidden)
 
-    def displacement(self, d_z: Any) -> Any:
+    def displacement(self, d_z: Matrix) -> Matrix:
         """Displacements or rates (nodal, k) with the rows of the hidden coordinates; sparse as they are."""
         return _below(d_z, np.zeros((self.hidden, d_z.shape[1])))
 
 
-def _below(*rows: Any) -> Any:
+def _below(*rows: Matrix) -> Matrix:
     return sparse.vstack(rows, format="csr") if sparse.issparse(rows[0]) else np.vstack(rows)
 
 
@@ -245,7 +252,7 @@ class Element(ABC):
     def contributions(self) -> Iterator[Contribution]:
         """Terms of mass, stiffness and stress, for unit parameters; complex-safe."""
 
-    def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
+    def geometric_stiffness(self, values: Mapping[str, complex], displacement: np.ndarray) -> csr_array:
         """Geometric stiffness K_g, sparse (n, n), of the stress of a displacement (n,), linear in it; complex-safe.
 
         Parameters

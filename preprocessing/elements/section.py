@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from math import pi, prod
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -56,15 +56,15 @@ Monomial = tuple[tuple[str, int], ...]
 class Sheared:
     """Section that shear deforms; its dimensions are numbers, as the functions along its beams are no polynomials of them."""
 
-    dimensions: Mapping[str, Any]  # that may carry a complex step
-    flexibility: Any  # E / (kappa G) = 2 (1 + nu) / kappa, that may, too
+    dimensions: Mapping[str, complex]  # that may carry a complex step
+    flexibility: complex  # E / (kappa G) = 2 (1 + nu) / kappa, that may, too
 
     @property
     def stepped(self) -> bool:
         """Whether one of the section's dimensions carries a complex step."""
         return bool(np.any(np.imag([*self.dimensions.values(), self.flexibility])))
 
-    def phi(self, second_moment: Any, area: Any, lengths: np.ndarray) -> np.ndarray:
+    def phi(self, second_moment: complex, area: complex, lengths: np.ndarray) -> np.ndarray:
         """Shear parameter Phi = 12 E I / (kappa G A L^2) of elements, (n_e,)."""
         found: np.ndarray = 12 * self.flexibility * second_moment / area / lengths**2
         return found
@@ -89,15 +89,15 @@ class SectionTerm(NamedTuple):
     rows: np.ndarray
     column: int  # of an array with two axes, else 0
     factors: Monomial
-    number: Any  # complex where a parameter makes a complex step that the factors do not know
+    number: complex  # where a parameter makes a complex step that the factors do not know
 
 
-def monomial(values: Mapping[str, Any], factors: Monomial) -> Any:
+def monomial(values: Mapping[str, complex], factors: Monomial) -> complex:
     """Value of prod_j p_j ** e_j; real or complex, as the values are."""
     return prod(values[name] ** power for name, power in factors)
 
 
-def monomial_derivative(values: Mapping[str, Any], factors: Monomial, parameter: str) -> Any:
+def monomial_derivative(values: Mapping[str, complex], factors: Monomial, parameter: str) -> complex:
     """Derivative e_i p_i ** (e_i - 1) prod_j p_j ** e_j, j != i, by the parameter p_i."""
     lowered = tuple((name, power - (name == parameter)) for name, power in factors)
     return dict(factors).get(parameter, 0) * monomial(values, lowered)
@@ -106,7 +106,7 @@ def monomial_derivative(values: Mapping[str, Any], factors: Monomial, parameter:
 class Term(NamedTuple):
     """One summand of a polynomial: a number times powers of the section's dimensions."""
 
-    number: float
+    number: complex
     powers: Mapping[str, int]  # dimension -> power
 
 
@@ -136,20 +136,20 @@ class SectionShape:
     torsion: Terms
     fibres: tuple[Fibre, ...]
 
-    def fixed(self, dimensions: Mapping[str, Any]) -> SectionShape:
+    def fixed(self, dimensions: Mapping[str, complex]) -> SectionShape:
         """Section at numbers of the dimensions, so that none is left in its polynomials."""
         own = {field.name: fixed(getattr(self, field.name), dimensions) for field in fields(self) if field.name != "fibres"}
         fibres = (Fibre(fixed(each.second, dimensions), fixed(each.third, dimensions), each.side) for each in self.fibres)
         return SectionShape(**own, fibres=tuple(fibres))
 
-    def values(self, dimensions: Mapping[str, Any]) -> dict[str, Any]:
+    def values(self, dimensions: Mapping[str, complex]) -> dict[str, complex]:
         """Values of A, B_2, B_3, S_2, S_3 and J by their names for numbers of the dimensions, real or complex."""
         return {field.name: value_of(getattr(self, field.name), dimensions) for field in fields(self) if field.name != "fibres"}
 
 
-def value_of(terms: Terms, dimensions: Mapping[str, Any]) -> Any:
+def value_of(terms: Terms, dimensions: Mapping[str, complex]) -> complex:
     """The polynomial for numbers of the dimensions."""
-    total: Any = 0.0
+    total: complex = 0.0
     for number, powers in terms:
         for name, power in powers.items():
             number = number * dimensions[name] ** power
@@ -157,7 +157,7 @@ def value_of(terms: Terms, dimensions: Mapping[str, Any]) -> Any:
     return total
 
 
-def fixed(terms: Terms, dimensions: Mapping[str, Any]) -> Terms:
+def fixed(terms: Terms, dimensions: Mapping[str, complex]) -> Terms:
     """The polynomial at numbers of the dimensions: one number, or none where there is no term."""
     return (Term(value_of(terms, dimensions), {}),) if terms else ()
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -42,13 +41,13 @@ class Solid(Element):
     """Elastic solid with displacements along the axes at every node, and the same shape functions for each."""
 
     nodes: np.ndarray  # (n_nodes, d)
-    scalar_mass: Any  # of one component of the displacement, sparse (n_nodes, n_nodes)
-    stiffness: Any  # sparse (n, n)
-    stress: Any  # sparse (n_stress, n)
+    scalar_mass: sparse.csr_array  # of one component of the displacement, (n_nodes, n_nodes)
+    stiffness: sparse.csr_array  # (n, n)
+    stress: sparse.csr_array  # (n_stress, n)
     parameters: Mapping[str, str]  # quantity -> name of the parameter
     across: Terms  # what stiffness, and mass of a density, grow with besides the material: the width in the plane
     stressed: StressedSolid | None = None  # None of finished matrices
-    constant_mass: Mapping[Pair, Any] | None = (
+    constant_mass: Mapping[Pair, sparse.csr_array] | None = (
         None  # (a, b) -> M_ab of concentrated masses, with a hidden coordinate, if there are any
     )
 
@@ -70,7 +69,7 @@ class Solid(Element):
         yield Contribution("stiffness", patch, self.across, _widened(self.stiffness, n, n))
         yield Contribution("stress", patch, ONE, _widened(self.stress, self.stress.shape[0], n))
 
-    def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
+    def geometric_stiffness(self, values: Mapping[str, complex], displacement: np.ndarray) -> sparse.csr_array:
         if self.stressed is None:
             raise InputError(
                 "finished matrices do not tell how the stress of a spin stiffens the body: spin_stiffening needs a mesh and its "
@@ -83,7 +82,7 @@ class Solid(Element):
         return number * monomial(values, patch.monomial(youngs_modulus=1, **powers)) * stiffness
 
 
-def _widened(matrix: Any, n_rows: int, n_columns: int) -> Any:
+def _widened(matrix: sparse.csr_array, n_rows: int, n_columns: int) -> sparse.csr_array:
     """A sparse matrix with zeros beyond its own rows and columns; itself if there are none."""
     if matrix.shape == (n_rows, n_columns):
         return matrix
@@ -96,9 +95,9 @@ def element_solid(
     nodes: np.ndarray,
     matrices: SolidMatrices,
     rows: Rows,
-    lame: tuple[Any, Any],
+    lame: tuple[complex, complex],
     stressed: StressedSolid | None = None,
-    constant_mass: Mapping[Pair, Any] | None = None,
+    constant_mass: Mapping[Pair, sparse.csr_array] | None = None,
 ) -> Solid:
     """Solid from its elements, or from what a parameter changes of them.
 
@@ -116,11 +115,11 @@ def _width(dimension: int) -> Terms:
 
 def finished_solid(
     mesh: SolidMesh,
-    mass: Any,
-    stiffness: Any,
-    stress: Any,
+    mass: sparse.csr_array,
+    stiffness: sparse.csr_array,
+    stress: sparse.csr_array,
     made_with: Mapping[str, float],
-    constant_mass: Mapping[Pair, Any] | None = None,
+    constant_mass: Mapping[Pair, sparse.csr_array] | None = None,
 ) -> Solid:
     """Solid from finished matrices, which are proportional to their own material's constants, or else to a scale.
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import Any
 
 import numpy as np
 import skfem
@@ -18,7 +17,7 @@ from preprocessing.mesh.faces import HEXAHEDRON_EDGES
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.foundation.errors import InputError
 
-KINDS: dict[str, tuple[Any, Any, int]] = {
+KINDS: dict[str, tuple[type[skfem.Mesh], type[skfem.Element], int]] = {
     "triangle": (skfem.MeshTri1, skfem.ElementTriP1, 4),
     "triangle6": (skfem.MeshTri2, skfem.ElementTriP2, 6),
     "quad": (skfem.MeshQuad1, skfem.ElementQuad1, 6),
@@ -64,14 +63,14 @@ class ElementBlock:
 
     kind: str
     connectivity: np.ndarray  # (n_e, n_local) in the order of scikit-fem's shape functions
-    geometry: Any  # mesh of scikit-fem with the same elements in the same order
-    shapes: Any  # element of scikit-fem
+    geometry: skfem.Mesh  # with the same elements in the same order
+    shapes: skfem.Element
 
-    def functions(self) -> Any:
+    def functions(self) -> skfem.CellBasis:
         """Shape functions at points that integrate products of two of them exactly, on curved elements too."""
         return self._functions(points_of(self.kind))
 
-    def functions_in_parts(self) -> Iterator[tuple[np.ndarray, Any]]:
+    def functions_in_parts(self) -> Iterator[tuple[np.ndarray, skfem.CellBasis]]:
         """Shape functions and numbers of some elements after others, so that not all gradients are in memory at once."""
         points = points_of(self.kind)
         at_once = max(1, IN_MEMORY // (points[0].size * self.shapes.doflocs.shape[0]))
@@ -79,11 +78,11 @@ class ElementBlock:
             elements = np.arange(start, min(start + at_once, len(self.connectivity)))
             yield elements, self._functions(points, elements)
 
-    def functions_at(self, points: np.ndarray, elements: np.ndarray | None = None) -> Any:
+    def functions_at(self, points: np.ndarray, elements: np.ndarray | None = None) -> skfem.CellBasis:
         """Shape functions at points (d, n_points) of the reference element, of all elements or of those with the given numbers."""
         return self._functions((points, np.ones(points.shape[1])), elements)
 
-    def _functions(self, quadrature: tuple[np.ndarray, np.ndarray], elements: np.ndarray | None = None) -> Any:
+    def _functions(self, quadrature: tuple[np.ndarray, np.ndarray], elements: np.ndarray | None = None) -> skfem.CellBasis:
         """Shape functions at points; the gradient of the map is inverted once, where scikit-fem does so for each of them."""
         mapping = self.geometry.mapping()
         inverse = mapping.invDF(quadrature[0], elements)
@@ -93,7 +92,7 @@ class ElementBlock:
         finally:
             del mapping.invDF
 
-    def numbering(self, functions: Any, n_nodes: int) -> Any:
+    def numbering(self, functions: skfem.CellBasis, n_nodes: int) -> sparse.csr_array:
         """Sparse (functions, n_nodes) that says which shape function of scikit-fem belongs to which node."""
         pair = np.column_stack([functions.dofs.element_dofs.T.ravel(), self.connectivity.ravel()])
         row, column = np.unique(pair, axis=0).T
@@ -137,23 +136,25 @@ def _block(kind: str, connectivity: np.ndarray, nodes: np.ndarray) -> ElementBlo
     return ElementBlock(kind, connectivity, made, _evaluated_once(shapes))
 
 
-def _evaluated_once(shapes: type[Any]) -> Any:
+def _evaluated_once(shapes: type[skfem.Element]) -> skfem.Element:
     """Element of scikit-fem which evaluates its functions once at the same points: a map of 27 nodes asks for each of them 9 times."""
     found = shapes()
     found.lbasis = partial(_function_at, shapes)
     return found
 
 
-def _function_at(shapes: Any, points: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
+def _function_at(shapes: type[skfem.Element], points: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
     """Shape function and its gradient at points of the reference element; those at a few points are kept."""
     if points.size > FEW_POINTS:
         found: tuple[np.ndarray, np.ndarray] = shapes().lbasis(points, number)
         return found
-    return _known_function(shapes, np.asarray(points, float).tobytes(), points.shape, number)
+    return _known_function(shapes, np.asarray(points, float).tobytes(), points.shape, number)  # type: ignore[arg-type]
 
 
 @lru_cache(maxsize=512)
-def _known_function(shapes: Any, points: bytes, shape: tuple[int, ...], number: int) -> tuple[np.ndarray, np.ndarray]:
+def _known_function(
+    shapes: type[skfem.Element], points: bytes, shape: tuple[int, ...], number: int
+) -> tuple[np.ndarray, np.ndarray]:
     found: tuple[np.ndarray, np.ndarray] = shapes().lbasis(np.frombuffer(points).reshape(shape), number)
     return found
 

@@ -32,7 +32,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
-from typing import Any
 
 import numpy as np
 import skfem
@@ -48,7 +47,7 @@ COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """Axes of the six components in space, in their order: xx, yy, zz, yz, xz, xy."""
 MIDDLE_OF_EDGE = (np.array([[0.5]]), np.ones(1))
 
-Rows = tuple[Any, Any]
+Rows = tuple[sparse.csr_array, sparse.csr_array]
 """Stress rows for lambda and for mu, sparse (n_stress, n)."""
 
 
@@ -131,7 +130,7 @@ def surface_rows(blocks: Sequence[ElementBlock], nodes: np.ndarray, points: np.n
     where = np.full(len(nodes), -1)
     where[points] = np.arange(len(points))
     meeting = np.bincount(np.concatenate([block.connectivity.ravel() for block in blocks]), minlength=len(nodes))
-    found: list[Any] = [sparse.csr_array((6 * len(points), nodes.size)) for _ in range(2)]
+    found: list[sparse.csr_array] = [sparse.csr_array((6 * len(points), nodes.size)) for _ in range(2)]
     for block in blocks:
         touching = np.flatnonzero((where[block.connectivity] >= 0).any(axis=1))
         every = _gradients_at_nodes(block, touching, nodes, motion)
@@ -176,7 +175,7 @@ def _flat(*each: np.ndarray) -> tuple[np.ndarray, ...]:
     return tuple(every.ravel() for every in np.broadcast_arrays(*each))
 
 
-def _gradients(functions: Any) -> np.ndarray:
+def _gradients(functions: skfem.CellBasis) -> np.ndarray:
     """Gradients of all shape functions at one point of each element, (d, n_e, n_local)."""
     return np.stack([functions.basis[i][0].grad[:, :, 0] for i in range(functions.Nbfun)], axis=2)
 
@@ -190,7 +189,7 @@ def _rows(gradient: np.ndarray, members: np.ndarray, a: np.ndarray, b: np.ndarra
     return _placed(first, members, n), _placed(shear, members, n)
 
 
-def _placed(values: np.ndarray, members: np.ndarray, n: int) -> Any:
+def _placed(values: np.ndarray, members: np.ndarray, n: int) -> sparse.csr_array:
     """Values (n_e, n_local, d) at the nodal coordinates of the members, one row for each element."""
     d = values.shape[2]
     column = d * members[:, :, None] + np.arange(d)
@@ -225,7 +224,7 @@ class RecoveredStress:
     radius: np.ndarray  # (n_nodes,) of every patch, which its monomials are scaled by
     coefficients: np.ndarray  # (n_nodes, n_terms, k)
 
-    def at(self, block: ElementBlock, elements: np.ndarray, functions: Any, points: np.ndarray) -> np.ndarray:
+    def at(self, block: ElementBlock, elements: np.ndarray, functions: skfem.CellBasis, points: np.ndarray) -> np.ndarray:
         """Values (n_e, n_points, k) at points (d, n_points) of the reference element of some elements."""
         corners, straight = _corners(block)[elements], STRAIGHT[_family(block)]()
         x = np.moveaxis(np.asarray(functions.global_coordinates()), 0, -1)
@@ -268,7 +267,7 @@ class _Fit:
     radius: np.ndarray  # (n_nodes,)
     used: np.ndarray  # numbers of the corners
     normal: np.ndarray  # (n_used, n_terms, n_terms)
-    rows: Any  # sparse (n_nodes n_terms, n_samples)
+    rows: sparse.csr_array  # (n_nodes n_terms, n_samples)
 
     @property
     def lacking(self) -> np.ndarray:
@@ -285,7 +284,7 @@ class _Fit:
         return found
 
 
-def _fit(nodes: np.ndarray, places: np.ndarray, patches: Any, order: int) -> _Fit:
+def _fit(nodes: np.ndarray, places: np.ndarray, patches: sparse.csr_array, order: int) -> _Fit:
     """Fit of patches (n_nodes, n_samples) of samples at places (n_samples, d)."""
     patches = patches.tocoo()
     centre, sample = patches.row, patches.col
@@ -304,12 +303,12 @@ def _fit(nodes: np.ndarray, places: np.ndarray, patches: Any, order: int) -> _Fi
     return _Fit(radius, used, normal[used], rows)
 
 
-def _recovered_rows(chosen: np.ndarray) -> Any:
+def _recovered_rows(chosen: np.ndarray) -> sparse.dia_array:
     """Sparse matrix that keeps some rows, and makes others zero."""
     return sparse.diags_array(chosen.astype(float))
 
 
-def _incidence(pairs: np.ndarray, shape: tuple[int, int]) -> Any:
+def _incidence(pairs: np.ndarray, shape: tuple[int, int]) -> sparse.csr_array:
     """Sparse matrix with ones at pairs (n, 2)."""
     return sparse.csr_array((np.ones(len(pairs)), pairs.T), shape=shape)
 
@@ -351,7 +350,7 @@ def _corners(block: ElementBlock) -> np.ndarray:
     return block.connectivity[:, : ALL_CORNERS[block.kind]]
 
 
-def _in_order_of(straight: Any, block: ElementBlock, corners: np.ndarray) -> np.ndarray:
+def _in_order_of(straight: skfem.Element, block: ElementBlock, corners: np.ndarray) -> np.ndarray:
     """Corners in the order of the straight element's functions."""
     own, theirs = block.shapes.doflocs[: corners.shape[1]], straight.doflocs
     return corners[:, [int(np.argmin(np.abs(own - place).sum(axis=1))) for place in theirs]]
@@ -370,7 +369,7 @@ class Elastic:
     lame: tuple[float, float]
     across: float = 0.0  # stress across the plane in parts of the sum of both in it: Poisson's ratio in plane strain
 
-    def stress(self, block: ElementBlock, functions: Any, moved: np.ndarray) -> np.ndarray:
+    def stress(self, block: ElementBlock, functions: skfem.CellBasis, moved: np.ndarray) -> np.ndarray:
         """Stress at [e, point, a, b, k] from displacements (n_e, n_local, d, k) of some elements."""
         gradients = np.stack([each[0].grad for each in functions.basis], axis=-1)  # [a, e, point, p]
         slope = np.einsum("aeqp,epck->eqcak", gradients, moved, optimize=True)

@@ -15,9 +15,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isclose, log10
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.spatial import ConvexHull, QhullError
 
 from preprocessing.elements.solid_elements import ElementBlock, points_of
@@ -49,7 +50,7 @@ class UniformMaterial:
 
     youngs_modulus: float
     density: float
-    lame: tuple[Any, Any] | None  # lambda / E and mu / E; None without Poisson's ratio
+    lame: tuple[float, float] | None  # lambda / E and mu / E; None without Poisson's ratio
     width: float = 1.0  # of plane bodies
     state: str = "space"  # or "plane-stress", "plane-strain"
 
@@ -77,7 +78,7 @@ def volume_of(blocks: Sequence[ElementBlock]) -> Volume:
     return Volume(float(size), np.asarray(moment) / size, float(abs(coarse / size - 1)))
 
 
-def volume_of_mass(mesh: SolidMesh, scalar_mass: Any, material: UniformMaterial) -> Volume:
+def volume_of_mass(mesh: SolidMesh, scalar_mass: csr_array, material: UniformMaterial) -> Volume:
     """Volume that the mass has at the density of the material, of a body of which only nodes are known.
 
     Raises
@@ -106,7 +107,7 @@ def _between(nodes: np.ndarray) -> float:
 
 
 def refuse_other_mass(
-    mesh: SolidMesh, scalar_mass: Any, material: UniformMaterial, volume: Volume, differs: bool = False
+    mesh: SolidMesh, scalar_mass: csr_array, material: UniformMaterial, volume: Volume, differs: bool = False
 ) -> None:
     """Refuse a mass matrix (n_nodes, n_nodes) of one component that has another mass than the material in the elements.
 
@@ -150,7 +151,7 @@ def _say_other_mass(mass: float, meant: float, points: float, density: float, di
     )
 
 
-def refuse_other_stiffness(mesh: SolidMesh, stiffness: Any, material: UniformMaterial, volume: Volume) -> None:
+def refuse_other_stiffness(mesh: SolidMesh, stiffness: csr_array, material: UniformMaterial, volume: Volume) -> None:
     """Refuse a stiffness matrix whose energies under uniform strains are not those of the material in the elements.
 
     Raises
@@ -243,7 +244,7 @@ RESISTED = 1e-6
 """Largest force against a rigid motion, relative to those of a motion of the same size of single nodes."""
 
 
-def refuse_swapped(mesh: SolidMesh, mass: Any, stiffness: Any) -> None:
+def refuse_swapped(mesh: SolidMesh, mass: csr_array, stiffness: csr_array) -> None:
     """Refuse swapped matrices: a mass matrix without inertia of translations, while the stiffness matrix resists them.
 
     Raises
@@ -260,7 +261,7 @@ def refuse_swapped(mesh: SolidMesh, mass: Any, stiffness: Any) -> None:
         )
 
 
-def scalar_mass(mass: Any, d: int) -> Any:
+def scalar_mass(mass: csr_array, d: int) -> csr_array:
     """Mass matrix (n_nodes, n_nodes) of one of d components, which is the same for all.
 
     Raises
@@ -279,7 +280,7 @@ def scalar_mass(mass: Any, d: int) -> Any:
     return first
 
 
-def without_constant(scalar: Any, constant: Mapping[tuple[int, int], Any], mesh: SolidMesh) -> Any:
+def without_constant(scalar: csr_array, constant: Mapping[tuple[int, int], csr_array], mesh: SolidMesh) -> csr_array:
     """A scalar mass matrix without concentrated masses M_ab of nodes, which it holds as the exported model does.
 
     Raises
@@ -297,7 +298,7 @@ def without_constant(scalar: Any, constant: Mapping[tuple[int, int], Any], mesh:
     return left
 
 
-def refuse_supports(mesh: SolidMesh, stiffness: Any) -> None:
+def refuse_supports(mesh: SolidMesh, stiffness: csr_array) -> None:
     """Refuse a stiffness matrix that resists rigid motions.
 
     Raises

@@ -7,10 +7,10 @@ import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any, BinaryIO, NamedTuple
+from typing import BinaryIO, NamedTuple
 
 from preprocessing.foreign_files.child import LARGEST_FILE, Bounds
-from preprocessing.foreign_files.wire import receive
+from preprocessing.foreign_files.wire import ReaderOutcome, Sent, receive
 from toolkit.foundation.errors import InputError, without_content
 from toolkit.foundation.files.safe_files import meant_path, size_of
 from toolkit.foundation.processes import ONE_THREAD, command, environment, refuse_namesakes
@@ -25,7 +25,7 @@ class ReaderEnded(NamedTuple):
     output: BinaryIO
 
 
-def read_apart(reader: str, path: Path, how: str, remedy: str, *more: str, drawn: Sequence[Path] = ()) -> Any:
+def read_apart(reader: str, path: Path, how: str, remedy: str, *more: str, drawn: Sequence[Path] = ()) -> Sent:
     """Contents that one of the readers of `child` finds in a file, in a process of its own.
 
     Parameters
@@ -44,9 +44,9 @@ def read_apart(reader: str, path: Path, how: str, remedy: str, *more: str, drawn
     ended = run(reader, path, bounds, *more)
     with ended.output as output:
         try:
-            found = receive(output) if ended.code == 0 else {}
+            found = receive(output) if ended.code == 0 else ReaderOutcome()
         except ValueError:
-            found = {}
+            found = ReaderOutcome()
     if "found" in found:
         return found["found"]
     if "refused" in found:
@@ -95,7 +95,7 @@ def run(reader: str, path: Path, bounds: Bounds, *more: str) -> ReaderEnded:
     return ReaderEnded(done.returncode, output)
 
 
-def _why(ended: ReaderEnded, found: dict[str, Any], bounds: Bounds) -> str:
+def _why(ended: ReaderEnded, found: ReaderOutcome, bounds: Bounds) -> str:
     """Reason why the process ended, in words."""
     if "reason" in found:
         return without_content(found["reason"]) or "it says nothing about why"
@@ -112,7 +112,7 @@ def _why(ended: ReaderEnded, found: dict[str, Any], bounds: Bounds) -> str:
     return "its reader failed"
 
 
-def _remedy(found: dict[str, Any]) -> str:
+def _remedy(found: ReaderOutcome) -> str:
     """Advice where a package is missing; empty otherwise."""
     if "lacks" not in found:
         return ""

@@ -8,10 +8,13 @@ from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from importlib import import_module
 from io import StringIO
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes import limit_process, memory_of_machine
+
+if TYPE_CHECKING:
+    from preprocessing.foreign_files.wire import ReaderOutcome
 
 LARGEST_FILE = 2 * 10**9
 """Bytes; a mesh of ten million nodes has half of it."""
@@ -67,11 +70,8 @@ def main(reader: str, path: str, memory: str, seconds: str, *more: str) -> None:
             send(output, {"reason": str(error)})
 
 
-def reading(reader: str, path: str, *more: str) -> dict[str, Any]:
-    """Outcome of a reader: what was `found`, or why nothing was.
-
-    The reason is `refused` in words of our own, the `reason` why a library found nothing, a package that it `lacks`, or `memory`.
-    """
+def reading(reader: str, path: str, *more: str) -> ReaderOutcome:
+    """Outcome of a reader, whatever happens to it."""
     said = StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):

@@ -7,10 +7,11 @@ import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NotRequired, TypedDict
 
 import numpy as np
 
+from preprocessing.foreign_files.wire import Sent
 from toolkit.foundation.errors import InputError
 
 Elements = list[tuple[str, np.ndarray]]
@@ -47,7 +48,7 @@ class MeshContents(NamedTuple):
     left_out: Sequence[LeftOutContent] = ()
     remarks: Sequence[str] = ()  # what the user should know of the reading, full sentences
 
-    def sent(self) -> dict[str, Any]:
+    def sent(self) -> dict[str, Sent]:
         """Record of the contents as a reader's process sends it: lists, texts, numbers and arrays."""
         return {
             **self._asdict(),
@@ -56,7 +57,7 @@ class MeshContents(NamedTuple):
         }
 
     @classmethod
-    def received(cls, found: Mapping[str, Any]) -> MeshContents:
+    def received(cls, found: Sent) -> MeshContents:
         """Contents from the record that was sent.
 
         Raises
@@ -64,8 +65,23 @@ class MeshContents(NamedTuple):
         TypeError
             It is none.
         """
-        masses = [PointMass(**each) for each in found.get("masses", ())]
-        return cls(**{**found, "masses": masses, "left_out": [LeftOutContent(**each) for each in found.get("left_out", ())]})
+        if not isinstance(found, Mapping):
+            raise TypeError("a mesh is a record of its contents")
+        record: dict[str, Any] = {"masses": (), "left_out": (), **found}
+        masses = [PointMass(**each) for each in record["masses"]]
+        return cls(**{**record, "masses": masses, "left_out": [LeftOutContent(**each) for each in record["left_out"]]})
+
+
+class MatrixEntries(TypedDict):
+    """Entries of a sparse matrix; equal places add up."""
+
+    shape: list[int]
+    row: np.ndarray
+    column: np.ndarray
+    value: np.ndarray
+    labels: NotRequired[
+        np.ndarray | None
+    ]  # rising numbers of its nodes, in whose order the rows are; None: the lines do not tell them
 
 
 PLANE = {"triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "quad9": 9}

@@ -11,14 +11,15 @@ of which node a row is: `12.3` is direction 3 of node 12.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from preprocessing.foreign_files.contents import MatrixEntries
 from preprocessing.foreign_files.number_files import archive, both_triangles, line_of, number_lines, plain_text, without_comments
 
-Entries = tuple[Any, np.ndarray, np.ndarray, np.ndarray]
+Entries = tuple[Sequence[int], np.ndarray, np.ndarray, np.ndarray]
 """Shape, rows, columns and values; equal places add up."""
 
 
@@ -164,10 +165,8 @@ LARGEST_LABEL = 10**15
 """Whole numbers that are exact as floating-point numbers, with room for directions."""
 
 
-def of_program(text: bytes, n: int, d: int, degrees: bytes | None) -> dict[str, Any]:
-    """Rows, columns and values of a symmetric matrix for n coordinates of nodes in space of dimension d.
-
-    `labels` are the numbers of its nodes, rising, in whose order the rows are; they are None where the lines do not tell them.
+def of_program(text: bytes, n: int, d: int, degrees: bytes | None) -> MatrixEntries:
+    """Entries of a symmetric matrix for n coordinates of nodes in space of dimension d, with the numbers of the nodes.
 
     Parameters
     ----------
@@ -305,10 +304,10 @@ def _refuse_twice(row: np.ndarray, column: np.ndarray, n: int, body: bytes) -> N
         raise ValueError(f"line {line_of(body, int(again))} gives a place that another line gave before")
 
 
-def matrix_entries(path: str, n: str, dimension: str, degrees: str = "") -> dict[str, Any]:
-    """Shape, rows, columns and values of SciPy's .npz, Matrix Market, or the text of Abaqus or CalculiX for n coordinates of nodes.
+def matrix_entries(path: str, n: str, dimension: str, degrees: str = "") -> MatrixEntries:
+    """Entries of SciPy's .npz, Matrix Market, or the text of Abaqus or CalculiX for n coordinates of nodes.
 
-    The text of the last two also tells `labels`, the numbers of the nodes in whose order its rows are, or None.
+    The text of the last two also tells the numbers of the nodes.
     """
     file = Path(path)
     text = b"" if file.suffix == ".npz" else plain_text(file.read_bytes())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -70,7 +69,7 @@ def _mesh(path: Path, file: h5py.File) -> MeshContents:
     return MeshContents(points, cells, list(groups.items()), labels, remarks=_units(whole))
 
 
-def _inside(path: Path, group: Any, name: str) -> Any:
+def _inside(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
     """Member of a group in the file, refused if it is a link to another file."""
     if isinstance(group.get(name, getlink=True), h5py.ExternalLink):
         raise wrong_file(path, "it takes its numbers from another file", REMEDY)
@@ -79,7 +78,7 @@ def _inside(path: Path, group: Any, name: str) -> Any:
     return group[name]
 
 
-def _array(path: Path, group: Any, name: str) -> np.ndarray:
+def _array(path: Path, group: h5py.Group, name: str) -> np.ndarray:
     """Numbers of a data set of this file."""
     found = _inside(path, group, name)
     if found.external or found.is_virtual or found.dtype.kind not in "iuf":
@@ -87,7 +86,7 @@ def _array(path: Path, group: Any, name: str) -> np.ndarray:
     return np.asarray(found[()])
 
 
-def _only(path: Path, group: Any, what: str) -> tuple[Any, str]:
+def _only(path: Path, group: h5py.Group, what: str) -> tuple[h5py.Group, str]:
     """Single member of a group, and its name."""
     names = list(group)
     if len(names) != 1:
@@ -95,7 +94,7 @@ def _only(path: Path, group: Any, what: str) -> tuple[Any, str]:
     return _inside(path, group, names[0]), names[0]
 
 
-def _elements(path: Path, group: Any) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+def _elements(path: Path, group: h5py.Group) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """Kind, nodes and families of elements."""
     for name in group:
         if name not in KINDS:
@@ -112,7 +111,7 @@ def _elements(path: Path, group: Any) -> Iterator[tuple[str, np.ndarray, np.ndar
         yield kind, nodes[:, BRICK] if n == 27 else nodes, tags
 
 
-def _groups(path: Path, families: Mapping[str, Any], which: str) -> dict[str, list[int]]:
+def _groups(path: Path, families: Mapping[str, h5py.Group], which: str) -> dict[str, list[int]]:
     """Name of each group -> numbers of the families that are in it, of elements (ELEME) or of nodes (NOEUD)."""
     found: dict[str, list[int]] = {}
     of_kind = families.get(which, {})
@@ -127,7 +126,7 @@ def _groups(path: Path, families: Mapping[str, Any], which: str) -> dict[str, li
     return found
 
 
-def _units(mesh: Any) -> list[str]:
+def _units(mesh: h5py.Group) -> list[str]:
     """Remark that the file names a unit of lengths, whose name is text of its own."""
     text = mesh.attrs.get("UNI", b"")
     named = text.strip(b"\0 ") if isinstance(text, bytes) else b""

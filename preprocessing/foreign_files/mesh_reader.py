@@ -10,14 +10,15 @@ from contextlib import redirect_stderr, redirect_stdout
 from importlib import import_module
 from io import StringIO
 from pathlib import Path
-from typing import Any
 
 import meshio
 import numpy as np
+import numpy.typing as npt
 from meshio._mesh import topological_dimension
 
 from preprocessing.foreign_files.child import LARGEST_FILE
 from preprocessing.foreign_files.contents import KNOWN, Elements, MeshContents, refuse_leave_out, wrong_file
+from preprocessing.foreign_files.wire import Sent
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import read_start, read_whole
 
@@ -186,7 +187,7 @@ def known_ending(path: Path) -> None:
         raise InputError(f"the mesh {str(path)!r} has an ending that no format of meshes has here. {INSTEAD}")
 
 
-def _read(path: str, file_format: str | None) -> tuple[Any, str]:
+def _read(path: str, file_format: str | None) -> tuple[meshio.Mesh, str]:
     """Mesh that meshio reads, and what it prints meanwhile instead of raising errors."""
     heard = StringIO()
     with redirect_stdout(heard), redirect_stderr(heard), warnings.catch_warnings(record=True) as warned:
@@ -202,7 +203,7 @@ def _read(path: str, file_format: str | None) -> tuple[Any, str]:
     return raw, " ".join(heard.getvalue().split()) + " Warning" * len(numbers)
 
 
-def _counted(path: Path, raw: Any) -> list[str]:
+def _counted(path: Path, raw: meshio.Mesh) -> list[str]:
     """Compare numbers of nodes and elements with what the file says; a remark if it says nothing."""
     stated = stated_counts(path)
     read = len(raw.points), sum(len(block.data) for block in raw.cells)
@@ -216,16 +217,16 @@ def _counted(path: Path, raw: Any) -> list[str]:
     return []
 
 
-def _nodes(kind: str, data: Any) -> np.ndarray:
+def _nodes(kind: str, data: npt.ArrayLike) -> np.ndarray:
     return np.asarray(data, np.int64) if kind in KNOWN else np.zeros((0, 0), np.int64)
 
 
-def _text(name: Any) -> str:
+def _text(name: object) -> str:
     """Name with characters that can be printed."""
     return str(name).encode("utf-8", "replace").decode()
 
 
-def _groups(raw: Any) -> Iterator[tuple[str, Elements]]:
+def _groups(raw: meshio.Mesh) -> Iterator[tuple[str, Elements]]:
     """Names and elements of node sets, element sets and physical groups."""
     yield from ((name, [("vertex", np.asarray(members, np.int64)[:, None])]) for name, members in raw.point_sets.items())
     for name, sets in raw.cell_sets.items():
@@ -248,7 +249,7 @@ READERS: dict[str, tuple[str, str]] = {
 """Ending -> module of a reader of its own, and its function of a path and of what is to be left out, which returns `MeshContents`."""
 
 
-def mesh_contents(path: str, leave_out: str = "[]") -> dict[str, Any]:
+def mesh_contents(path: str, leave_out: str = "[]") -> dict[str, Sent]:
     """Record of a mesh file's contents; `leave_out` is a list in JSON: names of element types, keywords and cards."""
     file, names = Path(path), frozenset(name.strip().lstrip("*").upper() for name in json.loads(leave_out))
     if (ending := file.suffix.lower()) in READERS:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import skfem
@@ -39,8 +39,8 @@ class BoundaryLines:
         inside = np.append(np.isin(np.arange(len(self.nodes)), nodes), True)  # the last one stands for no node in the middle
         return BoundaryLines(self.nodes, self.edges[inside[self.edges].all(axis=1)])
 
-    def products(self) -> Any:
-        """Integrals int N_k N_l ds for nodes k and l, by Simpson's rule or half of a straight edge; sparse (n_nodes, n_nodes)."""
+    def products(self) -> sparse.sparray:
+        """Integrals int N_k N_l ds for nodes k and l, by Simpson's rule or half of a straight edge; (n_nodes, n_nodes)."""
         length = np.sqrt(((self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]) ** 2).sum(axis=1))
         straight = self.edges[:, 2] < 0
         ends, middle = np.where(straight, 1 / 2, 1 / 6) * length, np.where(straight, 0, 4 / 6) * length
@@ -97,7 +97,7 @@ HEXAHEDRON = ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (2, 3, 7, 6), (0, 3, 2, 
 WEDGE = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
 """Corners of every face, anticlockwise seen from outside, in the order of the nodes in their middles."""
 
-FACE_SHAPES: dict[str, Any] = {
+FACE_SHAPES: dict[str, skfem.Element] = {
     "triangle": skfem.ElementTriP1(), "triangle6": skfem.ElementTriP2(), "quad": skfem.ElementQuad1(), "quad8": skfem.ElementQuadS2(),
     "quad9": skfem.ElementQuad2(),
 }  # fmt: skip
@@ -148,8 +148,8 @@ class BoundaryFaces:
             found[kind] = each[[tuple(key) in corners for key in _corners(each, kind).tolist()]]
         return BoundaryFaces(self.nodes, found)
 
-    def products(self) -> Any:
-        """Integrals int N_k N_l dA for all nodes k and l of the mesh, sparse (n_nodes, n_nodes)."""
+    def products(self) -> sparse.csr_array:
+        """Integrals int N_k N_l dA for all nodes k and l of the mesh, (n_nodes, n_nodes)."""
         found = sparse.csr_array((len(self.nodes), len(self.nodes)), dtype=self.nodes.dtype)
         for kind, members in self.faces.items():
             values, normals = _on_faces(kind, self.nodes[members])

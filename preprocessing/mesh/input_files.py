@@ -6,11 +6,12 @@ import hashlib
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import described_by, hash_of, is_reduced_model
+from toolkit.reduced_model.model import ReducedModel
 
 
 @contextmanager
@@ -26,22 +27,23 @@ LARGEST_TEXT = 50_000
 """Bytes of a TOML file up to which the model holds its text, to say which keys have changed."""
 
 
-def origin(path: Path, others: Iterable[Path], changes: Mapping[str, float]) -> dict[str, Any]:
-    """Fields `inputs`, `source`, `changes` and `inputs_from` of a reduced model that a TOML file describes.
+def with_origin(model: ReducedModel, path: Path, others: Iterable[Path], changes: Mapping[str, float]) -> ReducedModel:
+    """Reduced model that says which files it was built from: `inputs`, `source`, `changes` and `inputs_from`.
 
     Parameters
     ----------
-    path : the TOML file
+    path : the TOML file that describes it
     others : the files that it names, and those that these draw on
     changes : parameters and values other than those of the file
     """
     content = path.read_bytes()
-    return {
-        "inputs": {_relative(each, path): hashlib.sha256(each.read_bytes()).hexdigest() for each in (path, *others)},
-        "source": {path.name: content.decode(errors="replace") if len(content) <= LARGEST_TEXT else ""},
-        "changes": {name: float(value) for name, value in changes.items()},
-        "inputs_from": path.parent.resolve(),
-    }
+    return replace(
+        model,
+        inputs={_relative(each, path): hashlib.sha256(each.read_bytes()).hexdigest() for each in (path, *others)},
+        source={path.name: content.decode(errors="replace") if len(content) <= LARGEST_TEXT else ""},
+        changes={name: float(value) for name, value in changes.items()},
+        inputs_from=path.parent.resolve(),
+    )
 
 
 def _relative(file: Path, path: Path) -> str:

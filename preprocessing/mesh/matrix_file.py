@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import cast
 
 import numpy as np
 from scipy import sparse
 
 from preprocessing.foreign_files.apart import read_apart
+from preprocessing.foreign_files.contents import MatrixEntries
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LARGEST
@@ -20,15 +21,10 @@ EXTREME = 1e60
 AGAIN = "Export it again."
 
 
-def read_square(path: Path, n: int, dimension: int = 2) -> Any:
-    """Symmetric matrix (n, n), sparse, for nodes that their file does not number; raises as `square_of`."""
-    return square_of(path, n // dimension, dimension)[0]
-
-
 def square_of(
     path: Path, n_nodes: int, dimension: int, labels: np.ndarray | None = None, degrees: Path | None = None
-) -> tuple[Any, str]:
-    """Symmetric matrix of all displacements of nodes, sparse, and remarks on how it was read, if any.
+) -> tuple[sparse.csr_array, str]:
+    """Symmetric matrix of all displacements of nodes, and remarks on how it was read, if any.
 
     Parameters
     ----------
@@ -63,8 +59,8 @@ def square_of(
     return ((matrix + matrix.T) / 2).tocsr(), remark
 
 
-def read_matrix(path: Path, n: int, dimension: int = 2) -> Any:
-    """A sparse matrix of n columns, the coordinates of nodes in space of a dimension, and of any rows; raises as `square_of`."""
+def read_matrix(path: Path, n: int, dimension: int = 2) -> sparse.csr_array:
+    """A matrix of n columns, the coordinates of nodes in space of a dimension, and of any rows; raises as `square_of`."""
     found = _read(path, n, dimension)
     if "labels" in found:
         raise InputError(
@@ -74,16 +70,17 @@ def read_matrix(path: Path, n: int, dimension: int = 2) -> Any:
     return _checked(path, found, n)
 
 
-def _read(path: Path, n: int, dimension: int, degrees: Path | None = None) -> dict[str, Any]:
-    """Entries that the reader of matrices finds; raises InputError if it refuses the file."""
+def _read(path: Path, n: int, dimension: int, degrees: Path | None = None) -> MatrixEntries:
+    """Entries that the reader of matrices finds, not checked yet; raises InputError if it refuses the file."""
     how = "as a matrix in Matrix Market, in Abaqus' or CalculiX's text or in SciPy's .npz format"
     beside = [degrees] if degrees is not None else []
-    return dict(read_apart("matrix", path, how, AGAIN, str(n), str(dimension), *map(str, beside), drawn=beside))
+    found = read_apart("matrix", path, how, AGAIN, str(n), str(dimension), *map(str, beside), drawn=beside)
+    return cast("MatrixEntries", found)
 
 
 def _in_order_of_mesh(
-    path: Path, found: dict[str, Any], labels: np.ndarray | None, n_nodes: int, d: int
-) -> tuple[dict[str, Any], str]:
+    path: Path, found: MatrixEntries, labels: np.ndarray | None, n_nodes: int, d: int
+) -> tuple[MatrixEntries, str]:
     """Matrix entries with rows and columns in the order of the mesh's nodes, and remarks on it."""
     named, remark = found["labels"], ""
     if named is None:  # rows in the order of the nodes' numbers
@@ -98,8 +95,8 @@ def _in_order_of_mesh(
                 f"the matrices number their nodes from {named[0]} to {named[-1]}, and those of the body have no numbers: the first node of "
                 "the body is taken for the lowest number, the second for the next, and so on"
             )
-    moved = {key: d * node[found[key] // d] + found[key] % d for key in ("row", "column")}
-    return {**found, **moved, "shape": [d * n_nodes] * 2}, remark
+    row, column = (d * node[place // d] + place % d for place in (found["row"], found["column"]))
+    return {**found, "row": row, "column": column, "shape": [d * n_nodes] * 2}, remark
 
 
 def _refuse_number(path: Path, named: np.ndarray, n_nodes: int) -> None:
@@ -135,7 +132,7 @@ def _nodes_of(path: Path, named: np.ndarray, labels: np.ndarray) -> np.ndarray:
     return order
 
 
-def _checked(path: Path, found: dict[str, Any], n: int) -> Any:
+def _checked(path: Path, found: MatrixEntries, n: int) -> sparse.csr_array:
     """Sparse matrix of the entries that were found; raises InputError if its parts do not fit together."""
     (rows, columns), row, column, value = found["shape"], found["row"], found["column"], found["value"]
     numbers = value.dtype.kind in "iuf" and bool(np.all(np.isfinite(value)))
@@ -179,7 +176,7 @@ def read_array(path: Path, what: str) -> np.ndarray:
         The file cannot be read as `what` it should hold, or holds other things than finite numbers.
     """
     found = read_apart("table", path, f"as {what}", AGAIN)
-    if found.dtype.kind not in "iuf" or not np.all(np.isfinite(found)):
+    if not isinstance(found, np.ndarray) or found.dtype.kind not in "iuf" or not np.all(np.isfinite(found)):
         raise InputError(f"{str(path)!r} holds other things than finite real numbers. Give {what}.")
     return found.astype(float)
 

@@ -4,7 +4,6 @@ Change the numbers, run it again, python mesh.py, and then ffrf-preprocess body.
 """
 
 from pathlib import Path
-from typing import Any
 
 import gmsh
 
@@ -13,8 +12,9 @@ BORE, EYE = (8.0, 5.0), (16.0, 10.0)  # radii of bores and of the eyes round the
 WINDOW, SIZE = 6.0, 9.0  # radius of the hole in the middle, and of the elements
 
 
-def arm(occ: Any) -> int:
+def arm() -> int:
     """Volume of the arm: a hull of two eyes, three holes, and a thickness."""
+    occ = gmsh.model.occ
     low = -THICKNESS / 2
     eyes = [(2, occ.addDisk(x, 0, low, radius, radius)) for x, radius in zip((0.0, LENGTH), EYE, strict=True)]
     corners = [occ.addPoint(x, y, low) for x, y in ((0, -EYE[0]), (LENGTH, -EYE[1]), (LENGTH, EYE[1]), (0, EYE[0]))]
@@ -31,7 +31,7 @@ def main(path: Path) -> None:
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
-        volume = arm(gmsh.model.occ)
+        volume = arm()
         gmsh.model.occ.synchronize()
         gmsh.model.addPhysicalGroup(3, [volume], name="arm")
         for name, x, radius in (("hub", 0.0, BORE[0]), ("tip", LENGTH, BORE[1])):

@@ -5,18 +5,27 @@ Mesh, arc lengths and basis may carry a complex step in a parameter of the shape
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from math import comb
 from operator import add
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array, issparse
 
 from preprocessing.elements.beams import LineElement
-from preprocessing.elements.element import Contribution, Coordinates, Element, ElementSpace, Pair, weighted_sum
+from preprocessing.elements.element import (
+    BodyMatrix,
+    Contribution,
+    Coordinates,
+    Element,
+    ElementSpace,
+    Matrix,
+    Pair,
+    weighted_sum,
+)
 from preprocessing.elements.section import Monomial, monomial, monomial_derivative
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import InterfacePoint
@@ -38,17 +47,17 @@ class Matrices:
 
     coordinates: Coordinates
     components: int  # of the stress at a point
-    m: tuple[Any, ...]  # sparse (n, n), M_ab in the order of the pairs of the space
-    stiffness: Any  # sparse (n, n)
-    damping: Any  # sparse (n, n)
-    stress: Any  # sparse (n_stress * components, n), the components of one point after each other
+    m: tuple[csr_array, ...]  # (n, n), M_ab in the order of the pairs of the space
+    stiffness: csr_array  # (n, n)
+    damping: csr_array  # (n, n)
+    stress: csr_array  # (n_stress * components, n), the components of one point after each other
 
     @property
-    def mass(self) -> Any:
+    def mass(self) -> csr_array:
         """Mass matrix M, the sum of the M_aa."""
         return reduce(add, self.m[: self.coordinates.space.dimension])
 
-    def changed(self, change: Any) -> Matrices:
+    def changed(self, change: Callable[[csr_array], csr_array]) -> Matrices:
         """Matrices with `change` applied to each of them."""
         return Matrices(
             self.coordinates,
@@ -67,8 +76,8 @@ class Matrices:
 class Root(NamedTuple):
     """Rows F with weight F^T F = K: for shapes psi that hardly strain stiff elements, F psi keeps digits that K psi loses."""
 
-    weight: float
-    rows: Any  # (n_rows, n), blocks or sparse
+    weight: complex
+    rows: BodyMatrix  # (n_rows, n)
 
 
 class MatrixPart(NamedTuple):
@@ -76,7 +85,7 @@ class MatrixPart(NamedTuple):
 
     factors: Monomial
     name: str | Pair  # stiffness, damping or stress, or the pair (a, b) of M_ab
-    matrix: Any  # blocks, or sparse
+    matrix: BodyMatrix
     root: Root | None = None  # of a stiffness, where it is known
 
 
@@ -99,11 +108,11 @@ class Parts:
         """Matrices of zeros, without any part."""
         return replace(self, parts=())
 
-    def at(self, values: Mapping[str, Any]) -> Matrices:
+    def at(self, values: Mapping[str, complex]) -> Matrices:
         """Matrices at one design."""
         return self._sum([(part, monomial(values, part.factors)) for part in self.parts])
 
-    def derivative(self, values: Mapping[str, Any], parameter: str) -> Matrices:
+    def derivative(self, values: Mapping[str, complex], parameter: str) -> Matrices:
         """Analytical derivative of the matrices by one parameter."""
         concerned = self._concerned.get(parameter, [])
         return self._sum([(part, monomial_derivative(values, part.factors, parameter)) for part in concerned])
@@ -117,13 +126,13 @@ class Parts:
                 found.setdefault(parameter, []).append(part)
         return found
 
-    def _sum(self, weighted: list[tuple[MatrixPart, Any]]) -> Matrices:
-        n, terms = self.coordinates.n, dict[str | Pair, list[tuple[Any, Any]]]()
+    def _sum(self, weighted: list[tuple[MatrixPart, complex]]) -> Matrices:
+        n, terms = self.coordinates.n, dict[str | Pair, list[tuple[complex, BodyMatrix]]]()
         for part, weight in weighted:
             if weight != 0:
                 terms.setdefault(part.name, []).append((weight, part.matrix))
 
-        def one(name: str | Pair) -> Any:
+        def one(name: str | Pair) -> csr_array:
             return weighted_sum(terms.get(name, []), (self.n_stress if name == "stress" else n, n))
 
         masses = tuple(one(pair) for pair in self.coordinates.space.pairs)
@@ -140,17 +149,14 @@ def assemble(element: Element) -> Parts:
     with a polynomial p for every contribution of the element, and without rho where a mass is constant; see
     `preprocessing.elements.element.Contribution`.
     """
-    found: list[MatrixPart] = []
-    n_stress = 0
-    for each in element.contributions():
-        found += _parts_of(each, element.coordinates.space)
-        n_stress = each.matrix.shape[0] if each.kind == "stress" else n_stress
-    return Parts(tuple(found), element.coordinates, element.components, n_stress)
+    found = tuple(part for each in element.contributions() for part in _parts_of(each, element.coordinates.space))
+    n_stress = next((part.matrix.shape[0] for part in found if part.name == "stress"), 0)
+    return Parts(found, element.coordinates, element.components, n_stress)
 
 
 def _parts_of(each: Contribution, space: ElementSpace) -> Iterator[MatrixPart]:
     material = MATERIAL[each.kind]
-    if each.kind in ("mass", "constant mass"):
+    if isinstance(each.matrix, Mapping):
         for pair in space.pairs:
             yield from _summands(each, pair, each.matrix[pair], **material)
         whole = reduce(add, (each.matrix[axis, axis] for axis in range(space.dimension)))
@@ -161,14 +167,14 @@ def _parts_of(each: Contribution, space: ElementSpace) -> Iterator[MatrixPart]:
         yield from _summands(each, "damping", whole, **{DAMPING[each.kind]: 1}, **material)
 
 
-def _summands(each: Contribution, name: str | Pair, matrix: Any, **powers: int) -> Iterator[MatrixPart]:
+def _summands(each: Contribution, name: str | Pair, matrix: BodyMatrix, **powers: int) -> Iterator[MatrixPart]:
     """One part for every term of the polynomial of the section, times powers of other quantities of its patch."""
     for number, dimensions in each.terms:
         root = None if each.rows is None else Root(number, each.rows)
         yield MatrixPart(each.patch.monomial(**powers, **dimensions), name, matrix if number == 1 else number * matrix, root)
 
 
-def energies(parts: Parts, values: Mapping[str, Any], name: str, psi: Any) -> Any:
+def energies(parts: Parts, values: Mapping[str, complex], name: str, psi: Matrix) -> Matrix:
     """Energy matrix Psi^T K Psi or Psi^T D Psi (`name` stiffness or damping), (n_f, n_f); sparse as Psi is.
 
     Thin beams are a million times stiffer along than across. In K u of a shape that bends, the stiff parts cancel and take six
@@ -179,7 +185,7 @@ def energies(parts: Parts, values: Mapping[str, Any], name: str, psi: Any) -> An
     return sum((monomial(values, part.factors) * energy(part, psi) for part in own), nothing)
 
 
-def energy(part: MatrixPart, psi: Any) -> Any:
+def energy(part: MatrixPart, psi: Matrix) -> Matrix:
     """Contribution of one part to an energy matrix for unit parameters; Psi sparse or dense."""
     if part.root is None:
         return symmetric(psi.T @ (part.matrix @ psi))
@@ -187,12 +193,12 @@ def energy(part: MatrixPart, psi: Any) -> Any:
     return part.root.weight * (strain.T @ strain)
 
 
-def symmetric(matrix: Any) -> Any:
+def symmetric(matrix: Matrix) -> Matrix:
     """Symmetric part of a matrix, without the round-off of products that makes it unsymmetric."""
     return (matrix + matrix.T) / 2
 
 
-def antisymmetric(matrix: Any) -> Any:
+def antisymmetric(matrix: Matrix) -> Matrix:
     """Antisymmetric part of a matrix, without the round-off of products that makes it another one."""
     return (matrix - matrix.T) / 2
 

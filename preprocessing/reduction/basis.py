@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
+from preprocessing.elements.element import Matrix
 from preprocessing.reduction.boundary import Boundary
 from preprocessing.reduction.constrained_pencil import ConstrainedPencil, ConstraintModes
 from preprocessing.reduction.normal_modes import NormalModes, subspace_rates
@@ -74,8 +75,8 @@ class ModeShapes:
 class DesignRates:
     """Derivatives by one design variable of everything that a basis is made of."""
 
-    stiffness: Any  # (n, n), sparse or dense
-    mass: Any  # (n, n), of M_11 + M_22
+    stiffness: Matrix  # (n, n)
+    mass: Matrix  # (n, n), of M_11 + M_22
     xi: np.ndarray  # (n,), of the undeformed nodal coordinates
     interface_rows: Mapping[str, np.ndarray] = field(
         default_factory=dict
@@ -101,7 +102,7 @@ class ReductionBasis:
         return not any(part.follows_matrices for part in self.parts)
 
     def rate(
-        self, d_stiffness: Any, d_mass: Any, d_xi: np.ndarray, d_interface_rows: Mapping[str, np.ndarray] | None = None
+        self, d_stiffness: Matrix, d_mass: Matrix, d_xi: np.ndarray, d_interface_rows: Mapping[str, np.ndarray] | None = None
     ) -> np.ndarray:
         """Derivative dZ = [dxi, dPsi] (n, 1 + n_f) by one design variable; `rates` is much cheaper for many."""
         return self.rates([DesignRates(d_stiffness, d_mass, d_xi, d_interface_rows or {})])[:, :, 0]

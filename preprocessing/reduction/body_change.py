@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from preprocessing.elements.elasticity import StressedSolid
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.reduction.assembly import Matrices
-from preprocessing.reduction.discretisation import STEP
+from preprocessing.reduction.discretisation import derivative_of
 from preprocessing.reduction.solid_systems import BasisChange
 from preprocessing.reduction.ties import Freedom, NodeTie, freedom
 
@@ -25,12 +25,12 @@ class BodyChange:
     ties: Mapping[str, NodeTie]  # of these nodes
     normals: Mapping[str, np.ndarray]  # of pressure surfaces at these nodes, see `BoundaryFaces.normals`
     stressed: StressedSolid | None  # with a complex step in the parameter; None without elements
-    mass: Any = None  # what the shapes see of a change that is not among `matrices`, because polynomials tell it: dM (n, n)
+    mass: csr_array | None = None  # dM (n, n) that the shapes see, and polynomials tell: it is not among `matrices`
 
     @property
     def motion(self) -> np.ndarray:
         """Derivative of the nodal coordinates, (n,)."""
-        return rate_of(self.mesh.nodes.ravel())
+        return derivative_of(self.mesh.nodes.ravel())
 
     @property
     def moves(self) -> bool:
@@ -41,7 +41,7 @@ class BodyChange:
         """Independent coordinates, with a complex step."""
         return freedom(self.mesh, clamped, self.ties)
 
-    def on(self, free: Freedom, stepped: Freedom, matrices: Any, averaged: tuple[str, ...]) -> BasisChange:
+    def on(self, free: Freedom, stepped: Freedom, matrices: Matrices, averaged: tuple[str, ...]) -> BasisChange:
         """Derivatives on the independent coordinates, K^ = T^T K T and so on.
 
         Parameters
@@ -54,27 +54,22 @@ class BodyChange:
         if not self.moves:
             change_of_stiffness = (free.map.T @ nodes(self.matrices.stiffness) @ free.map).tocsr()
             return BasisChange(change_of_stiffness, *self._mass_on(free))
-        d_map = rate_of(stepped.map)
+        d_map = derivative_of(stepped.map)
 
-        def change(matrix: Any, rate: Any) -> Any:
+        def change(matrix: csr_array, rate: csr_array) -> csr_array:
             turned = d_map.T @ (nodes(matrix) @ free.map)
             return (free.map.T @ (nodes(rate) @ free.map) + turned + turned.T).tocsr()
 
-        rows = [rate_of(self.ties[name].rows @ stepped.map).toarray() for name in averaged]
+        rows = [derivative_of(self.ties[name].rows @ stepped.map).toarray() for name in averaged]
         return BasisChange(
             change(matrices.stiffness, self.matrices.stiffness),
             change(matrices.mass, self.matrices.mass),
             np.vstack([np.zeros((0, free.map.shape[1])), *rows]),
-            rate_of(stepped.coordinates_of(rigid_motions(self.mesh.nodes), self.ties)),
+            derivative_of(stepped.coordinates_of(rigid_motions(self.mesh.nodes), self.ties)),
         )
 
-    def _mass_on(self, free: Freedom) -> tuple[Any, ...]:
+    def _mass_on(self, free: Freedom) -> tuple[csr_array | None, None, np.ndarray | None]:
         """Derivatives of a body whose nodes keep their places: of the mass, of no rows, and none of the rigid motions."""
         if self.mass is None:
-            return ()
+            return None, None, None
         return (free.map.T @ self.mass @ free.map).tocsr(), None, np.zeros((free.map.shape[1], self.mesh.motions))
-
-
-def rate_of(stepped: Any) -> Any:
-    """Derivative from a complex step of size STEP."""
-    return stepped.imag / STEP if np.iscomplexobj(stepped) else 0.0 * stepped

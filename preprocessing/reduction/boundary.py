@@ -13,9 +13,8 @@ the chord.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -61,7 +60,7 @@ def _across(e: np.ndarray) -> np.ndarray:
     return np.array([second, np.cross(e, second)])
 
 
-def most_across(e: Any) -> np.ndarray:
+def most_across(e: np.ndarray) -> np.ndarray:
     """Numbers (d - 1,) of the axes that lie most across the chord, in their order."""
     size = np.abs(np.real(e))
     return np.delete(np.arange(len(size)), first_smallest(-size + size.max()))
@@ -237,7 +236,7 @@ def chord_boundary(
     return ChordBoundary(rows, names, per_point=size, chord=chord, xi=xi, interface_rows=dict(interface_rows))
 
 
-def refuse_unknown(chord: Chord, names: Mapping[str, Any]) -> None:
+def refuse_unknown(chord: Chord, names: Collection[str]) -> None:
     """Refuse a chord between points that do not exist.
 
     Raises
@@ -273,12 +272,12 @@ def _dimension(interface_rows: Mapping[str, np.ndarray]) -> int:
     return per_point(interface_rows) // 3 + 1
 
 
-def _unit(chord: Chord, rows: Mapping[str, np.ndarray], xi: Any) -> np.ndarray:
+def _unit(chord: Chord, rows: Mapping[str, np.ndarray], xi: np.ndarray) -> np.ndarray:
     d = _dimension(rows)
     return along(rows[chord.first][:d] @ xi, rows[chord.second][:d] @ xi)
 
 
-def _rows(chord: Chord, rows: Mapping[str, np.ndarray], xi: Any, points: tuple[str, ...]) -> np.ndarray:
+def _rows(chord: Chord, rows: Mapping[str, np.ndarray], xi: np.ndarray, points: tuple[str, ...]) -> np.ndarray:
     e = _unit(chord, rows, xi)
     both = np.vstack([rows[chord.first], rows[chord.second]])
     others = [rows[name] for name in points if name not in chord]

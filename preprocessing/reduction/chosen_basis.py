@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from preprocessing.elements.element import Matrix
 from preprocessing.reduction.basis import BasisChoice, ElasticShapes, InterfaceShapes, ModeShapes, ReductionBasis
 from preprocessing.reduction.boundary import (
     Boundary,
@@ -131,8 +132,8 @@ def clamped_in_tangent_frame(name: str) -> str:
 
 def reduced_basis(
     choice: BasisChoice,
-    mass: Any,
-    stiffness: Any,
+    mass: Matrix,
+    stiffness: Matrix,
     nodes: np.ndarray,
     node: int | Sequence[int],
     name: str,
@@ -142,7 +143,7 @@ def reduced_basis(
 
     Parameters
     ----------
-    mass, stiffness : (n, n), sparse or dense
+    mass, stiffness : (n, n)
         M and K on all n = 3 n_nodes nodal coordinates, in space 6 n_nodes.
     nodes : (n_nodes, d)
     node, name : int or several, str

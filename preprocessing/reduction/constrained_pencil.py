@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.linalg import lu_solve, null_space
 from scipy.linalg.lapack import get_lapack_funcs
 
+from preprocessing.elements.element import Matrix
 from toolkit.foundation.errors import InputError
 
 SINGULAR = 1e-15
@@ -102,18 +102,18 @@ class ConstrainedPencil:
     Derivatives may stay sparse, because they are only multiplied with shapes.
     """
 
-    stiffness: Any  # (n, n)
-    mass: Any  # (n, n)
+    stiffness: Matrix  # (n, n)
+    mass: Matrix  # (n, n)
     rows: np.ndarray  # (n_r, n); n_r may be zero
 
 
-def constrained_pencil(stiffness: Any, mass: Any, rows: np.ndarray | None = None) -> ConstrainedPencil:
+def constrained_pencil(stiffness: Matrix, mass: Matrix, rows: np.ndarray | None = None) -> ConstrainedPencil:
     """Constrained pencil with dense matrices; without rows the body is free."""
     k, m = _dense(stiffness), _dense(mass)
     return ConstrainedPencil(k, m, np.zeros((0, len(k))) if rows is None else rows)
 
 
-def _dense(matrix: Any) -> np.ndarray:
+def _dense(matrix: Matrix) -> np.ndarray:
     return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from preprocessing.elements.beams import LineElement
-from preprocessing.reduction.assembly import Parts, assemble, interface_point, node_point
+from preprocessing.reduction.assembly import Matrices, Parts, assemble, interface_point, node_point
 from preprocessing.reduction.basis import DesignRates
 from preprocessing.reduction.chosen_basis import per_node, undeformed
 from toolkit.reduced_model.model import InterfacePoint, StressPoints, place_parameter
@@ -23,13 +24,14 @@ STEP = 1e-30
 class Discretisation:
     """Finite elements of a body at one design, in the plane or in space; complex where a parameter made a complex step.
 
-    Interface points lie at arc lengths along a chain of elements, or at nodes of a frame.
+    Interface points lie at arc lengths along a chain of elements, or at nodes.
     """
 
     element: LineElement
-    places: Mapping[str, Any]  # interface point -> its arc length, or of a frame its node
+    places: Mapping[str, complex] = field(default_factory=dict)  # interface point -> its arc length, of a chain
     arc_lengths: np.ndarray | None = None  # (n_nodes,) of a chain
     target: np.ndarray | None = None  # (n_nodes, 2)
+    at_nodes: Mapping[str, int] = field(default_factory=dict)  # interface point -> its node, of a frame
 
     @cached_property
     def parts(self) -> Parts:
@@ -54,7 +56,7 @@ class Discretisation:
     def interfaces(self, z: np.ndarray) -> dict[str, InterfacePoint]:
         """Interface points for Z = [xi, Psi] (n, 1 + n_f), by name."""
         if self.arc_lengths is None:
-            return {name: node_point(self.element, z, node) for name, node in self.places.items()}
+            return {name: node_point(self.element, z, node) for name, node in self.at_nodes.items()}
         return {name: interface_point(self.element, self.arc_lengths, z, place) for name, place in self.places.items()}
 
     def interface_rows(self) -> dict[str, np.ndarray]:
@@ -74,16 +76,12 @@ class Discretisation:
         """Rows of Z that give the nodes' positions, (n_nodes, d, 1 + n_f)."""
         return z.reshape(len(self.nodes), -1, z.shape[1])[:, : self.nodes.shape[1]]
 
-    def nodal(self, matrix: Any) -> Any:
-        """Block of a square matrix that belongs to the nodal coordinates."""
-        return self.element.coordinates.of_nodes(matrix)
-
 
 @dataclass(frozen=True)
 class DesignChange:
     """Derivatives by one parameter of all that precedes the choice of a basis."""
 
-    matrices: Any
+    matrices: Matrices
     rates: DesignRates  # what the basis is made of
     stepped: Discretisation  # with the complex step still in it
 
@@ -95,7 +93,7 @@ class DesignSpace:
     values: Mapping[str, float]  # parameter -> nominal value
     quantities: Mapping[str, str]  # parameter -> what it is, for its unit
     in_monomials: frozenset[str]  # parameters by which the matrices are polynomials
-    discretise: Callable[[Mapping[str, Any]], Discretisation]
+    discretise: Callable[[Mapping[str, complex]], Discretisation]
     steps: Mapping[str, Discretisation] = field(default_factory=dict)  # complex steps that were made already
 
     def nominal(self) -> Discretisation:
@@ -120,13 +118,17 @@ class DesignSpace:
         return _change(d_matrices, d_xi, {name: derivative_of(rows) for name, rows in d_rows.items()}, stepped)
 
 
-def _change(d_matrices: Any, d_xi: np.ndarray, d_rows: dict[str, np.ndarray], stepped: Discretisation) -> DesignChange:
-    d_stiffness, d_mass = (stepped.nodal(matrix) for matrix in (d_matrices.stiffness, d_matrices.mass))
+def _change(d_matrices: Matrices, d_xi: np.ndarray, d_rows: dict[str, np.ndarray], stepped: Discretisation) -> DesignChange:
+    d_stiffness, d_mass = map(d_matrices.coordinates.of_nodes, (d_matrices.stiffness, d_matrices.mass))
     return DesignChange(d_matrices, DesignRates(d_stiffness, d_mass, d_xi, d_rows), stepped)
 
 
-def derivative_of(value: Any) -> Any:
-    """Derivative from the imaginary part that a complex step left."""
+Stepped = TypeVar("Stepped", np.ndarray, csr_array)
+"""Array or sparse matrix in which a complex step may be."""
+
+
+def derivative_of(value: Stepped) -> Stepped:
+    """Derivative from the imaginary part that a complex step left; zeros of what is real."""
     return np.imag(value) / STEP
 
 
@@ -141,9 +143,9 @@ def with_places(space: DesignSpace, followed: Collection[str] | None = None) -> 
     empty = np.zeros((per_node(nominal.nodes) * len(nominal.nodes), 1))
     inside = {name for name, p in nominal.interfaces(empty).items() if p.arc_length_range[0] < p.arc_length_range[1]}
     wanted = inside if followed is None else inside & set(followed)
-    free = {place_parameter(name): (name, nominal.places[name]) for name in nominal.places if name in wanted}
+    free = {place_parameter(name): (name, float(np.real(s))) for name, s in nominal.places.items() if name in wanted}
 
-    def discretise(design: Mapping[str, Any]) -> Any:
+    def discretise(design: Mapping[str, complex]) -> Discretisation:
         found = space.discretise(design)
         moved = {name: found.places[name] + design[parameter] - s for parameter, (name, s) in free.items()}
         return replace(found, places={**found.places, **moved})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from preprocessing.reduction.stored_entries import ROUND_OFF, joined_rates
 from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.parts import BeamSections, Elements, SpatialElements
 
-KINDS: dict[int, Any] = {2: Elements, 3: SpatialElements}
+KINDS: dict[int, type[Elements] | type[SpatialElements]] = {2: Elements, 3: SpatialElements}
 """Class of elements by the dimension of space."""
 PLACES = ("nodes", "connectivity", "held")
 """Fields that are no sums."""
@@ -37,9 +37,9 @@ class SumRows(NamedTuple):
 class ElementSums(NamedTuple):
     """Elements of a body, and their dependence on the parameters as in `ReducedModel`."""
 
-    elements: Elements | SpatialElements
-    derivatives: dict[str, Derivatives]
-    affine: dict[str, SparsePolynomial]
+    elements: Elements | SpatialElements | None = None
+    derivatives: dict[str, Derivatives] | None = None
+    affine: dict[str, SparsePolynomial] | None = None
 
 
 def element_sums(space: DesignSpace, nominal: Discretisation, held: Sequence[int]) -> ElementSums:
@@ -78,7 +78,7 @@ def _terms(summands: Mapping[Monomial, Mapping[str, SumRows]]) -> dict[str, list
     return terms
 
 
-def _rates(space: DesignSpace, parameter: str, lengths: Mapping[str, int], scales: Mapping[str, Any]) -> Arrays:
+def _rates(space: DesignSpace, parameter: str, lengths: Mapping[str, int], scales: Mapping[str, np.ndarray]) -> Arrays:
     """Derivatives by a parameter of the geometry, without round-off."""
     stepped = space.stepped(parameter)
     found = {"nodes": derivative_of(stepped.nodes + 0j)}
@@ -87,13 +87,13 @@ def _rates(space: DesignSpace, parameter: str, lengths: Mapping[str, int], scale
     return {f"elements.{name}": _counting(rate, scales[name]) for name, rate in found.items()}
 
 
-def _counting(rate: np.ndarray, scale: Any) -> np.ndarray:
+def _counting(rate: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """Derivatives with zeros in place of entries that are round-off of the largest relative change."""
     parts = np.divide(np.abs(rate), scale, out=np.zeros(rate.shape), where=np.broadcast_to(scale, rate.shape) > 0)
     return np.where(parts > ROUND_OFF * parts.max(initial=0), rate, 0.0)
 
 
-def _sum(summands: Mapping[Monomial, Mapping[str, SumRows]], values: Mapping[str, Any], lengths: Mapping[str, int]) -> Arrays:
+def _sum(summands: Mapping[Monomial, Mapping[str, SumRows]], values: Mapping[str, complex], lengths: Mapping[str, int]) -> Arrays:
     """Arrays of the elements at values of the parameters."""
     found: Arrays = {}
     kind = np.result_type(float, *(rows.values for arrays in summands.values() for rows in arrays.values()))
@@ -261,7 +261,7 @@ def beam_sections(space: DesignSpace, nominal: Discretisation, changes: Mapping[
     )
 
 
-def _sums(element: LineElement, terms: list[SectionTerm], values: Mapping[str, Any]) -> dict[str, np.ndarray]:
+def _sums(element: LineElement, terms: list[SectionTerm], values: Mapping[str, complex]) -> dict[str, np.ndarray]:
     """Arrays of the sections at some values of the parameters; complex where the terms make complex steps."""
     n, planes = len(element.connectivity), element.space.dimension - 1
     found = {name: np.zeros((n, 1), complex) for name in BY_ELEMENT}

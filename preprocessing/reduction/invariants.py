@@ -14,18 +14,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
-from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, issparse, vstack
 
-from preprocessing.elements.element import Coordinates, ElementForm, sparse_of, without_cancelled
+from preprocessing.elements.element import Coordinates, ElementForm, Matrix, sparse_of, without_cancelled
 from preprocessing.elements.section import Monomial
 from preprocessing.reduction.assembly import PARTS, Matrices, MatrixPart, Parts, energies, energy, symmetric
+from preprocessing.reduction.stored_entries import AnyInvariants
 from toolkit.reduced_model.dependence import SparsePolynomial
 
 
-def contract(matrices: Matrices, z: Any) -> Any:
+def contract(matrices: Matrices, z: Matrix) -> AnyInvariants:
     """Invariants of a reduced body for Z = [xi, Psi], shape (n, 1 + n_f).
 
     Those of a sparse Z are sparse too, with all axes but the last one in one; see `whole_arrays`.
@@ -36,20 +36,21 @@ def contract(matrices: Matrices, z: Any) -> Any:
     return matrices.coordinates.space.invariants(mass=np.asarray(t @ (matrices.m[0] @ t)), **items)
 
 
-def contract_at(parts: Parts, values: Mapping[str, Any], z: np.ndarray) -> Any:
+def contract_at(parts: Parts, values: Mapping[str, complex], z: np.ndarray) -> AnyInvariants:
     """Invariants at values of the parameters, with the digits that the roots of the parts keep."""
     return with_roots(contract(parts.at(values), z), parts, values, z)
 
 
-def with_roots(invariants: Any, parts: Parts, values: Mapping[str, Any], z: np.ndarray) -> Any:
+def with_roots(invariants: AnyInvariants, parts: Parts, values: Mapping[str, complex], z: Matrix) -> AnyInvariants:
     """Invariants with stiffness and damping from the roots of the parts, if these have any."""
     if not any(part.root for part in parts.parts):
         return invariants
     psi = parts.coordinates.undeformed(z)[:, 1:]
-    return replace(invariants, **{name: energies(parts, values, name, psi) for name in ("stiffness", "damping")})
+    stiffness, damping = (energies(parts, values, name, psi) for name in ("stiffness", "damping"))
+    return replace(invariants, stiffness=stiffness, damping=damping)
 
 
-def whole_arrays(invariants: Any, components: int) -> Any:
+def whole_arrays(invariants: AnyInvariants, components: int) -> AnyInvariants:
     """Invariants of a sparse Z as arrays with all of their axes; `components` is the number of stresses at a point."""
     axes, width = invariants.first_moment.shape
     shapes: dict[str, tuple[int, ...]] = {"second_moment": (-1, width, width)}
@@ -60,7 +61,7 @@ def whole_arrays(invariants: Any, components: int) -> Any:
     return replace(invariants, **{name: value.reshape(shapes.get(name, value.shape)) for name, value in dense.items()})
 
 
-def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: Any, d_z: Any = None) -> Any:
+def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: Matrix, d_z: Matrix | None = None) -> AnyInvariants:
     """Derivative of `contract` by one design variable, theory section 2.
 
     The product rule on the derivatives of the matrices, `d_matrices`, and of the basis, `d_z` = [dxi, dPsi] (None: zero); both Z and
@@ -75,11 +76,11 @@ def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: Any, d_z: A
     return replace(by_matrices, **{name: getattr(by_matrices, name) + value for name, value in by_basis.items()})
 
 
-Product = Callable[[Any], np.ndarray]
+Product = Callable[[csr_array], Matrix]
 """Product of a matrix with shapes on both sides."""
 
 
-def _items(matrices: Matrices, z: np.ndarray, of_mass: Product, of_stiffness: Product) -> dict[str, np.ndarray]:
+def _items(matrices: Matrices, z: Matrix, of_mass: Product, of_stiffness: Product) -> dict[str, Matrix]:
     """All invariants but the mass: those linear in Z, and products of shapes."""
     space, translations = matrices.coordinates.space, matrices.coordinates.translations
     diagonal = matrices.m[: space.dimension]
@@ -92,24 +93,22 @@ def _items(matrices: Matrices, z: np.ndarray, of_mass: Product, of_stiffness: Pr
     }
 
 
-def _moments(matrices: Matrices, product: Product) -> dict[str, np.ndarray]:
-    space, found = matrices.coordinates.space, dict[str, Any]()
+def _moments(matrices: Matrices, product: Product) -> dict[str, Matrix]:
+    space, found = matrices.coordinates.space, dict[str, list[Matrix]]()
     by_pair = dict(zip(space.pairs, matrices.m, strict=True))
     for form in space.forms:
         first, *others = (by_pair[pair] for pair in form.pairs)
         moment = _moment(form, sum(others, first), product)
-        if form.place is None:
-            found[form.item] = moment
-        else:
-            found.setdefault(form.item, []).append(moment)
-    return {item: _after_each_other(each) if isinstance(each, list) else each for item, each in found.items()}
+        found.setdefault(form.item, []).append(moment)
+    ordered = {form.item for form in space.forms if form.place is not None}
+    return {item: _after_each_other(each) if item in ordered else each[0] for item, each in found.items()}
 
 
-def _after_each_other(each: list[Any]) -> Any:
+def _after_each_other(each: list[Matrix]) -> Matrix:
     return vstack(each, format="csr") if issparse(each[0]) else np.stack(each)
 
 
-def _moment(form: ElementForm, matrix: Any, product: Product) -> Any:
+def _moment(form: ElementForm, matrix: csr_array, product: Product) -> Matrix:
     return PARTS[form.part](product(matrix - matrix.T if form.part == "antisymmetric" else matrix))
 
 
@@ -147,15 +146,15 @@ def polynomial_of(terms: list[Term], parameters: list[str]) -> SparsePolynomial:
     )
 
 
-def whole(matrix: Any) -> Any:
+def whole(matrix: Matrix) -> coo_array:
     """Entries of a matrix with their places: all of a dense one, zero or not, and the stored ones of a sparse one."""
-    if issparse(matrix):
+    if not isinstance(matrix, np.ndarray):
         return matrix.tocoo()
     places = np.indices(matrix.shape).reshape(2, -1)
     return coo_array((matrix.ravel(), (places[0], places[1])), shape=matrix.shape)
 
 
-def _contractions(part: MatrixPart, z: Any, coordinates: Coordinates) -> Iterator[tuple[str, Any]]:
+def _contractions(part: MatrixPart, z: Matrix, coordinates: Coordinates) -> Iterator[tuple[str, Matrix]]:
     """Contribution of one part of one matrix to the invariants, for unit parameters and sparse or dense Z."""
     psi = z[:, 1:]
     if part.name == "stress":
@@ -166,7 +165,7 @@ def _contractions(part: MatrixPart, z: Any, coordinates: Coordinates) -> Iterato
         yield from _of_mass(part.name, sparse_of(part.matrix), z, coordinates)
 
 
-def _of_mass(pair: tuple[int, int], matrix: Any, z: Any, coordinates: Coordinates) -> Iterator[tuple[str, Any]]:
+def _of_mass(pair: tuple[int, int], matrix: csr_array, z: Matrix, coordinates: Coordinates) -> Iterator[tuple[str, Matrix]]:
     """Contribution of one component mass matrix to the invariants."""
     space, t, width = coordinates.space, coordinates.translations, z.shape[1]
     for form in (form for form in space.forms if pair in form.pairs):
@@ -181,7 +180,7 @@ def _of_mass(pair: tuple[int, int], matrix: Any, z: Any, coordinates: Coordinate
             yield "mass", np.atleast_2d(inertia @ t[0])
 
 
-def _at_place(moment: Any, place: int, places: int) -> Any:
+def _at_place(moment: Matrix, place: int, places: int) -> coo_array:
     """Matrix as one of several after each other, in one row."""
     found = whole(moment)
     entry = place * found.shape[0] * found.shape[1] + np.ravel_multi_index(found.coords, found.shape)
@@ -189,6 +188,6 @@ def _at_place(moment: Any, place: int, places: int) -> Any:
     return coo_array((found.data, (np.zeros(len(entry), int), entry)), shape=shape)
 
 
-def both_sides(matrix: Any, z: np.ndarray, d_z: np.ndarray) -> np.ndarray:
+def both_sides(matrix: csr_array, z: Matrix, d_z: Matrix) -> Matrix:
     """Derivative dZ^T M Z + Z^T M dZ of a product of shapes."""
     return d_z.T @ (matrix @ z) + z.T @ (matrix @ d_z)

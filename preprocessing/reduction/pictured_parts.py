@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,13 +13,14 @@ from preprocessing.elements.section import Monomial, SectionShape, value_of
 from preprocessing.reduction.invariants import polynomial_of
 from preprocessing.reduction.reduced import ReducedParts
 from toolkit.reduced_model.dependence import SparsePolynomial
+from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.parts import SURFACE_POSITION, Surface, SurfaceLoad
 
 if TYPE_CHECKING:
     from preprocessing.mesh.faces import BoundaryFaces
 
 
-def fibre_lines(beams: SpatialBeam, z: np.ndarray, values: Mapping[str, Any]) -> Surface:
+def fibre_lines(beams: SpatialBeam, z: np.ndarray, values: Mapping[str, float]) -> Surface:
     """Lines of the fibres for Z = [xi, Psi] (n, 1 + n_f), at the dimensions `values` of the sections."""
     first, triad = beams.first_rows, beams.axes
     position = np.zeros((int(first[-1]), 3, z.shape[1]))
@@ -58,7 +60,7 @@ def _shares(shape: SectionShape, parameters: Mapping[str, str]) -> dict[Monomial
     return {(): fixed, **{((name, 1),): slope for name, slope in slopes.items() if slope.any()}}
 
 
-def _offsets(shape: SectionShape, dimensions: Mapping[str, Any]) -> np.ndarray:
+def _offsets(shape: SectionShape, dimensions: Mapping[str, float]) -> np.ndarray:
     """Offsets y_2, y_3 of every fibre, (n_fibres, 2)."""
     return np.array([[value_of(fibre.second, dimensions), value_of(fibre.third, dimensions)] for fibre in shape.fibres])
 
@@ -96,10 +98,9 @@ def pressure_on(normals: np.ndarray, z: np.ndarray) -> SurfaceLoad:
     return SurfaceLoad(-normals.sum(axis=0), -np.einsum("ka,kbj->abj", normals, z.reshape(-1, 3, z.shape[1])))
 
 
-def beam_surface(found: ReducedParts, beams: SpatialBeam) -> dict[str, Any]:
-    """Surface of beams at the nominal design; at others too where the shapes are those of the nominal one."""
-    z, values = found.basis.z, found.space.values
-    surface = {"surface": fibre_lines(beams, z, values)}
-    if not found.basis.constant:
-        return surface
-    return {**surface, "affine": {**found.affine, SURFACE_POSITION: fibre_polynomial(beams, z, list(values))}}
+def with_fibres(model: ReducedModel, found: ReducedParts, beams: SpatialBeam) -> ReducedModel:
+    """Reduced model with the fibres of its beams at the nominal design; at others too where the shapes are those of the nominal one."""
+    z, values, affine = found.basis.z, found.space.values, found.affine
+    if found.basis.constant:
+        affine = {**affine, SURFACE_POSITION: fibre_polynomial(beams, z, list(values))}
+    return replace(model, surface=fibre_lines(beams, z, values), affine=affine)

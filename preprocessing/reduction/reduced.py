@@ -5,19 +5,20 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse import csr_array, issparse
 
+from preprocessing.elements.element import Matrix
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.reduction.assembly import Matrices, Parts
 from preprocessing.reduction.basis import BasisChoice, ReductionBasis
 from preprocessing.reduction.boundary import coordinates_of
 from preprocessing.reduction.chosen_basis import motions_of_the_frame, per_node, reduced_basis
 from preprocessing.reduction.discretisation import STEP, DesignChange, DesignSpace, Discretisation, derivative_of, with_places
-from preprocessing.reduction.element_sums import KeptSections, beam_sections, element_sums
+from preprocessing.reduction.element_sums import ElementSums, KeptSections, beam_sections, element_sums
 from preprocessing.reduction.invariants import contract, contract_derivative, polynomials, whole_arrays, with_roots
 from preprocessing.reduction.spin_stiffening import SpinStiffening, Spun, without_round_off_of_rate
 from preprocessing.reduction.stored_entries import (
@@ -42,7 +43,7 @@ from toolkit.reduced_model.composition import (
     plain_text,
 )
 from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
-from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
+from toolkit.reduced_model.model import InterfacePoint, Invariants, ReducedModel, StressPoints
 from toolkit.reduced_model.parts import SPIN_STIFFENING, Elements, LeftOutShapes, SpatialElements, SpatialInvariants, Spin
 
 
@@ -91,7 +92,7 @@ def _volume_of_lines(space: DesignSpace, parts: Parts) -> float | None:
     along = [part for part in parts.parts if part.name == (0, 0)]
     if not all(dense & dict(part.factors).keys() for part in along):
         return None
-    at_one: dict[str, Any] = {**space.values, **dict.fromkeys(dense, 1.0)}
+    at_one = {**space.values, **dict.fromkeys(dense, 1.0)}
     motion = parts.coordinates.translations[0]
     mass = replace(parts, parts=tuple(along)).at(at_one).m[0]
     return float(np.real(motion @ (mass @ motion)))
@@ -116,7 +117,7 @@ class Contracted(NamedTuple):
 def contracted(
     parts: Parts,
     matrices: Matrices,
-    values: Mapping[str, Any],
+    values: Mapping[str, float],
     z: np.ndarray,
     rates: Iterable[tuple[str, Rate]],
     interfaces: Mapping[str, InterfacePoint],
@@ -143,7 +144,7 @@ def contracted(
     return Contracted(invariants, found, affine)
 
 
-def _rates(matrices: Matrices, rate: Rate, shapes: Any) -> dict[str, Any]:
+def _rates(matrices: Matrices, rate: Rate, shapes: Matrix) -> dict[str, Matrix]:
     """Derivatives of the invariants, sparse as the shapes are."""
     d_shapes = csr_array(rate.z) if issparse(shapes) else rate.z
     return vars(contract_derivative(matrices, rate.matrices, shapes, d_shapes))
@@ -163,13 +164,13 @@ def richer_choices(choice: BasisChoice, modes: int, n: int) -> list[BasisChoice]
     """
     if choice.derivative != "frozen" or choice.kind == "full":
         return []
-    plain: dict[str, Any] = {"frequency": None, "static_error": None, "beside_frozen": True}
-    alone = replace(choice, **plain, kind="eigenmodes", count=2 * modes + MORE_ALONE)
+    more = 2 * modes + MORE_ALONE
+    alone = replace(choice, kind="eigenmodes", count=more, frequency=None, static_error=None, beside_frozen=True)
     if choice.boundary == "free":
         return [alone]
     if n <= LARGEST_FULL:
-        return [replace(choice, **plain, kind="full", count=None)]
-    return [replace(choice, **plain, kind="craig-bampton", count=2 * modes + MORE), alone]
+        return [replace(alone, kind="full", count=None)]
+    return [replace(alone, kind="craig-bampton", count=2 * modes + MORE), alone]
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,18 +179,18 @@ class LineSpin:
 
     space: DesignSpace
     nominal: Discretisation
-    z: Any
-    free: Any  # sparse (n, n^): which nodal coordinates the frame leaves free
+    z: Matrix
+    free: csr_array  # (n, n^): which nodal coordinates the frame leaves free
     floats: bool
     found: SpinStiffening
 
-    def rates(self, parameter: str, d_z: Any = None) -> dict[str, np.ndarray]:
+    def rates(self, parameter: str, d_z: Matrix | None = None) -> dict[str, np.ndarray]:
         """Derivative of the spin stiffening by one parameter, which changes Z by d_z."""
         space, z = self.space, self.z
         if d_z is not None:
             z = z + 1j * STEP * (sparse.csr_array(d_z) if sparse.issparse(z) else d_z)
         if parameter in space.in_monomials:
-            values: Mapping[str, Any] = {**space.values, parameter: space.values[parameter] + 1j * STEP}
+            values: Mapping[str, complex] = {**space.values, parameter: space.values[parameter] + 1j * STEP}
             body = self.nominal
         else:
             values, body = space.values, space.stepped(parameter)
@@ -202,7 +203,7 @@ class LineSpin:
         return joined_rates({name: self.rates(name) for name in names if name in parameters}, names)
 
 
-def line_spin(space: DesignSpace, nominal: Discretisation, z: Any, held: Sequence[int], matrices: Matrices) -> LineSpin:
+def line_spin(space: DesignSpace, nominal: Discretisation, z: Matrix, held: Sequence[int], matrices: Matrices) -> LineSpin:
     """Spin stiffening of elements whose frame is tied to the nodes `held`, or floats about mean axes without them."""
     n_nodes, each = len(nominal.nodes), per_node(nominal.nodes)
     kept = np.delete(np.arange(each * n_nodes), coordinates_of(held, n_nodes, each))
@@ -211,11 +212,13 @@ def line_spin(space: DesignSpace, nominal: Discretisation, z: Any, held: Sequenc
     return LineSpin(space, nominal, z, free, not held, found)
 
 
-def _spun(body: Discretisation, values: Mapping[str, Any], matrices: Matrices, z: Any, free: Any, floats: bool) -> Spun:
+def _spun(
+    body: Discretisation, values: Mapping[str, complex], matrices: Matrices, z: Matrix, free: csr_array, floats: bool
+) -> Spun:
     return Spun(body.element, values, matrices, free, z, motions_of_the_frame(body.nodes) if floats else None)
 
 
-def left_out_shapes(nominal: Discretisation, matrices: Matrices, mass: Any, basis: ReductionBasis) -> LeftOutShapes | None:
+def left_out_shapes(nominal: Discretisation, matrices: Matrices, mass: csr_array, basis: ReductionBasis) -> LeftOutShapes | None:
     """Static responses of left-out shapes at the nominal design, with the nodal mass (n, n); None if none is left out."""
     if basis.beyond is None or not basis.beyond.count:
         return None
@@ -243,13 +246,18 @@ def pulls(nodes: np.ndarray) -> np.ndarray:
     return found.reshape(-1, d + d * d)
 
 
+STORED = (
+    "invariants", "derivatives", "affine", "interfaces", "stress", "elements", "element_derivatives", "element_affine", "spin",
+    "left_out_shapes", "composition",
+)  # fmt: skip
+"""Parts of a model that stand in `ReducedParts` under the same names."""
 RICHER = ("invariants", "derivatives", "affine", "interfaces", "spin")
 """Parts of a model that hold its richer basis; of a skin the shape too."""
 
 
 @dataclass(frozen=True)
 class ReducedParts:
-    """Result of `reduce`; the fields of `ReducedModel` have the same names."""
+    """Result of `reduce`."""
 
     space: DesignSpace  # with all parameters of the model
     basis: ReductionBasis
@@ -267,24 +275,22 @@ class ReducedParts:
     composition: dict[str, str | int | float] = field(default_factory=dict)
     richer: ReducedParts | None = None  # of a frozen basis: the same body in more shapes
 
-    def fields(self, units: str) -> dict[str, Any]:
-        """Arguments of `ReducedModel`."""
-        return {
-            "dimension": 3 if isinstance(self.invariants, SpatialInvariants) else 2,
-            "units": units,
-            "reference_condition": self.basis.reference_condition,
-            "basis": self.basis.description,
-            "left_out": dict(self.basis.left_out),
-            "nominal": {name: float(np.real(value)) for name, value in self.space.values.items()},
-            "nominal_units": {name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
-            **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},
-            **{
-                name: getattr(self, name)
-                for name in ("elements", "element_derivatives", "element_affine", "spin", "left_out_shapes", "composition")
-            },
+    def model(self, units: str) -> ReducedModel:
+        """Reduced model of these parts, to which its recipe adds pictures, writers and the hash of its inputs."""
+        return ReducedModel(
+            dimension=3 if isinstance(self.invariants, SpatialInvariants) else 2,
+            units=units,
+            reference_condition=self.basis.reference_condition,
+            basis=self.basis.description,
+            nominal={name: float(np.real(value)) for name, value in self.space.values.items()},
+            nominal_units={name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
+            input_hash="",
+            writers={},
+            left_out=dict(self.basis.left_out),
+            **{name: getattr(self, name) for name in STORED},
             **self.sections._asdict(),
             **({} if self.richer is None else {f"richer_{name}": getattr(self.richer, name) for name in RICHER}),
-        }
+        )
 
 
 def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> ReducedParts:
@@ -316,7 +322,7 @@ def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequen
     space = with_places(space, choice.followed)
     nominal = space.nominal()
     matrices = nominal.parts.at(space.values)
-    mass, stiffness = nominal.nodal(matrices.mass), nominal.nodal(matrices.stiffness)
+    mass, stiffness = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
     basis = reduced_basis(choice, mass, stiffness, nominal.nodes, clamped_node, clamp, nominal.interface_rows())
     exact = space.in_monomials if basis.constant else frozenset()
     changes = {parameter: space.change(nominal, parameter) for parameter in space.values if parameter not in exact}
@@ -335,10 +341,7 @@ def _reduced(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequen
     )
     by_monomials = spin.by_monomials(exact) if spin else {}
     found = found._replace(derivatives=with_more(found.derivatives, by_monomials))
-    elements: tuple[Any, Any, Any] = (None, None, None)
-    if not choice.beside_frozen:
-        sums = element_sums(space, nominal, still)
-        elements = (sums.elements, sums.derivatives, sums.affine)
+    elements = ElementSums() if choice.beside_frozen else element_sums(space, nominal, still)
     sections = KeptSections() if choice.beside_frozen else beam_sections(space, nominal, changes)
     stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     composition = line_composition(space, nominal, still, interfaces)

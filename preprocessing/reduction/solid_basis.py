@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse import csr_array
 
 from preprocessing.reduction.basis import BasisChoice
 from preprocessing.reduction.normal_modes import (
@@ -24,7 +24,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import Chord
 
 
-def count_by_static_error(modes: NormalModes, rows: Mapping[str, Any], system: Any, largest: float) -> int | None:
+def count_by_static_error(modes: NormalModes, rows: Mapping[str, csr_array], system: ShiftedSystem, largest: float) -> int | None:
     """Smallest number of the modes with a relative static error of at most `largest`; None if these modes are not enough.
 
         || C - C_k || / || C ||,     C = R K^-1 R^T,  C_k = sum_{j <= k} (R phi_j) (R phi_j)^T / lambda_j
@@ -67,7 +67,7 @@ class SolidShapes:
 
     columns: np.ndarray  # (n^, n_f)
     words: str
-    stiffness: Any = None  # sparse (n^, n^)
+    stiffness: csr_array | None = None  # (n^, n^)
     system: ShiftedSystem | None = None
     modes: NormalModes | None = None
     beyond: NormalModes | None = None  # modes that are left out, as many as were found
@@ -113,8 +113,8 @@ class SolidShapes:
 
 def solid_shapes(
     choice: BasisChoice,
-    mass: Any,
-    stiffness: Any,
+    mass: csr_array,
+    stiffness: csr_array,
     motions: np.ndarray,
     places: np.ndarray,
     free: Freedom,
@@ -124,7 +124,7 @@ def solid_shapes(
 
     Parameters
     ----------
-    mass, stiffness : sparse (n^, n^), on the independent coordinates
+    mass, stiffness : (n^, n^), on the independent coordinates
     motions : (n^, m), rigid motions of a body that nothing holds
     places : (n^, d), where each coordinate is
     ties : interface points
@@ -158,7 +158,7 @@ def solid_shapes(
         turn = None if choice.chord is None else chord_turn(Chord(*choice.chord), list(moving), ties)
         return _with_interface(choice, mass, stiffness, places, free, moving, turn)
     if choice.boundary == "clamped":
-        system: ShiftedSystem = held_system(stiffness, sparse.csr_array((0, n)), places)
+        system: ShiftedSystem = held_system(stiffness, csr_array((0, n)), places)
     else:
         system = free_system(stiffness, mass, motions, places)
     kept, beyond = _modes(choice, mass, moving, system)
@@ -167,11 +167,11 @@ def solid_shapes(
 
 def _with_interface(
     choice: BasisChoice,
-    mass: Any,
-    stiffness: Any,
+    mass: csr_array,
+    stiffness: csr_array,
     places: np.ndarray,
     free: Freedom,
-    rows: Mapping[str, Any],
+    rows: Mapping[str, csr_array],
     turn: np.ndarray | None,
 ) -> SolidShapes:
     """Constraint modes of the points in their order, or of what a chord leaves of their motions, then fixed-interface modes."""
@@ -180,7 +180,7 @@ def _with_interface(
     m, inside = free.motions, free.n_free
     n_held = m * len(free.rigid)
     averaged = tuple(name for name in rows if name not in free.rigid)
-    border = sparse.vstack([sparse.csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
+    border = sparse.vstack([csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
     inner = _first_of(stiffness, inside)
     if free.floats:
         inner = supported(inner, [rows[name][:, :inside] for name in averaged])
@@ -204,12 +204,14 @@ def _with_interface(
     return SolidShapes(columns, words, stiffness, system, kept, beyond, n_held, averaged, tuple(rows), all_points, turn)
 
 
-def _first_of(matrix: Any, n: int) -> Any:
-    """Block of a sparse matrix for the first n coordinates; the matrix itself if these are all."""
+def _first_of(matrix: csr_array, n: int) -> csr_array:
+    """Block of a matrix for the first n coordinates; the matrix itself if these are all."""
     return matrix if n == matrix.shape[0] else matrix[:n, :n].tocsr()
 
 
-def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: ShiftedSystem) -> tuple[NormalModes, NormalModes]:
+def _modes(
+    choice: BasisChoice, mass: csr_array, rows: Mapping[str, csr_array], system: ShiftedSystem
+) -> tuple[NormalModes, NormalModes]:
     """Modes to keep, and those beyond them that were found; at least one, to detect a cut cluster."""
 
     def by_static_error(found: NormalModes) -> int | None:
@@ -234,7 +236,7 @@ def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: Shif
     return kept, every.beyond(count)
 
 
-def _words(choice: BasisChoice, points: Mapping[str, Any], modes: NormalModes | None) -> str:
+def _words(choice: BasisChoice, points: Mapping[str, csr_array], modes: NormalModes | None) -> str:
     sizes = [row.shape[0] for row in points.values()]
     n_static = sum(sizes) - (sizes[0] if choice.chord else 0)
     found = [f"{n_static} constraint modes of the interface points {', '.join(points)}"] if points else []

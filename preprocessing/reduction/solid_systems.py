@@ -6,24 +6,27 @@ import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import scipy
 from scipy import sparse
 from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from toolkit.foundation.errors import InputError
+
+if TYPE_CHECKING:
+    from pypardiso import PyPardisoSolver
 
 
 @dataclass(frozen=True, eq=False)
 class BasisChange:
     """Derivatives by one variable of what a solid's basis is made of; None is what does not depend on it."""
 
-    stiffness: Any  # dK, sparse (n, n)
-    mass: Any = None  # dM, sparse (n, n)
-    rows: Any = None  # dB of the averaged interface points, sparse (m, n)
+    stiffness: sparse.csr_array  # dK (n, n)
+    mass: sparse.csr_array | None = None  # dM (n, n)
+    rows: sparse.csr_array | np.ndarray | None = None  # dB of the averaged interface points (m, n)
     motions: np.ndarray | None = None  # rate of the rigid motions, (n, m)
     turn: np.ndarray | None = None  # rate of what a chord leaves of the points' motions, see `chord_turn`
 
@@ -43,12 +46,12 @@ LEAF = 120
 """Coordinates of parts that are not halved any more."""
 
 
-def dissected(matrix: Any, places: np.ndarray) -> np.ndarray:
+def dissected(matrix: sparse.csr_array, places: np.ndarray) -> np.ndarray:
     """Numbers (n,) of the coordinates in the order of elimination.
 
     Parameters
     ----------
-    matrix : sparse (n, n), of which the pattern counts
+    matrix : (n, n), of which the pattern counts
     places : (n, d), where the node of every coordinate is
     """
     pattern = sparse.csr_array(matrix)
@@ -56,7 +59,7 @@ def dissected(matrix: Any, places: np.ndarray) -> np.ndarray:
     return _ordered(graph, places, np.arange(len(places)))
 
 
-def _ordered(graph: Any, places: np.ndarray, members: np.ndarray) -> np.ndarray:
+def _ordered(graph: sparse.csr_array, places: np.ndarray, members: np.ndarray) -> np.ndarray:
     """The members in order; graph and places are theirs."""
     if len(members) <= LEAF:
         return members
@@ -74,7 +77,7 @@ def _ordered(graph: Any, places: np.ndarray, members: np.ndarray) -> np.ndarray:
 class SuperLUFactors:
     """Factors of a matrix whose coordinates are taken in another order; None where SuperLU has chosen the order itself."""
 
-    factors: Any
+    factors: SuperLU
     order: np.ndarray | None
 
     @property
@@ -91,7 +94,7 @@ class SuperLUFactors:
         return found
 
 
-def superlu_factors(stiffness: Any, places: np.ndarray | None) -> SuperLUFactors:
+def superlu_factors(stiffness: sparse.csr_array, places: np.ndarray | None) -> SuperLUFactors:
     """Factors by SuperLU; in space, where the nodes are given, in an order that leaves fewer entries."""
     symmetric = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     if places is None or places.shape[1] < 3:
@@ -109,7 +112,7 @@ OWN_PARAMETERS, ORDER, METIS, REFINEMENTS = 1, 2, 2, 8
 class PardisoFactors:
     """Factors that are MKL's own memory, which is given back with this object."""
 
-    def __init__(self, stiffness: Any, solver: Any) -> None:
+    def __init__(self, stiffness: sparse.csr_array, solver: PyPardisoSolver) -> None:
         self._upper = sparse.csr_matrix(sparse.triu(stiffness, format="csr"))
         self._solver = solver
         solver.set_iparm(OWN_PARAMETERS, 1)
@@ -131,7 +134,7 @@ class PardisoFactors:
         return found
 
 
-def pardiso_factors(stiffness: Any) -> PardisoFactors | None:
+def pardiso_factors(stiffness: sparse.csr_array) -> PardisoFactors | None:
     """Factors by Pardiso; None where it is not installed, or refuses the matrix."""
     try:
         from pypardiso import PyPardisoSolver
@@ -168,12 +171,12 @@ class Factors(Protocol):
         """Displacements u (n, k) under loads (n, k)."""
 
 
-def factored(stiffness: Any, places: np.ndarray | None) -> Factors:
+def factored(stiffness: sparse.csr_array, places: np.ndarray | None) -> Factors:
     """Factors of a symmetric positive definite matrix.
 
     Parameters
     ----------
-    stiffness : (n, n) sparse
+    stiffness : (n, n)
     places : (n, d), where the node of every coordinate is
     """
     large = stiffness.shape[0] >= LARGE
@@ -186,13 +189,13 @@ DEPENDENT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class HeldSystem:
-    """Factors of [K B^T; B 0] with K (n, n) sparse and positive definite, and B (m, n) sparse, by K and its Schur complement."""
+    """Factors of [K B^T; B 0] with K (n, n) positive definite and B (m, n), by K and its Schur complement."""
 
-    stiffness: Any
-    rows: Any
+    stiffness: sparse.csr_array
+    rows: sparse.csr_array
     factors: Factors  # of K
     carried: np.ndarray  # W = K^-1 B^T, (n, m)
-    complement: Any  # Cholesky factor of B K^-1 B^T; None without rows
+    complement: tuple[np.ndarray, bool] | None  # Cholesky factor of B K^-1 B^T; None without rows
 
     @property
     def writers(self) -> dict[str, str]:
@@ -233,13 +236,13 @@ class HeldSystem:
         return change.rows.T @ self.reactions(forces)
 
 
-def held_system(stiffness: Any, rows: Any, places: np.ndarray | None = None) -> HeldSystem:
+def held_system(stiffness: sparse.csr_array, rows: sparse.csr_array, places: np.ndarray | None = None) -> HeldSystem:
     """Factor K and the compliance between the rows.
 
     Parameters
     ----------
-    stiffness : (n, n) sparse, positive definite
-    rows : (m, n) sparse; m may be zero
+    stiffness : (n, n), positive definite
+    rows : (m, n); m may be zero
     places : (n, d), where the node of every coordinate is
 
     Raises
@@ -270,9 +273,9 @@ class FreeSystem:
     P = I - T T^T M, for rigid motions T with T^T M T = I.
     """
 
-    stiffness: Any  # (n, n) sparse
-    mass: Any  # M (n, n) sparse
-    rows: Any  # (0, n)
+    stiffness: sparse.csr_array  # (n, n)
+    mass: sparse.csr_array  # M (n, n)
+    rows: sparse.csr_array  # (0, n)
     held: HeldSystem  # of the coordinates `kept`
     kept: np.ndarray
     rigid: np.ndarray  # T (n, m), m = 3 in the plane and 6 in space
@@ -310,12 +313,14 @@ class FreeSystem:
         return np.zeros_like(forces)
 
 
-def free_system(stiffness: Any, mass: Any, motions: np.ndarray, places: np.ndarray | None = None) -> FreeSystem:
+def free_system(
+    stiffness: sparse.csr_array, mass: sparse.csr_array, motions: np.ndarray, places: np.ndarray | None = None
+) -> FreeSystem:
     """Factor the stiffness with a support that carries no force under balanced loads.
 
     Parameters
     ----------
-    stiffness, mass : sparse (n, n)
+    stiffness, mass : (n, n)
     motions : (n, m) the body's rigid motions
     places : (n, d), where the node of every coordinate is
     """

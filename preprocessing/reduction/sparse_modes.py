@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from scipy.linalg import eigh
+from scipy.sparse import csr_array
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from preprocessing.reduction.constrained_pencil import ConstrainedPencil
@@ -25,12 +26,12 @@ class ShiftedSystem(Protocol):
     """Factored stiffness of a body under conditions that hold it."""
 
     @property
-    def stiffness(self) -> Any:
-        """Stiffness K (n, n), sparse."""
+    def stiffness(self) -> csr_array:
+        """Stiffness K (n, n)."""
 
     @property
-    def rows(self) -> Any:
-        """Condition rows B (m, n) of B u = 0, sparse."""
+    def rows(self) -> csr_array:
+        """Condition rows B (m, n) of B u = 0."""
 
     @property
     def writers(self) -> dict[str, str]:
@@ -49,12 +50,12 @@ class ShiftedSystem(Protocol):
         """Rates (n, k) of the forces that hold the body, at constant size of these forces."""
 
 
-def lowest_modes(system: ShiftedSystem, mass: Any, enough: Callable[[NormalModes], bool], first: int) -> NormalModes:
+def lowest_modes(system: ShiftedSystem, mass: csr_array, enough: Callable[[NormalModes], bool], first: int) -> NormalModes:
     """Lowest modes of K phi = lambda M phi - B^T eta, B phi = 0, as many as are `enough`; more may be found.
 
     Parameters
     ----------
-    mass : (n, n) sparse
+    mass : (n, n)
     first : number of modes to begin with; it is doubled until there are enough
 
     Raises
@@ -78,14 +79,14 @@ def lowest_modes(system: ShiftedSystem, mass: Any, enough: Callable[[NormalModes
     return found
 
 
-def _no_modes(system: ShiftedSystem, mass: Any) -> NormalModes:
+def _no_modes(system: ShiftedSystem, mass: csr_array) -> NormalModes:
     """Empty set of modes, of a body all of whose coordinates are held."""
     none = np.zeros((mass.shape[0], 0))
     pencil = ConstrainedPencil(system.stiffness, mass, system.rows)
     return NormalModes(pencil, np.zeros(0), none, np.zeros((system.rows.shape[0], 0)), np.zeros(0), none)
 
 
-def _lanczos(system: ShiftedSystem, mass: Any, count: int) -> NormalModes:
+def _lanczos(system: ShiftedSystem, mass: csr_array, count: int) -> NormalModes:
     n = mass.shape[0]
     inverse = LinearOperator((n, n), matvec=lambda f: system.nearly(f.reshape(-1, 1)).ravel(), dtype=float)
     start = inverse @ (mass @ np.random.default_rng(0).normal(size=n))
@@ -95,7 +96,7 @@ def _lanczos(system: ShiftedSystem, mass: Any, count: int) -> NormalModes:
     return _modes(system, mass, values, shapes @ turn)
 
 
-def _modes(system: ShiftedSystem, mass: Any, values: np.ndarray, shapes: np.ndarray) -> NormalModes:
+def _modes(system: ShiftedSystem, mass: csr_array, values: np.ndarray, shapes: np.ndarray) -> NormalModes:
     """Normal modes from eigenvalues and shapes, in order."""
     pencil = ConstrainedPencil(system.stiffness, mass, system.rows)
     columns = told_apart(values, shapes, np.sqrt(mass.diagonal()))

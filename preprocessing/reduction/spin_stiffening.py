@@ -14,15 +14,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy import sparse
 
-from preprocessing.elements.element import Element
+from preprocessing.elements.element import Element, Matrix
 from preprocessing.reduction.assembly import Matrices, symmetric
 from preprocessing.reduction.discretisation import STEP, derivative_of
 from preprocessing.reduction.solid_systems import free_system, held_system
+from preprocessing.reduction.sparse_modes import ShiftedSystem
 from preprocessing.reduction.stored_entries import OF_SHAPES, ROUND_OFF, AnyInvariants
 from toolkit.reduced_model.parts import Spin
 
@@ -32,27 +32,28 @@ class Spun:
     """Spinning body at one design; complex where a parameter made a complex step."""
 
     element: Element
-    values: Mapping[str, Any]  # of the parameters
+    values: Mapping[str, complex]  # of the parameters
     matrices: Matrices
-    map: Any  # sparse (nodal, n^): nodal coordinates of those that the frame and ties leave free
-    z: Any  # [xi, Psi] (nodal, 1 + n_f), sparse or dense
+    map: sparse.csr_array  # (nodal, n^): nodal coordinates of those that the frame and ties leave free
+    z: Matrix  # [xi, Psi] (nodal, 1 + n_f)
     motions: np.ndarray | None = None  # (n^, m) rigid motions of a body that floats about mean axes; None of one that is held
 
     @cached_property
-    def stiffness(self) -> Any:
-        """Stiffness on the free coordinates, sparse (n^, n^)."""
+    def stiffness(self) -> sparse.csr_array:
+        """Stiffness on the free coordinates, (n^, n^)."""
         return self._on_free(self.matrices.stiffness)
 
     @cached_property
-    def mass(self) -> Any:
-        """Mass on the free coordinates, sparse (n^, n^)."""
+    def mass(self) -> sparse.csr_array:
+        """Mass on the free coordinates, (n^, n^)."""
         return self._on_free(self.matrices.mass)
 
     @cached_property
     def loads(self) -> np.ndarray:
         """Centrifugal forces F_k (n^, k), for a floating body with what its inertia adds."""
         space, nodal = self.matrices.coordinates.space, self.map.shape[0]
-        xi = np.asarray(self._whole_z[:, [0]].toarray() if sparse.issparse(self.z) else self._whole_z[:, [0]])
+        column = self._whole_z[:, [0]]
+        xi = column if isinstance(column, np.ndarray) else column.toarray()
         by_pair = dict(zip(space.pairs, self.matrices.m, strict=True))
         forces = [sum(weight * (symmetric(by_pair[pair]) @ xi) for pair, weight in spin) for spin in space.spins]
         found = self.map.T @ np.hstack(forces)[:nodal]
@@ -69,10 +70,10 @@ class Spun:
         return np.stack([symmetric(each.toarray() if sparse.issparse(each) else each) for each in products])
 
     @property
-    def _whole_z(self) -> Any:
+    def _whole_z(self) -> Matrix:
         return self.matrices.coordinates.undeformed(self.z)
 
-    def _on_free(self, matrix: Any) -> Any:
+    def _on_free(self, matrix: sparse.csr_array) -> sparse.csr_array:
         return (self.map.T @ self.matrices.coordinates.of_nodes(matrix) @ self.map).tocsr()
 
 
@@ -106,7 +107,7 @@ class SpinStiffening:
         return np.asarray(self._system.solve(self.nominal.loads))
 
     @cached_property
-    def _system(self) -> Any:
+    def _system(self) -> ShiftedSystem:
         body, n = self.nominal, self.nominal.map.shape[1]
         if body.motions is None:
             return held_system(body.stiffness, sparse.csr_array((0, n)), self.places)

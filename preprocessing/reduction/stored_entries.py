@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
-from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, issparse
 
+from preprocessing.elements.element import Matrix
 from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial, listed
 from toolkit.reduced_model.model import InterfacePoint, Invariants
 from toolkit.reduced_model.parts import SpatialInvariants
@@ -30,17 +30,17 @@ BY_COORDINATE = ("position", "rotation", "moment")
 """Last words of the names of items whose last axis is that of [1; q_f]."""
 
 AnyInvariants = Invariants | SpatialInvariants
-Rates = Mapping[str, Mapping[str, Any]]
+Rates = Mapping[str, Mapping[str, Matrix]]
 """Parameter -> item -> derivative, of invariants of a full basis a sparse one."""
 
 
-def without_round_off(inv: Any) -> Any:
+def without_round_off(inv: AnyInvariants) -> AnyInvariants:
     """Invariants of a full basis, in arrays or sparse, with zeros in the place of round-off."""
     scales = entry_factors(inv)
-    return replace(inv, **{f.name: _significant(getattr(inv, f.name), scales[f.name]) for f in fields(inv)})
+    return type(inv)(**{f.name: _significant(getattr(inv, f.name), scales[f.name]) for f in fields(inv)})
 
 
-def _significant(array: Any, scale: EntryScale) -> Any:
+def _significant(array: Matrix, scale: EntryScale) -> Matrix:
     entry, value = listed(array)
     kept = np.where(np.abs(value) > ROUND_OFF * scale.at(entry), value, 0.0)
     if not issparse(array):
@@ -104,7 +104,7 @@ def _told(rate: np.ndarray, stored: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return entry, rate.ravel()[entry]
 
 
-def _of_invariant(rate: Any, scale: EntryScale, fastest: float) -> tuple[np.ndarray, np.ndarray]:
+def _of_invariant(rate: Matrix, scale: EntryScale, fastest: float) -> tuple[np.ndarray, np.ndarray]:
     """Entries that are more than round-off, where the entry of all invariants that changes most in parts of its scale sets the
     measure: the mass, whose one entry does not change where a node moves across a straight beam, is none for itself."""
     entry, value = listed(rate)
@@ -112,7 +112,7 @@ def _of_invariant(rate: Any, scale: EntryScale, fastest: float) -> tuple[np.ndar
     return entry[more], value[more]
 
 
-def _fastest(rate: Any, scale: EntryScale) -> float:
+def _fastest(rate: Matrix, scale: EntryScale) -> float:
     """Largest change of an entry in parts of its scale."""
     entry, value = listed(rate)
     own = scale.at(entry)

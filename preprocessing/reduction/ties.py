@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -30,13 +29,17 @@ THIN = 1e-12
 """Least moment of tied nodes about an axis, in parts of the largest, below which they are on one line."""
 
 
+WeightedNodes = tuple[np.ndarray, sparse.sparray]
+"""Numbers (k,) of nodes, and the weights W (k, k) of their mean, of sum 1."""
+
+
 @dataclass(frozen=True, eq=False)
 class NodeTie:
     """Interface point tied to nodes; m = 3 motions in the plane, 6 in space."""
 
     nodes: np.ndarray  # numbers of the nodes that carry it
     point: np.ndarray  # (d,) its undeformed place
-    rows: Any  # sparse (m, n): displacements and rotations from the nodal coordinates
+    rows: sparse.csr_array  # (m, n): displacements and rotations from the nodal coordinates
     rigid: bool
 
     def motion(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -53,7 +56,7 @@ class NodeTie:
 class Freedom:
     """Independent coordinates u^ of nodal ones T u^: first those of free nodes, then the motions of each rigid tie."""
 
-    map: Any  # T, sparse (n, n_free + m n_rigid)
+    map: sparse.csr_array  # T (n, n_free + m n_rigid)
     rigid: tuple[str, ...]  # names of the rigid ties that can move, in the order of their coordinates
     motions: int = 3  # m, of a point
 
@@ -88,7 +91,7 @@ class Freedom:
         return np.vstack([each, *(np.tile(ties[name].point, (self.motions, 1)) for name in self.rigid)])
 
 
-def tie(mesh: SolidMesh, nodes: np.ndarray, spread: Any, at: list[float] | None, rigid: bool) -> NodeTie:
+def tie(mesh: SolidMesh, nodes: np.ndarray, spread: sparse.sparray, at: list[float] | None, rigid: bool) -> NodeTie:
     """Interface point carried by nodes; those of the mesh are real, or complex for a complex step.
 
     Parameters
@@ -121,7 +124,7 @@ def _at_one_node(mesh: SolidMesh, node: int, at: list[float] | None, rigid: bool
     return NodeTie(np.array([node]), place, rows_of_place(mesh, np.array([node]), place), False)
 
 
-def rows_of_place(mesh: SolidMesh, nodes: np.ndarray, place: np.ndarray) -> Any:
+def rows_of_place(mesh: SolidMesh, nodes: np.ndarray, place: np.ndarray) -> sparse.csr_array:
     """Rows, sparse (m, n), of displacement and rotation at a place that nodes carry, all alike; one node turns with those around it.
 
     Raises
@@ -135,11 +138,11 @@ def rows_of_place(mesh: SolidMesh, nodes: np.ndarray, place: np.ndarray) -> Any:
     return _rows(mesh, (nodes, _alike(nodes)), (turned, _alike(turned)), place)
 
 
-def _alike(nodes: np.ndarray) -> Any:
+def _alike(nodes: np.ndarray) -> sparse.dia_array:
     return sparse.diags_array(np.full(len(nodes), 1 / len(nodes)))
 
 
-def _rows(mesh: SolidMesh, carried: tuple, turned: tuple, point: np.ndarray) -> Any:
+def _rows(mesh: SolidMesh, carried: WeightedNodes, turned: WeightedNodes, point: np.ndarray) -> sparse.csr_array:
     """Rows of displacements and rotations from nodes with means, those that carry the point and those that tell its rotation."""
     (nodes, spread), (others, spread_of_turns), d = carried, turned, mesh.dimension
     weights = spread.sum(axis=1)
@@ -157,7 +160,7 @@ def _rows(mesh: SolidMesh, carried: tuple, turned: tuple, point: np.ndarray) -> 
     return sparse.vstack([moved + sparse.csr_array(offset) @ rotation, rotation], format="csr")
 
 
-def _placed(mesh: SolidMesh, nodes: np.ndarray, values: np.ndarray) -> Any:
+def _placed(mesh: SolidMesh, nodes: np.ndarray, values: np.ndarray) -> sparse.csr_array:
     """Values (n_rows, k d) at the coordinates of k nodes."""
     d = mesh.dimension
     column = np.tile((d * nodes[:, None] + np.arange(d)).ravel(), len(values))
@@ -191,7 +194,7 @@ def freedom(mesh: SolidMesh, clamped: np.ndarray, ties: Mapping[str, NodeTie]) -
     return Freedom(sparse.hstack([unit, *carried], format="csr"), tuple(moving), mesh.motions)
 
 
-def _carried(mesh: SolidMesh, each: NodeTie) -> Any:
+def _carried(mesh: SolidMesh, each: NodeTie) -> sparse.sparray:
     """Nodal coordinates of the nodes that move with the point, sparse (n, m)."""
     turns = rotations(mesh.nodes[each.nodes] - each.point)
     moved = np.hstack([translations(len(each.nodes), mesh.dimension), turns.reshape(len(turns), -1).T])
@@ -210,7 +213,7 @@ def chord_turn(chord: Chord, names: Sequence[str], ties: Mapping[str, NodeTie]) 
     InputError
         One of the two points does not exist, or both are at one place.
     """
-    refuse_unknown(chord, dict.fromkeys(names))
+    refuse_unknown(chord, names)
     refuse_short(chord, *(np.real(ties[name].point) for name in chord))
     rows = left(along(*(ties[name].point for name in chord)))
     m, one, other = len(rows), *(names.index(name) for name in chord)

@@ -71,6 +71,19 @@ def test_importing_it_loads_nothing():
 def test_a_name_that_is_not_there_lists_those_that_are():
     with pytest.raises(AttributeError, match=r"ffrf has no 'simulate'; it has: .*compile.*read_scene"):
         _ = ffrf.simulate
+    with pytest.raises(AttributeError, match=r"ffrf has no 'read_scen', did you mean 'read_scene'; it has: "):
+        _ = ffrf.read_scen
+
+
+def test_names_of_preprocessing_are_imported_from_the_public_package_and_are_the_same():
+    from ffrf.preprocessing import __all__ as names
+    from ffrf.preprocessing import build
+
+    assert build is preprocessing.build
+    assert ffrf.preprocessing.save is preprocessing.save
+    assert sorted(names) == sorted(preprocessing.__all__)
+    with pytest.raises(AttributeError, match="preprocessing has no 'biuld'"):
+        _ = ffrf.preprocessing.biuld
 
 
 @pytest.mark.parametrize(("dimension", "place"), [(2, "plane"), (3, "space")])
@@ -330,6 +343,11 @@ WRONG = {
     "a name that is none": (lambda m: m.statics({1: 1.0}), "1 is no name"),
     "nothing instead of numbers": (lambda m: m.statics(0), "numbers are given by name"),
     "a path instead of a scene": (lambda m: ffrf.compile("scene.toml"), r"compile takes a scene, .*ffrf\.read_scene"),
+    "nothing as variables": (
+        lambda m: ffrf.compile(m.scene, None),
+        r"list of names, not None. Leave them out, or write variables=\[",
+    ),
+    "a number as variables": (lambda m: ffrf.compile(m.scene, 1), "list of names, not 1"),
     "a number as variable": (lambda m: ffrf.compile(m.scene, [1]), "variables are names"),
     "half a mode": (lambda m: m.modes(count=2.5), "whole number of modes"),
     "no mode": (lambda m: m.modes(count=0), "at least one"),

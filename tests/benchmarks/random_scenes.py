@@ -100,6 +100,9 @@ MOVED = ("way", "turn", "middle", "end", "most", "cross")
 PERCENT = re.compile(r"([0-9][0-9.e+]*) ?%")
 """The size of an error in the sentence of a doubt."""
 
+NAMED = re.compile(r"\w+ by x\d+")
+"""A derivative in the sentence of a doubt."""
+
 HEAD = f"seed {'kind':15s} {'solver':40s}  steps outcome     error of               gradient   energy    local doubts"
 
 
@@ -134,15 +137,16 @@ class Judged:
     @property
     def judged(self) -> set[str]:
         """Codes of the doubts that the references can judge: not of derivatives that the finer runs disagree about themselves."""
-        slopes = frozenset() if self._known_slopes_doubted else frozenset({"gradient-steps"})
+        slopes = {code for code, off in self._slopes_doubted.items() if not off & set(self.gradients)}
         return set(self.codes) - UNJUDGED - slopes - (frozenset() if self.model_known else MODEL)
 
     @property
-    def _known_slopes_doubted(self) -> bool:
-        """Whether one of the derivatives is known that are told to be off by the length of the steps."""
+    def _slopes_doubted(self) -> dict[str, set[str]]:
+        """Code -> the derivatives that are told to be off by the length of the steps, and those that are named of all off by frames."""
         told = self.measures.get("estimated_error", {}).get("gradients", {})
-        off = {f"{name} by {x}" for name, errors_by in told.items() for x, error in errors_by.items() if not error <= GRADIENT}
-        return bool(off & set(self.gradients))
+        steps = {f"{name} by {x}" for name, errors_by in told.items() for x, error in errors_by.items() if not error <= GRADIENT}
+        texts = [text for text in self.texts if "repeating the run with" in text and "gradient" in text]
+        return {"gradient-steps": steps, "geometric-gradients": {each for text in texts for each in NAMED.findall(text)}}
 
     @property
     def doubted(self) -> bool:

@@ -43,7 +43,7 @@ class Beams:
 
     def dense(self, name: str) -> np.ndarray:
         """Stiffness or mass without the offset."""
-        return self.discrete.nodal(getattr(self.matrices, name)).toarray()
+        return self.matrices.coordinates.of_nodes(getattr(self.matrices, name)).toarray()
 
     @property
     def complete(self) -> np.ndarray:

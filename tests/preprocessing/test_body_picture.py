@@ -15,7 +15,6 @@ from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.commands.body_picture import MOST_OF_A_KIND, body_shape, labels_at, marks_of, picture_of, save_picture
 from preprocessing.commands.cli import app
 from preprocessing.elements.section import Section
-from toolkit.reduced_model.body_summary import body_summary
 from toolkit.reduced_model.composition import KeptMass, PlaceOfNodes, read_composition
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
@@ -49,7 +48,7 @@ def test_words_lie_apart_and_within_the_picture(name):
         assert sheet.y0 <= box.y0 < box.y1 <= sheet.y1
     assert not [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
     told = [text.get_text() for text in figure.legends[0].get_texts()]
-    marks = marks_of(body_summary(model))
+    marks, _ = marks_of(model)
     assert all(re.match(rf"{number}  .*\n.*\(", text) for number, text in zip(range(1, len(marks) + 1), told, strict=False))
     assert name == "rod" or "and 3 more groups" in told
 

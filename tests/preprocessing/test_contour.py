@@ -75,7 +75,7 @@ def test_arc_length_of_an_ellipse_is_the_elliptic_integral():
     contour = Contour.through(np.column_stack([0.5 + 0.5 * np.cos(angle), 0.06 * np.sin(angle)]), CHORD, degree=5)
     # Ellipse with half axes a, b: s(angle) = b E(angle | 1 - a^2/b^2); the nose radius b^2/a is 4 mm.
     exact = CHORD * 0.06 * ellipeinc(angle, 1 - (0.5 / 0.06) ** 2)
-    np.testing.assert_allclose([contour.at_row(i) for i in range(401)], exact, atol=1e-6)  # sixth order, 400 rows: 1.4e-7
+    np.testing.assert_allclose(contour.curve.point_s, exact, atol=1e-6)  # sixth order, 400 rows: 1.4e-7
     assert contour.curvature(contour.length / 2) == pytest.approx(0.5 / (CHORD * 0.06**2), rel=1e-4)
 
 
@@ -91,7 +91,7 @@ def test_arc_length_is_true_between_coarse_rows_too(name):
 
 def test_contour_passes_through_its_rows(high):
     rows = read_airfoil(MORPHING / "high_speed.dat").points * CHORD
-    s = [high.at_row(i) for i in range(len(rows))]
+    s = high.curve.point_s
     np.testing.assert_allclose(high.position(s), rows, atol=1e-10)  # round-off of 550 mm
     np.testing.assert_array_less(0, np.diff(s))
 
@@ -129,8 +129,8 @@ def test_at_x_is_a_point_with_that_abscissa_on_that_side(x, side, high):
 
 
 def test_at_x_of_a_row_is_the_arc_length_of_the_row(high):
-    assert high.at_x(137.5, "upper") == pytest.approx(high.at_row(F_ROW), abs=1e-9)
-    assert high.at_x(137.5, "lower") == pytest.approx(high.at_row(G_ROW), abs=1e-9)
+    assert high.at_x(137.5, "upper") == pytest.approx(high.curve.point_s[F_ROW], abs=1e-9)
+    assert high.at_x(137.5, "lower") == pytest.approx(high.curve.point_s[G_ROW], abs=1e-9)
     assert high.at_x(550.0, "upper") == 0.0
     assert high.at_x(550.0, "lower") == high.length
 
@@ -155,8 +155,6 @@ def test_nearest_point_is_the_foot_of_the_normal(high):
     (lambda c: c.at_x(560.0, "upper"), "upper side does not reach x = 560; it runs from x = .* to 550"),
     (lambda c: c.at_x(-5.0, "lower"), "lower side does not reach x = -5"),
     (lambda c: c.at_x(10.0, "top"), "side 'top' is unknown; available: upper, lower"),
-    (lambda c: c.at_row(221), "row 221 is not on the contour: its rows count from 0 to 220"),
-    (lambda c: c.at_row(-1), "row -1 is not on the contour"),
     (lambda _: Contour.through(circle(20), 0.0), "chord 0.0 must be a positive length"),
     (lambda _: Contour.through(circle(20), 1.0, degree=4), "spline degree 4: available are 3 .* 5"),
     (lambda _: Contour.through(circle(20)[:3], 1.0), "at least 4 points"),
@@ -172,8 +170,8 @@ def test_impossible_contours_and_places_are_refused(call, message, high):
 
 
 def test_skin_of_the_reference_scene_runs_from_row_50_to_row_170(skin, high):
-    assert skin.start == pytest.approx(high.at_row(F_ROW), abs=1e-9)
-    assert skin.end == pytest.approx(high.at_row(G_ROW), abs=1e-9)
+    assert skin.start == pytest.approx(high.curve.point_s[F_ROW], abs=1e-9)
+    assert skin.end == pytest.approx(high.curve.point_s[G_ROW], abs=1e-9)
     assert skin.length == pytest.approx(291.551060, abs=0.5e-6)  # last digit of the check data
     assert (high.leading_edge - skin.start) / skin.length == pytest.approx(0.508, abs=0.5e-3)  # as printed
 
@@ -201,8 +199,8 @@ def test_parameter_of_the_cubic_reproduces_the_reference_scene_to_its_digits(sha
 
 def test_skin_rows_of_both_shapes_are_the_same_material_points(skin, high, low):
     rows = np.arange(F_ROW, G_ROW + 1)
-    s = np.array([high.at_row(i) for i in rows]) - skin.start
-    expected = low.position([low.at_row(i) for i in rows])
+    s = high.curve.point_s[list(rows)] - skin.start
+    expected = low.position(low.curve.point_s[list(rows)])
     # The rows are rounded to nine digits, 0.3e-6 mm each, which adds up along the skin.
     np.testing.assert_allclose(skin.target_positions(low, s), expected, atol=2e-6)
 

@@ -199,7 +199,7 @@ def test_a_new_element_without_rotations_becomes_a_reduced_model_with_the_stiffn
     expected = (
         sum(np.outer(arm, arm) / np.linalg.norm(arm) ** 3 for arm in arms) * parameters["youngs_modulus"] * parameters["area"]
     )
-    close(model["invariants"].stiffness, expected)
+    close(model.invariants.stiffness, expected)
     k = list(parameters).index("area")
-    slope = scattered(*model["affine"]["stiffness"].rates(np.array(list(parameters.values()))).by(k), 4).reshape(2, 2)
+    slope = scattered(*model.affine["stiffness"].rates(np.array(list(parameters.values()))).by(k), 4).reshape(2, 2)
     close(slope, expected / parameters["area"])

@@ -16,7 +16,7 @@ from preprocessing.builders.discrete_body import lame_factors
 from preprocessing.elements.elasticity import solid_matrices
 from preprocessing.elements.solid_elements import element_blocks
 from preprocessing.elements.uniform_material import uniform_strains, volume_of
-from preprocessing.mesh.matrix_file import read_array, read_nodes, read_square, square_of
+from preprocessing.mesh.matrix_file import read_array, read_nodes, square_of
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.solid_mesh import SolidMesh
 from tests.models.solid_bodies import DENSITY, MODULUS, SPATIAL_KINDS, WIDTH, box, rectangle, write_body
@@ -171,7 +171,7 @@ def test_a_text_that_is_not_wholly_a_matrix_is_refused_by_its_line(tmp_path, kin
     text, message = TEXTS[kind]
     (tmp_path / "matrix.mtx").write_text(text)
     with pytest.raises(InputError, match=rf"matrix\.mtx'.*{message}"):
-        read_square(tmp_path / "matrix.mtx", 4)
+        square_of(tmp_path / "matrix.mtx", 2, 2)
 
 
 SAME: dict[str, str] = {
@@ -199,7 +199,7 @@ SAME: dict[str, str] = {
 @pytest.mark.parametrize("kind", SAME)
 def test_spellings_of_one_matrix(tmp_path, kind):
     (tmp_path / "matrix.mtx").write_bytes(SAME[kind].encode())
-    np.testing.assert_array_equal(read_square(tmp_path / "matrix.mtx", 4).toarray(), np.eye(4))
+    np.testing.assert_array_equal(square_of(tmp_path / "matrix.mtx", 2, 2)[0].toarray(), np.eye(4))
 
 
 TABLES: dict[str, tuple[str, str]] = {

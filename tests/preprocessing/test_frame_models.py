@@ -206,7 +206,7 @@ def test_eigenvalues_of_differentiated_modes_follow_the_design(path, parameter):
         values = {**model.nominal, parameter: model.nominal[parameter] * (1 + change)}
         elements = frame_elements(FrameRecipe.read(path).file, values)
         found = elements.parts.at(values)
-        stiffness, mass = (elements.nodal(each).toarray()[6:, 6:] for each in (found.stiffness, found.mass))
+        stiffness, mass = (found.coordinates.of_nodes(each).toarray()[6:, 6:] for each in (found.stiffness, found.mass))
         return eigh(stiffness, mass, eigvals_only=True)[:4]
 
     steps = [(eigenvalues(h) - eigenvalues(-h)) / (2 * h * model.nominal[parameter]) for h in (4e-3, 2e-3)]

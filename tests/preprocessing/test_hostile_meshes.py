@@ -26,7 +26,7 @@ from preprocessing.builders.body_recipe import BodyRecipe
 from preprocessing.builders.skin_recipe import SkinRecipe
 from preprocessing.commands.cli import main
 from preprocessing.elements.solid_elements import element_blocks
-from preprocessing.mesh.matrix_file import read_array, read_matrix, read_nodes, read_square
+from preprocessing.mesh.matrix_file import read_array, read_matrix, read_nodes, square_of
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.solid_mesh import SolidMesh
 from tests.models.solid_bodies import rectangle, write_body
@@ -118,7 +118,7 @@ def diagonal(folder: Path, kind: str) -> Path:
 
 @pytest.mark.parametrize("kind", ["csr", "csc", "bsr", "coo", "dia"])
 def test_archives_of_all_formats_are_read_as_they_were_written(tmp_path, kind):
-    found = read_square(diagonal(tmp_path, kind), 4)
+    found = square_of(diagonal(tmp_path, kind), 2, 2)[0]
     np.testing.assert_array_equal(found.toarray(), np.kron(np.diag([1.0, 2.0]), np.ones((2, 2))))
 
 
@@ -152,7 +152,7 @@ def test_a_matrix_that_is_not_what_it_says_is_refused(tmp_path, kind):
     content, message = MARKETS[kind]
     (tmp_path / "matrix.mtx").write_bytes(content)
     with pytest.raises(InputError, match=rf"matrix\.mtx'.*{message}"):
-        read_square(tmp_path / "matrix.mtx", 4)
+        square_of(tmp_path / "matrix.mtx", 2, 2)
 
 
 def bomb(path: Path) -> None:

@@ -27,6 +27,7 @@ from preprocessing.reduction.reduced import reduce
 from tests.models.processors import FRAME, MODELS
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import SCHEMA_VERSION, load
+from toolkit.reduced_model.model import ReducedModel
 
 pytestmark = pytest.mark.usefixtures("read_here")
 
@@ -148,7 +149,7 @@ class BladeFile(InputTable):
     basis: BasisTable = BasisTable()
 
 
-class BladeRecipe(Recipe[BladeFile]):
+class BladeRecipe(Recipe[BladeFile, DesignSpace]):
     """A new kind of file; four elements."""
 
     name = "blade.toml"
@@ -176,8 +177,8 @@ class BladeRecipe(Recipe[BladeFile]):
         elements = Discretisation(beams, {"tip": self.file.length}, x)
         return DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: elements)
 
-    def _fields(self, designs: DesignSpace) -> dict[str, Any]:
-        return reduce(designs, self.file.basis.choice(), 0, "the root").fields("m-kg-s")
+    def _model(self, designs: DesignSpace) -> ReducedModel:
+        return reduce(designs, self.file.basis.choice(), 0, "the root").model("m-kg-s")
 
 
 STEEL = {

@@ -98,7 +98,7 @@ def quantities(file: SkinFile, geometry: Geometry) -> dict[str, np.ndarray]:
     found = {"nodes": geometry.mesh.nodes, "arc_lengths": geometry.arc_lengths, "target": geometry.target}
     z = np.column_stack([undeformed(geometry.mesh.nodes), np.eye(3 * len(geometry.mesh.nodes))])
     for name, place in file.interface_points.items():
-        s = geometry.skin.locate(**place.where, stations=geometry.arc_lengths)
+        s = geometry.skin.locate(**place.model_dump(), stations=geometry.arc_lengths)
         point = interface_point(beams(geometry), geometry.arc_lengths, z, s)
         found |= {f"s {name}": np.asarray(s), f"position {name}": point.position, f"rotation {name}": point.rotation}
     return found

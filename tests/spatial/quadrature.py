@@ -49,10 +49,9 @@ def raw_frame(file: FrameFile) -> Frame:
     elements, nodes = frame_elements(file, space.values), list(file.nodes)
     matrices = elements.parts.at(space.values)
     clamped = [nodes.index(name) for name in file.clamp or []]
-    basis = reduced_basis(
-        file.basis.choice(), elements.nodal(matrices.mass), elements.nodal(matrices.stiffness), elements.nodes, clamped, "clamp",
-        elements.interface_rows(),
-    )  # fmt: skip
+    mass, stiffness = map(matrices.coordinates.of_nodes, (matrices.mass, matrices.stiffness))
+    rows = elements.interface_rows()
+    basis = reduced_basis(file.basis.choice(), mass, stiffness, elements.nodes, clamped, "clamp", rows)
     (section,), (material,) = file.sections.values(), file.materials.values()
     diameter = section.diameter or 0.0
     # I_p = A d^2 / 8 is that of equal masses at this radius

@@ -386,7 +386,7 @@ def remeshed(tmp_path: Path, more: str, elements: int, **keys):
 def test_points_and_groups_stay_where_they_are_in_another_mesh(tmp_path):
     more = "[groups.nose]\nelements = [10, 19]\nthickness = 1.0"
     found = remeshed(tmp_path, more, 15, basis={"kind": "static"})
-    assert {name: place.where for name, place in found.interface_points.items()} == {
+    assert {name: place.model_dump(exclude_none=True) for name, place in found.interface_points.items()} == {
         "C": {"node": 5}, "E": {"arc_length": 25.0}, "G": {"node": 15}
     }  # fmt: skip
     assert found.groups["nose"].elements == [5, 9]

@@ -44,9 +44,9 @@ tip = { type = "slider", bodies = ["beam", "ground"], point = "T", axis = [1.0, 
 [loads]"""
 
 
-def cantilever(folder, elements, thickness=0.02, frames=1, responses=("stress", "down"), **basis):
+def cantilever(folder, elements, thickness=0.02, frames=1, responses=("stress", "down"), drag=0.0, **basis):
     """A horizontal cantilever of 1 m under its weight, clamped at its start."""
-    section = Section(youngs_modulus=E, density=RHO, thickness=thickness, width=WIDTH)
+    section = Section(youngs_modulus=E, density=RHO, thickness=thickness, width=WIDTH, damping_mass=drag)
     nodes = np.column_stack([np.linspace(0, 1, elements + 1), np.zeros(elements + 1)])
     save_beam(folder / "beam.h5", nodes, section, {"root": 0.0, "tip": 1.0}, **basis)
     kept = [
@@ -60,6 +60,11 @@ def cantilever(folder, elements, thickness=0.02, frames=1, responses=("stress", 
 
 def said(run, code):
     return [each.text for each in run.verdict.warnings if each.code == code]
+
+
+def shares(run):
+    """The parts of the stress that a run says it lacks."""
+    return [float(re.search(r"some (\d+)%", text)[1]) / 100 for text in said(run, "weight-between-nodes")]
 
 
 @pytest.mark.parametrize(
@@ -110,6 +115,45 @@ def test_stress_that_sags_between_supports_is_too_large_by_what_is_said(elements
     assert bool(texts) == doubted
     if texts:
         assert off / 2 < float(texts[0].partition("off by some ")[2].partition("%")[0]) / 100 < 2 * off
+
+
+@pytest.mark.parametrize(
+    ("kind", "count", "up"),
+    [
+        ("eigenmodes", 1, -0.5),
+        ("eigenmodes", 1, 0.4),
+        ("eigenmodes", 2, 0.3),
+        ("eigenmodes", 2, 0.6),
+        ("eigenmodes", 3, 0.6),
+        ("craig-bampton", 1, 0.3),
+        ("craig-bampton", 1, 0.4),
+    ],
+)
+def test_stress_that_few_shapes_miss_of_weight_and_of_a_force_is_said_with_its_sign(kind, count, up, tmp_path):
+    """The moment is p (L - x)^2 / 2 - F (L - x), with a force F at the end that carries `up` of the weight p L: where both act against
+    each other, and what shapes miss of one does against what they miss of the other."""
+    cantilever(tmp_path, 8, basis=BasisChoice(kind, count=count))
+    weight, away = RHO * WIDTH * 0.02 * G, np.linspace(0, 1, 2001)
+    push = f'push = {{ type = "point-force", body = "beam", point = "T", force = [0.0, {up * weight!r}] }}\n[responses]'
+    text = (tmp_path / "scene.toml").read_text().replace("[responses]", push)
+    (tmp_path / "scene.toml").write_text(text.replace('"max-stress"', '"max-stress", measure = "absolute"'))
+    run = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml")).statics()
+    exact = np.abs(weight * away**2 / 2 - up * weight * away).max() * 0.01 / (WIDTH * 0.02**3 / 12)
+    off = abs(run.values["stress"] / exact - 1)
+    assert shares(run) == ([pytest.approx(off, abs=0.006)] if off > LIMIT else [])
+
+
+@pytest.mark.parametrize(("elements", "frames", "place"), [(2, 1, 0.0), (2, 2, 0.5), (4, 1, 0.5), (4, 2, 0.75)])
+def test_stress_at_a_place_is_judged_by_what_it_is_there(elements, frames, place, tmp_path):
+    """Of p (L - x)^2 / 2 each element lacks p l^2 / 12, which is much where the moment is small."""
+    cantilever(tmp_path, elements, frames=frames)
+    text = (tmp_path / "scene.toml").read_text()
+    asked = f'"stress-at-point", body = "beam", place = [{place}, 0.0] }}'
+    (tmp_path / "scene.toml").write_text(text.replace('"max-stress", body = "beam" }', asked))
+    run = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml")).statics()
+    off = 1 - abs(run.values["stress"]) / (RHO * G * (1 - place) ** 2 / 2 * 0.01 / (0.02**2 / 12))
+    assert shares(run) == ([pytest.approx(off, abs=0.006)] if off > LIMIT else [])
+    assert (off > LIMIT) == (elements * (1 - place) < 2)
 
 
 def test_weight_is_not_said_where_no_stress_is_asked_for(tmp_path):
@@ -171,5 +215,4 @@ def test_strain_energy_that_weight_adds_between_nodes_is_said_as_large_as_it_is(
     weight, bending = RHO * WIDTH * 0.02 * G, E * WIDTH * 0.02**3 / 12
     missing = 1 - run.values["bent"] / (weight**2 / (240 * bending))
     assert missing == pytest.approx(1 / 6 / elements**4, rel=0.01)
-    said_of = [float(re.search(r"some (\d+)%", each)[1]) / 100 for each in said(run, "weight-between-nodes")]
-    assert said_of == ([pytest.approx(missing, abs=0.006)] if told else [])
+    assert shares(run) == ([pytest.approx(missing, abs=0.006)] if told else [])

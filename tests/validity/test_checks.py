@@ -13,7 +13,8 @@ from toolkit.foundation import verdict
 from toolkit.foundation.verdict import SCENE, STATES, Verdict, checks, codes
 from toolkit.scene.changed_numbers import with_numbers
 
-PAGE = Path(__file__).parents[2] / "docs" / "house.md"
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "house.md"
 SCENE_FILE = """
 units = "m-kg-s"
 points = { O = [0.0, 0.0], P = [1.0, 0.0] }
@@ -25,11 +26,12 @@ x = { type = "slider", bodies = ["b", "ground"], point = "P", axis = [1.0, 0.0],
 """
 """A mass on a spring, which oscillates by 0.4 about the relaxed length."""
 TOLD = [
-    ("spring-through-zero", {"loads.k.length": 0.2}, {}),
-    ("coarse-steps", {"solver.step": 0.2}, {}),
-    ("unit-of-inertia", {"bodies.b.inertia": 1e4}, {}),
+    ("spring-through-zero", "spring", {"loads.k.length": 0.2}, {}),
+    ("coarse-steps", "spring", {"solver.step": 0.2}, {}),
+    ("unit-of-inertia", "spring", {"bodies.b.inertia": 1e4}, {}),
+    ("energy", "four_bar_chain", {"solver.step": 0.05}, {}),
 ]
-"""Code, numbers of a scene that it is told of, and numbers of one that it is not."""
+"""Code, scene (the spring above, or a folder of `models/`), its numbers of which the code is told, and those of which it is not."""
 
 
 @pytest.fixture(scope="module")
@@ -43,8 +45,10 @@ def judged(scene, numbers: dict[str, float]) -> Verdict:
     return ffrf.compile(with_numbers(scene, numbers)[0]).simulate().solution.verdict
 
 
-@pytest.mark.parametrize(("code", "there", "elsewhere"), TOLD, ids=[row[0] for row in TOLD])
-def test_a_check_tells_of_one_run_and_not_of_another(scene, code, there, elsewhere):
+@pytest.mark.parametrize(("code", "name", "there", "elsewhere"), TOLD, ids=[row[0] for row in TOLD])
+def test_a_check_tells_of_one_run_and_not_of_another(scene, code, name, there, elsewhere):
+    if name != "spring":
+        scene = ffrf.read_scene(ROOT / "models" / name / "scene.toml")
     assert code in judged(scene, there).codes
     assert code not in judged(scene, elsewhere).codes
 

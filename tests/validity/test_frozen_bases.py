@@ -120,6 +120,15 @@ def test_what_is_told_away_from_the_design_is_true(blade):
     assert "thickness_outer = 0.25 instead of 0.5" in str(run.verdict)
 
 
+def test_what_more_frames_tell_of_a_frozen_basis_is_no_larger_than_it_is(blade):
+    """Parts with frames of their own have all shapes: what is lacked by shapes does not fall with the frames, and is told as it is."""
+    run = compiled(blade).statics({"to": 0.3}, gradients=True)
+    told = run.verdict.measures["geometric_error"]
+    assert told["responses"]["ty"] == pytest.approx(deflection(1.0, 0.3) - run.values["ty"], rel=0.02)
+    for x in ("tr", "to"):
+        assert told["gradients"]["ty"][x] == pytest.approx(slope(deflection, 1.0, 0.3, x) - run.gradients["ty"][x], rel=0.02)
+
+
 def test_a_derivative_at_the_design_itself_is_told(blade):
     """The values are right there, and the derivative by the thickness that the basis does not follow is not."""
     run = compiled(blade).statics(gradients=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 import ffrf
 from preprocessing.reduction.basis import BasisChoice
 from tests.models.spatial_chains import chain_scene, save_chain
-from tests.validity.test_beam_assumptions import RHO, cantilever, said
+from tests.validity.test_beam_assumptions import RHO, cantilever, shares
 from toolkit.system.solution import Solution, poses_at
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies import beam_assumptions
@@ -57,11 +56,6 @@ def test_stress_that_shaking_adds_between_nodes_is_said_as_large_as_it_is(elemen
     assert run.verdict.trusted == (part < LIMIT)
 
 
-def shares(run) -> list[float]:
-    """The parts of the stress that a run says it lacks."""
-    return [float(re.search(r"some (\d+)%", text)[1]) / 100 for text in said(run, "weight-between-nodes")]
-
-
 def test_stress_of_a_bar_that_swings_faster_and_faster_is_said(tmp_path):
     """Its acceleration grows from the hinge, so that the one in the middle of its element tells some more than it lacks."""
     turn = HINGE.replace("CURVE", f'{{ type = "cycloid", height = 1.0, duration = {TIMES} }}')
@@ -69,6 +63,14 @@ def test_stress_of_a_bar_that_swings_faster_and_faster_is_said(tmp_path):
     exact = RHO * (2 * np.pi / TIMES**2) / 3 * THICKNESS / 2 / (THICKNESS**2 / 12)
     (found,) = shares(run)
     assert 0 < found - (1 - run.values["stress"] / exact) < 0.03
+
+
+def test_stress_that_damping_of_the_mass_adds_between_nodes_is_said_as_large_as_it_is(tmp_path):
+    """The clamp rises by a cycloid, whose largest speed is 2 h / T: so much times the damping acts as a weight does."""
+    rise = CLAMP.replace("CURVE", f'{{ type = "cycloid", height = 1.0, duration = {TIMES} }}')
+    run = moved(tmp_path, 1, rise, drag=100.0)
+    exact = RHO * 100.0 * (2 / TIMES) / 2 * THICKNESS / 2 / (THICKNESS**2 / 12)
+    assert shares(run) == [pytest.approx(1 - run.values["stress"] / exact, abs=0.01)]
 
 
 @pytest.mark.parametrize("frames", [1, 2])

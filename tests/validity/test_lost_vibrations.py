@@ -102,6 +102,19 @@ def test_what_is_damped_away_is_told_of_the_peak_alone(tmp_path):
     assert 0.5 < run.step_error.values["least"] / error < 2
 
 
+@pytest.mark.parametrize(("steps", "later", "code"), [(20, 0.4, "rough-gradients"), (8, 0.2, "gradient-steps"), (8, -0.2, "")])
+def test_a_derivative_at_the_step_beside_a_peak_is_told_its_distance_from_that_at_the_peak(tmp_path, steps, later, code):
+    """The lowest place is -2 g m / k, half a period from the start; steps half as long may lie as far from it."""
+    step = np.pi / RATE / (steps + later)
+    run = hung(tmp_path, step=step, end=step * int(1.4 * steps))
+    found, slope = run.step_error, run.gradients["least"]["k"]
+    error = 2 * PULL / STIFFNESS**2 - slope
+    assert found.slope_changes["least"]["k"] == pytest.approx(error, rel=0.15)
+    assert found.gradients["least"]["k"] == pytest.approx(abs(error / slope), rel=0.15)
+    assert ("least", "k") in found.at_peaks or steps == 8
+    assert {"rough-gradients", "gradient-steps"} & set(run.verdict.codes) == ({code} if code else set())
+
+
 def test_a_load_that_sets_in_within_a_step_is_one_that_sets_in_suddenly(tmp_path):
     """Late, and between two steps: the cosine begins there."""
     run = hung(

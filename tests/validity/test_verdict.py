@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import ffrf
 from tests.random_scenes.scene import named_scene
+from tests.random_scenes.strained import strained_scene
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
@@ -166,6 +168,43 @@ def test_trusted_gradients_that_are_off_by_some_percent_have_a_remark_with_their
     assert told.keys() == {name for name, error in off.items() if error > 0.05}
     assert told == pytest.approx({name: off[name] for name in told}, rel=0.2)  # fourth-order terms of a second-order error of 8 %
     assert "rough-gradients" not in fine.verdict.codes
+
+
+@pytest.mark.parametrize(("seed", "code"), [(81035, "added-errors"), (83026, "rough-gradients")])
+def test_errors_by_steps_and_by_frames_that_are_small_one_by_one_are_told_with_their_sum(seed, code, tmp_path):
+    """Against a run with twice the elements, a frame to each, and steps a tenth as long."""
+    _, scene, fine = strained_scene(seed, tmp_path)
+    run = ffrf.compile(scene, variables=list(scene.design)).simulate(gradients=True)
+    steps = {"step": scene.solver.end_time / (10 * run.solution.steps), "local_error": None, "times": None}
+    finer = fine.model_copy(update={"solver": fine.solver.model_copy(update=steps)})
+    true = ffrf.compile(finer, variables=list(scene.design)).simulate(gradients=True)
+    (told,) = [each for each in run.verdict.warnings if each.code == code]
+    assert told.doubt == (code == "added-errors")
+    parts = {name: float(part) / 100 for name, part in re.findall(r"([\w ]+) by about ([\d.]+)%", told.text)}
+    off = {f: abs(true.values[f] - value) / run.scales[f] for f, value in run.values.items()}
+    for f, slopes in run.gradients.items():
+        for x, slope in slopes.items():
+            scale = max(run.gradient_scales[f][x], abs(slope))
+            off[f"the derivative of {f} by {x}"] = abs(true.gradients[f][x] - slope) / scale
+    known = {name: off[name.strip()] for name in parts}
+    assert parts == pytest.approx(known, rel=0.2)
+    assert min(known.values()) > 0.05
+    assert not {"large-deformation", "steps"} & set(run.verdict.codes)
+
+
+def test_a_gradient_of_little_effect_counts_where_it_is_far_from_the_largest_in_the_motion(tmp_path):
+    """A stress by the velocity of another body: shapes that the reduced body leaves out change it by a seventh.
+
+    With all shapes of its elements the derivative is 262 instead of 149, as of the run with four times as many elements, and a
+    fortieth of what one is whose variable changes the stress by all of it.
+    """
+    _, scene = named_scene(82068, tmp_path)
+    run = ffrf.compile(scene, variables=list(scene.design)).simulate(gradients=True)
+    error = run.frame_errors.gradients["smooth_body2"]["x0"]
+    assert error == pytest.approx(261.7 - run.gradients["smooth_body2"]["x0"], rel=0.2)
+    (told,) = [each for each in run.verdict.warnings if each.code == "geometric-gradients"]
+    assert told.doubt
+    assert "smooth_body2 by x0" in told.text
 
 
 @pytest.mark.parametrize("seed", [52, 56])

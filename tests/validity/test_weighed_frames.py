@@ -5,7 +5,10 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 import ffrf
 from preprocessing import build, save
@@ -69,6 +72,32 @@ def test_a_displacement_that_feels_it_is_doubted(folder):
     (told,) = [re.search(r"tip by about ([\d.]+)%", text)[1] for text in texts if "tip by about" in text]
     assert run.values["tip"] == pytest.approx(1 / 3, rel=1e-6)
     assert float(told) / 100 == pytest.approx(1 - 3 * 0.3017, rel=0.25)
+
+
+def elastica(load: float) -> float:
+    """How far F = load E I / L^2 moves the tip across, in parts of the length (Bisshopp and Drucker, 1945).
+
+    sqrt(load) = K(k) - F(p, k),   1 - 2 (E(k) - E(p, k)) / sqrt(load),   sin p = 1 / (sqrt(2) k)
+    """
+    root = np.sqrt(load)
+    k = brentq(lambda k: ellipk(k * k) - ellipkinc(np.arcsin(1 / (np.sqrt(2) * k)), k * k) - root, np.sqrt(0.5) + 1e-12, 0.999)
+    return 1 - 2 * (ellipe(k * k) - ellipeinc(np.arcsin(1 / (np.sqrt(2) * k)), k * k)) / root
+
+
+@pytest.mark.parametrize(("across", "right"), [(0.3, True), (0.35, True), (0.5, False)])
+def test_values_and_gradients_within_their_own_limits_are_not_doubted(across, right, folder):
+    """A gradient by the thickness is off by three times as much as the tip, which ends up shorter by more than the meter's limit."""
+    run = model(folder, TIP, across=across).statics(gradients=True)
+    slope = -3 * across * (elastica(across * 1.001) - elastica(across * 0.999)) / (0.002 * across * 0.02)  # load ~ t^-3
+    value_off, slope_off = run.values["tip"] / elastica(across) - 1, run.gradients["tip"]["t"] / slope - 1
+    assert 0.01 < value_off < 0.03
+    assert (0.03 < slope_off < 0.05) == right
+    assert run.verdict.trusted == right
+    remarks = [each.text for each in run.verdict.warnings if each.code == "large-deformation" and not each.doubt]
+    (told,) = re.findall(r"change by ([\d.e-]+) at most, and gradients by ([\d.e-]+),", "".join(remarks)) or [(0, 0)]
+    assert [float(each) for each in told] == (
+        [pytest.approx(value_off, rel=0.3), pytest.approx(slope_off, rel=0.3)] if right else [0, 0]
+    )
 
 
 @pytest.mark.parametrize("analysis", ["statics", "simulate"])

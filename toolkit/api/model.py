@@ -62,6 +62,8 @@ def compile_model(scene: Scene, variables: Sequence[str] = ()) -> Model:
     """
     if not isinstance(scene, Scene):
         raise InputError(f"compile takes a scene, not {scene!r}. Read one: ffrf.read_scene(path).")
+    if not isinstance(variables, Iterable):
+        raise InputError(f"variables are a list of names, not {variables!r}. Leave them out, or write variables=[...].")
     names = variables if isinstance(variables, str) else tuple(variables)
     check_names(names)
     compiled = Compiled(scene, tuple(names))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache, partial
 from types import FunctionType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numba
 from numba import config
@@ -23,6 +23,8 @@ from toolkit.foundation.rare_collections import rare_collections
 
 if not PUBLIC_ONLY:
     from toolkit.foundation.compiled.numba_parts import FormulaCompiler, InnerFormula
+if TYPE_CHECKING:
+    from toolkit.foundation.compiled.numba_parts import Signature
 
 SETTINGS = {"error_model": "numpy", "_nrt": False, "forceinline": False, "no_cfunc_wrapper": True}
 """Settings of numba for all formulas; one that did not say whether it becomes part of its callers would take that from the first
@@ -89,7 +91,7 @@ def copy(source, target):
         target[i] = source[i]
 
 
-def slots(functions: list[Callable], signature: Any) -> tuple:
+def slots(functions: list[Callable], signature: Signature) -> tuple[Formula | Callable, ...]:
     """Functions as the fixed-length tuple of one type that the compiled loop accepts.
 
     Raises
@@ -106,7 +108,7 @@ def slots(functions: list[Callable], signature: Any) -> tuple:
 
 
 @cache
-def first_class(function: Callable, signature: Any) -> Any:
+def first_class(function: Callable, signature: Signature) -> Formula | Callable:
     """A kernel compiled for one signature, as an argument for other kernels, compiled without its code."""
     if not is_jitted(function):
         return function

@@ -1,4 +1,7 @@
-"""Revolute joint, a hinge: in the plane two points coincide, in space two axes too."""
+"""Revolute joint, a hinge: in the plane two points coincide, in space two axes too.
+
+Its rows are stated here; a step evaluates them in `kernels.planar_pin` (in the plane) and in `kernels.spatial_joint`.
+"""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ other, and the largest of both follows whichever grows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -250,6 +250,63 @@ def missed_part(times: np.ndarray, curves: np.ndarray) -> float:
         before, after = _vertices(times, values)
         beyond = max(beyond, float(np.minimum(before[:-1], after[1:]).max(initial=-np.inf) - curves.max()))
     return beyond / size if size > 0 else 0.0
+
+
+def changes_at_peaks(solution: Solution) -> dict[str, dict[str, float]]:
+    """Extreme over time -> variable -> what its derivative differs by at the peak between the steps from that at the step next to it.
+
+    A parabola through the three values about the largest one has its vertex at the peak, one through their derivatives tells these there.
+    Of derivatives of the states alone, and where the solution holds them; a value is flat at its peak, its derivatives are not.
+    """
+    if solution.run_times is not None or not solution.dq.shape[2]:
+        return {}
+    found = {}
+    for name, response in solution.system.scene.responses.items():
+        if isinstance(response, TimeMax | TimeMin) or (isinstance(response, MaxStress) and response.when == "all"):
+            heights, slopes = _peaked(response, solution)
+            step = int(first_largest(heights, SAME))
+            weights = _weights_at_vertex(solution.times[step - 1 : step + 2], heights[step - 1 : step + 2]) if step else None
+            if weights is not None:
+                around = np.array([slopes(step + k) for k in (-1, 0, 1)])
+                changes = np.nan_to_num(weights @ around - around[1])
+                found[name] = dict(zip(solution.system.design.names, map(float, changes), strict=True))
+    return found
+
+
+def at_peaks(gradients: dict[str, dict[str, float]], solution: Solution) -> dict[str, dict[str, float]]:
+    """Derivatives of all responses, with those of extremes over time at their peaks between the steps, as by `changes_at_peaks`."""
+    changes = changes_at_peaks(solution)
+    return {f: {x: slope + changes[f][x] for x, slope in each.items()} if f in changes else each for f, each in gradients.items()}
+
+
+def _peaked(response: TimeMax | TimeMin | MaxStress, solution: Solution) -> tuple[np.ndarray, Callable[[int], np.ndarray]]:
+    """Curve (n_t,) whose largest value an extreme is, apart from its sign, and the derivatives (n_x,) of the extreme at a step."""
+    if isinstance(response, MaxStress):
+        components, stress = response.components(solution), np.real(response.considered(solution))
+        column = int(first_largest(stress.ravel(), SAME)) % stress.shape[1]
+        return stress[:, column], lambda step: _slope(response, solution, components, (step, column))
+    look, values = response.source.instants(solution), np.real(over_all_steps(response.source, solution))
+    if isinstance(response, TimeMin):
+        return -values, lambda step: slope_at(look(step), solution, step)
+    sign = (
+        np.sign(values[first_largest(response.considered(values), SAME) % len(values)]) if response.measure == "absolute" else 1.0
+    )
+    return sign * values, lambda step: sign * slope_at(look(step), solution, step)
+
+
+def _weights_at_vertex(times: np.ndarray, values: np.ndarray) -> np.ndarray | None:
+    """Weights (3,) that interpolate what is known at three times at the vertex of the parabola through three values; None without one."""
+    if len(times) < 3:
+        return None
+    before, after = times[1] - times[0], times[2] - times[1]
+    rise, fall = (values[1] - values[0]) / before, (values[1] - values[2]) / after
+    if not rise + fall > 0:
+        return None
+    later = (rise * after - fall * before) / (2 * (rise + fall))
+    left, right = later + before, later - after
+    return np.array(
+        [later * right / (before * (before + after)), -left * right / (before * after), later * left / (after * (before + after))]
+    )
 
 
 def peaks(solution: Solution) -> Iterator[tuple[int, float]]:

@@ -275,7 +275,15 @@ def with_choices(scene: Scene, choices: Choices) -> Scene:
     return scene.model_copy(update={"bodies": {**plain, **chosen}})
 
 
-def with_frames(scene: Scene, frames: Mapping[str, Frames]) -> Scene:
-    """The scene with other frames in some of its bodies."""
+def with_frames(scene: Scene, frames: Mapping[str, Frames], reduced: bool = False) -> Scene:
+    """The scene with other frames in some of its bodies.
+
+    Parts have all shapes of their elements. With `reduced` those of a reduced body keep as many modes each as it has coordinates: more
+    than these together, and none that vibrates much faster, so that steps that do for the body do for its parts.
+    """
     changed = {name: scene.bodies[name].model_copy(update={"frames": n, "geometric_error": None}) for name, n in frames.items()}
+    for name in changed if reduced else ():
+        body, model = changed[name], scene.model(scene.bodies[name].model)  # type: ignore[attr-defined]
+        if not (model.keeps_all or model.in_pieces) and body.modes_per_frame is None:  # type: ignore[attr-defined]
+            changed[name] = body.model_copy(update={"modes_per_frame": model.n_f})
     return scene.model_copy(update={"bodies": {**scene.bodies, **changed}})

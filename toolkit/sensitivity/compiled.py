@@ -82,9 +82,9 @@ class Compiled:
         frames: dict[str, Frames] = dict.fromkeys(automatic(self.scene), 1)
         return self.reframed(frames) if frames else self
 
-    def reframed(self, frames: Mapping[str, Frames]) -> Compiled:
-        """The same with other frames in some of its bodies."""
-        return self._other(tuple(sorted(frames.items())), lambda scene: with_frames(scene, frames))
+    def reframed(self, frames: Mapping[str, Frames], reduced: bool = False) -> Compiled:
+        """The same with other frames in some of its bodies; `reduced` as of `with_frames`."""
+        return self._other((reduced, *sorted(frames.items())), lambda scene: with_frames(scene, frames, reduced))
 
     def enriched(self) -> Compiled:
         """The same with more shapes in bodies whose bases are frozen."""

@@ -28,6 +28,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes import one_thread
+from toolkit.responses.extremes import at_peaks
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.errors.step_error import Gradients, Repeat, Values
@@ -141,9 +142,10 @@ def again(
     known: ConsistentMotion | State | None = None,
 ) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
     """Values of a motion, and gradients by direct differentiation if the system has design variables, with other options; `q` and `v` are
-    its start if it is not the scene's, `known` what was found for it."""
-    values, gradients = evaluate_with_gradients(simulate(system, options, q, v, known=known))
-    return values, gradients if system.n_x else {}
+    its start if it is not the scene's, `known` what was found for it. Gradients of extremes are those at peaks between the steps."""
+    solution = simulate(system, options, q, v, known=known)
+    values, gradients = evaluate_with_gradients(solution)
+    return values, at_peaks(gradients, solution) if system.n_x else {}
 
 
 RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}

@@ -4,6 +4,9 @@ Gradients converge more slowly than values: of a wing whose displacement is off 
 With every part cut in half, the error is a quarter of what it was. So of numbers g, and g' with ratio r of the frames,
 
     error of g  =  (g' - g) r^2 / (r^2 - 1)
+
+Parts have all shapes of their elements: what g' - g is by the shapes of a frozen basis, as far as that is known, does not fall with the
+frames, and counts as it is.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +24,9 @@ from toolkit.foundation.verdict import Caution
 from toolkit.responses.energy import Largest, magnitude_that_counts
 from toolkit.scene.resolution import branches, cuttable, fewest_cut, most_frames
 from toolkit.sensitivity.chosen_frames import Frames
+from toolkit.sensitivity.errors.basis_errors import BasisErrors, derivative
+from toolkit.sensitivity.errors.step_cautions import GRADIENTS, ROUGH, VALUES
+from toolkit.sensitivity.errors.step_error import StepError
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
@@ -31,7 +38,7 @@ SMALL = 5e-4
 """Geometric error by the meter up to which gradients are not examined: where the parts of a wing leave 6e-4, a gradient is off by 6 %, and
 so it is of a pendulum whose bending leaves 1.7e-3 in one frame, as vibrations count what changes their frequency period by period."""
 UNIMPORTANT = 0.02
-"""Effect of a gradient on its response, relative to that of the most important gradient, below which it is left out."""
+"""Effect of a gradient on its response, relative to that of the most important gradient, below which it is left out without a motion."""
 NAMED = 6
 """Largest count of gradients that are named one by one."""
 WEIGHED = ("large-deformation", "critical-load", "tension", "reference-condition")
@@ -46,17 +53,19 @@ BEYOND_FRAMES = 0.5
 leaves out vibrate then, in steps that are too long for them."""
 UNCERTAIN = 2.0
 """Factor by which the estimate of an error may be too small."""
+WORTH_ADDING = 0.01
+"""Error, a part of its scale, below which it is not worth a word that it adds to another one."""
 
 Slopes = Mapping[str, Mapping[str, float]]
 Reframed = Callable[[Mapping[str, Frames]], tuple[Mapping[str, float], Slopes]]
-"""Values and gradients of the same analysis with other frames in some of its bodies."""
+"""Values and gradients of the same analysis with other frames in some of its bodies, gradients of extremes at peaks between the steps."""
 
 
 @dataclass(frozen=True)
 class FrameErrors:
     """Estimated errors of a run by the number of its frames; `failure` says why there are none.
 
-    Parts with frames of their own have all shapes of their elements, so that of a reduced body these are errors by its basis too.
+    Parts of a reduced body have more shapes together than it has, so that these are errors by its basis too.
     """
 
     frames: Mapping[str, tuple[int, int]]  # body -> those of the run, and those that it is compared with
@@ -99,6 +108,7 @@ def frame_errors(
     scales: Mapping[str, float],
     reframed: Reframed,
     doubted: Collection[str] = (),
+    by_basis: BasisErrors | None = None,
 ) -> FrameErrors | None:
     """Errors of values and gradients by the number of frames; None where no body needs more frames, or can have them.
 
@@ -106,7 +116,9 @@ def frame_errors(
 
     Parameters
     ----------
+    gradients : those of extremes over time are to be those at the peaks between the steps, as of the other run
     scales : response -> what an error of its value is compared with
+    by_basis : errors by frozen bases, which are part of what more frames change
     """
     bodies = [body for body in whole_bodies(solution.system.scene) if body in {*bodies_with_more(solution), *doubted}]
     more = {body: _more(solution, body) for body in bodies if _can_have_more(solution, body)}
@@ -119,13 +131,23 @@ def frame_errors(
     except ToolkitError as error:
         return FrameErrors(counts, {}, {}, str(error), most)
     square = min(now / before for before, now in counts.values()) ** 2
-    factor = square / (square - 1)
+    bases = by_basis.numbers if by_basis is not None and {each.name for each in by_basis.bodies} <= {*more} else {}
+
+    def estimated(change: float, name: str) -> float:
+        """Error of a number, by its name in what is known about bases."""
+        known = bases.get(name)
+        by_shapes = 0.0 if known is None or not change else np.clip((known.true - known.told) / change, 0.0, 1.0) * change
+        return float((change - by_shapes) * square / (square - 1) + by_shapes)
+
     unknown = _unknown(solution, more, scales, {f: other_values[f] - value for f, value in values.items()})
     slopes = {f: row for f, row in gradients.items() if f not in unknown}
     return FrameErrors(
         counts,
-        {f: float(factor * (other_values[f] - value)) for f, value in values.items() if f not in unknown},
-        {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in slopes.items()},
+        {f: estimated(other_values[f] - value, f) for f, value in values.items() if f not in unknown},
+        {
+            f: {x: estimated(other_slopes[f][x] - slope, derivative(f, x)) for x, slope in row.items()}
+            for f, row in slopes.items()
+        },
         most=most,
         undecided={
             f: max(magnitude_that_counts(each, solution, NONE), UNFELT * abs(values[f]))
@@ -169,14 +191,19 @@ def unless_frames_deny(
     sizes: Mapping[str, float],
     slope_scales: Slopes,
 ) -> Iterator[Caution]:
-    """The cautions, with those about what more frames know as remarks where no answer feels them."""
+    """The cautions, with those about what more frames know as remarks where no answer feels them.
+
+    Values may be off by twice as much as is found. Gradients that are found within their own limit are no more doubted than those of
+    bodies that no doubt is about, see `doubtful_gradients`.
+    """
     values = [abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]]
-    felt = max([*values, *_parts(found, gradients, sizes, slope_scales).values()], default=0.0)
-    unfelt = not found.failure and not found.unknown and felt * UNCERTAIN <= LIMIT
+    felt, steeper = max(values, default=0.0), max(_parts(found, gradients, sizes, slope_scales).values(), default=0.0)
+    unfelt = not found.failure and not found.unknown and felt * UNCERTAIN <= LIMIT and steeper <= LIMIT
     for each in cautions:
         if unfelt and each.doubt and each.code in WEIGHED and each.body in found.frames and _moves(solution, each):
             said = (
-                f" The responses hardly feel it: they change by {felt:.1e} at most by the same run with {_others(found.frames)}."
+                f" The responses hardly feel it: they change by {felt:.1e} at most, and gradients by {steeper:.1e}, by the same run with "
+                f"{_others(found.frames)}."
             )
             yield replace(each, text=each.text + said, doubt=False)
         else:
@@ -257,6 +284,69 @@ def doubtful_values(found: FrameErrors, scales: Mapping[str, float]) -> Iterator
         )
 
 
+class AddedErrors(NamedTuple):
+    """Estimated errors of one number by the length of the steps and by the floating frames, signed parts of its scale."""
+
+    by_steps: float
+    by_frames: float
+
+    @property
+    def part(self) -> float:
+        """Magnitude of their sum: errors of different signs make up for each other."""
+        return abs(self.by_steps + self.by_frames)
+
+    def adds(self, limit_of_steps: float) -> bool:
+        """Whether neither error is beyond its own limit, nor so small that the other one is nearly all."""
+        sizes = abs(self.by_steps), abs(self.by_frames)
+        return sizes[0] <= limit_of_steps and sizes[1] <= LIMIT and min(sizes) >= WORTH_ADDING
+
+    def told(self, name: str) -> str:
+        """Words on the sum."""
+        both = f"{abs(self.by_steps):.1%} by the length of the steps, {abs(self.by_frames):.1%} by the floating frames"
+        return f"{name} by about {self.part:.1%} ({both})"
+
+
+def added_errors(
+    found: FrameErrors | None,
+    steps: StepError | None,
+    scales: Mapping[str, float],
+    gradients: Slopes,
+    sizes: Mapping[str, float],
+    slope_scales: Slopes,
+) -> tuple[dict[str, AddedErrors], dict[str, AddedErrors]]:
+    """Errors by steps and by frames of values and of gradients of a motion, where both count and neither is doubted by itself."""
+    if found is None or steps is None:
+        return {}, {}
+    felt = {f: error for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]}
+    values = {f: AddedErrors(steps.changes[f] / scales[f], error / scales[f]) for f, error in felt.items()}
+    slopes = {}
+    for f, x in _parts(found, gradients, sizes, slope_scales):
+        scale = max(abs(gradients[f][x]), slope_scales[f][x])
+        if scale > 0:
+            changes = steps.slope_changes[f][x], found.gradients[f][x]
+            slopes[f"the derivative of {f} by {x}"] = AddedErrors(*(each / scale for each in changes))
+    return {f: each for f, each in values.items() if each.adds(VALUES)}, {
+        f: each for f, each in slopes.items() if each.adds(GRADIENTS)
+    }
+
+
+def cautions_of_added(values: Mapping[str, AddedErrors], slopes: Mapping[str, AddedErrors]) -> Iterator[Caution]:
+    """A doubt about numbers whose errors are small one by one and not together, or a remark on gradients that are rough by them."""
+    wrong = {name: each for name, each in values.items() if each.part > LIMIT}
+    wrong |= {name: each for name, each in slopes.items() if each.part > GRADIENTS}
+    rough, doubt = {name: each for name, each in slopes.items() if each.part > ROUGH}, bool(wrong)
+    if off := wrong or rough:
+        worst = sorted(off, key=lambda name: -off[name].part)
+        more = f" and {len(worst) - NAMED} more" if len(worst) > NAMED else ""
+        yield Caution(
+            "added-errors" if doubt else "rough-gradients",
+            f"errors of several causes, each within its limit, add up: {'; '.join(off[name].told(name) for name in worst[:NAMED])}{more}, "
+            f"in parts of the largest in the motion (limit {LIMIT:.0%} of values, {GRADIENTS:.0%} of derivatives). Fix: a shorter "
+            "solver.step, or more frames.",
+            doubt,
+        )
+
+
 def _parts(
     found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float], scales: Slopes | None = None
 ) -> dict[tuple[str, str], float]:
@@ -267,9 +357,9 @@ def _parts(
     parts: dict[tuple[str, str], float] = {}
     for f, errors in found.gradients.items():
         most = max((abs(slope) * sizes[x] for x, slope in gradients[f].items()), default=0.0)
-        counts = max(UNIMPORTANT * most, found.undecided[f])
+        least = 0.0 if scales else UNIMPORTANT * most  # in a motion the scale of a small one is a small effect of its variable
         for x, error in errors.items():
-            if error and max(abs(error), abs(gradients[f][x])) * sizes[x] > counts:
+            if error and max(abs(error), abs(gradients[f][x])) * sizes[x] > max(least, found.undecided[f]):
                 scale = max(abs(gradients[f][x]), scales[f][x] if scales else 0.0)
                 parts[f, x] = abs(error) / scale if scale else np.inf
     return parts

@@ -27,6 +27,7 @@ from toolkit.description.run_options import time_grid
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.foundation.itself import Itself
 from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
+from toolkit.responses.extremes import at_peaks
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint import by_adjoint
 from toolkit.sensitivity.chosen_frames import Choices, Frames
@@ -164,12 +165,12 @@ DIFFERENTIATED = {"direct": by_direct, "adjoint": by_adjoint}
 def _reframed(
     compiled: Compiled, kind: Kind, solution: Solution, frames: Mapping[str, Frames]
 ) -> tuple[Mapping[str, float], Mapping[str, Mapping[str, float]]]:
-    """Values and gradients of a compiled scene with other frames and the same steps."""
-    other = compiled.reframed(frames)
+    """Values and gradients, those of extremes at peaks between the steps, of a compiled scene with other frames and the same steps."""
+    other = compiled.reframed(frames, reduced=True)
     if kind == "transient" and (compiled.scene.solver.local_error is not None or solution.halved):
         other = Compiled(frozen(other.scene, solution, compiled.scene.solver.halvings), other.names)
     found = by_method("auto", other, kind)
-    return found.values, found.gradients
+    return found.values, at_peaks(found.gradients, found.solution)
 
 
 ROUNDS = 4

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
@@ -14,7 +14,7 @@ import numpy as np
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.kept_run.layout import STATES, ResultsFileError
 from toolkit.responses.energy import Largest, largest_in, magnitude_that_counts
-from toolkit.responses.extremes import loose_maxima, missed_peaks, tied_extremes, tied_stresses
+from toolkit.responses.extremes import at_peaks, changes_at_peaks, loose_maxima, missed_peaks, tied_extremes, tied_stresses
 from toolkit.responses.flutter import growing_vibrations, unstable_vibrations
 from toolkit.responses.relative_angle import folded_equilibria, folded_rotations
 from toolkit.responses.vibration import Frequency
@@ -33,9 +33,12 @@ from toolkit.sensitivity.errors.step_cautions import (
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.gradient_errors import (
     NONE,
+    AddedErrors,
     FrameErrors,
     Reframed,
+    added_errors,
     bodies_with_more,
+    cautions_of_added,
     doubtful_gradients,
     doubtful_values,
     frame_errors,
@@ -131,7 +134,10 @@ class Run:
         known = self._answers
         responses = {name: each for name, each in responses_of(solution.system.scene).items() if name in self.values}
         lost = lost_vibrations(solution, responses, known.scales)
-        return step_error(solution, self.values, self.gradients, known.scales, known.slope_scales, self.repeat, suspicious, lost)
+        changes = changes_at_peaks(solution) if self.gradients else {}
+        return step_error(
+            solution, self.values, self.gradients, known.scales, known.slope_scales, self.repeat, suspicious, lost, changes
+        )
 
     @cached_property
     def _answers(self) -> Answers:
@@ -158,7 +164,12 @@ class Run:
         """Estimated errors by the number of floating frames, by a run with more of them when first asked for."""
         if self.reframed is None or not self.gradients:
             return None
-        return frame_errors(self.solution, self.values, self.gradients, self.scales, self.reframed)
+        return self._frame_errors()
+
+    def _frame_errors(self, doubted: Collection[str] = ()) -> FrameErrors | None:
+        assert self.reframed is not None
+        known = self.values, at_peaks(self.gradients, self.solution), self.scales
+        return frame_errors(self.solution, *known, self.reframed, doubted, self.basis_errors)
 
     @cached_property
     def basis_errors(self) -> BasisErrors | None:
@@ -208,9 +219,19 @@ class Run:
         sizes = variable_sizes(self.solution.system.scene, self)
         scales, slopes = self.scales, self.gradient_scales
         weighed = unless_frames_deny(found.warnings, self.solution, errors, scales, self.gradients, sizes, slopes)
-        doubts = (*doubtful_values(errors, scales), *doubtful_gradients(errors, self.gradients, sizes, slopes))
+        doubts = (
+            *doubtful_values(errors, scales),
+            *doubtful_gradients(errors, self.gradients, sizes, slopes),
+            *cautions_of_added(*self.added_errors),
+        )
         record = errors.record(self.gradients, sizes, slopes)
         return Verdict.of([*weighed, *doubts], {**found.measures, "geometric_error": record})
+
+    @property
+    def added_errors(self) -> tuple[dict[str, AddedErrors], dict[str, AddedErrors]]:
+        """Errors by steps and by frames, of values and of gradients, as far as both are known of a motion."""
+        sizes = variable_sizes(self.solution.system.scene, self) if self.gradients else {}
+        return added_errors(self.weighed_frames, self.step_error, self.scales, self.gradients, sizes, self.gradient_scales)
 
     @property
     def scales(self) -> Mapping[str, float]:
@@ -223,7 +244,7 @@ class Run:
         bodies = framed_doubts(self._verdict.warnings)
         if self.reframed is None or not self.gradients or bodies <= set(bodies_with_more(self.solution)):
             return self.frame_errors
-        return frame_errors(self.solution, self.values, self.gradients, self.scales, self.reframed, bodies)
+        return self._frame_errors(bodies)
 
     @cached_property
     def _verdict(self) -> Verdict:

@@ -261,6 +261,8 @@ def _shares(result: Run) -> np.ndarray:
         shares.append(_largest(steps.values.values()) / VALUES)
         shares.append(_largest(error for each in steps.gradients.values() for error in each.values()) / GRADIENTS)
     shares.append(_of_values(result) / LIMIT)
+    limits = zip(result.added_errors, (LIMIT, GRADIENTS), strict=True)
+    shares += [_largest(each.part for each in added.values()) / limit for added, limit in limits]
     for each in geometric_errors(result.solution).values():
         if each is not None:
             shares += [each.relative / limit for limit in (LIMIT, SMALL)]

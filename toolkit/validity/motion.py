@@ -206,7 +206,8 @@ def unchecked_energy(solution: Solution) -> Iterator[Caution]:
 def unbalanced_energy(solution: Solution) -> Iterator[Caution]:
     """Energy is gained or lost beyond what loads, drivers and dampers account for.
 
-    Limit: 4 % of the largest energy or work; a remark where steps half as long show that it goes away and values are right.
+    Limit: 4 % of the largest energy or work, which is no error of a response; a remark where steps half as long show that it goes away
+    and values are right.
     Fix: a smaller `solver.step`.
     """
     balance = measured(solution)["energy_balance"]

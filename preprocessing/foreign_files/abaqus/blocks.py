@@ -14,13 +14,17 @@ from dataclasses import dataclass, field
 from io import BufferedReader, RawIOBase, TextIOWrapper
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from preprocessing.foreign_files.abaqus.vocabulary import spelled, spelled_parameter
 from preprocessing.foreign_files.contents import included_file
 from toolkit.foundation.errors import InputError
+
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
 
 COMMENT = re.compile(rb"^[ \t]*\*\*", re.MULTILINE)
 
@@ -30,7 +34,7 @@ class Text:
     """Content of one file as bytes."""
 
     file: Path
-    content: Any  # bytes, or the file mapped into memory
+    content: bytes | mmap.mmap  # of the whole file, or the file mapped into memory
 
     def place(self, at: int) -> str:
         """Position of a byte in the file, in words."""
@@ -58,7 +62,7 @@ def read_text(path: Path) -> Text:
         It is no plain text.
     """
     with path.open("rb") as file:
-        content: Any = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if path.stat().st_size else b""
+        content: bytes | mmap.mmap = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if path.stat().st_size else b""
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise InputError(f"{str(path)!r} is written in UTF-16. Save it as plain text in UTF-8.")
     if content.find(b"\0") >= 0:
@@ -114,9 +118,10 @@ class _Window(RawIOBase):
     def readable(self) -> bool:
         return True
 
-    def readinto(self, buffer: Any) -> int:
-        size = min(len(buffer), self._end - self._at)
-        buffer[:size] = self._view[self._at : self._at + size]
+    def readinto(self, buffer: WriteableBuffer) -> int:
+        target = memoryview(buffer)
+        size = min(len(target), self._end - self._at)
+        target[:size] = self._view[self._at : self._at + size]
         self._at += size
         return size
 
@@ -240,7 +245,7 @@ class KeywordLine:
         return self.parameters.get("INPUT", "") if self.keyword in WITH_FILES else ""
 
 
-def keyword_lines(content: Any) -> Iterator[KeywordLine]:
+def keyword_lines(content: bytes | mmap.mmap) -> Iterator[KeywordLine]:
     """The keyword lines of a deck: bytes, or a file mapped into memory."""
     end = at = 0
     while (star := content.find(b"*", at)) >= 0:
@@ -358,7 +363,7 @@ def _node_table(block: KeywordBlock) -> tuple[np.ndarray, np.ndarray] | None:
     return (labels, places) if fine else None
 
 
-def _table(lines: Iterator[str], kind: Any) -> np.ndarray | None:
+def _table(lines: Iterator[str], kind: npt.DTypeLike) -> np.ndarray | None:
     """Table of lines with as many numbers each, read at once; None where there are none, or one is no plain number."""
     try:
         with warnings.catch_warnings():

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 from numba import config, typeof, void
 from numba.extending import is_jitted
 
-from toolkit.foundation.compiled.packed import Formula, Packed, key_of, quiet
+from toolkit.foundation.compiled.formula_stamp import CompiledFormula
+from toolkit.foundation.compiled.packed import Formula, Packed, TypeKey, key_of, quiet
 from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY, first_class
 from toolkit.foundation.rare_collections import rare_collections
 
 R = TypeVar("R")
 
 
-def call(function: Callable, *arguments: Any) -> Any:
+def call(function: Callable[..., R], *arguments: object) -> R:
     """Call a kernel; records among its arguments go as one address each, see `packed`."""
     if not is_jitted(function):
         return function(*arguments)
@@ -23,15 +24,15 @@ def call(function: Callable, *arguments: Any) -> Any:
     return entry_point(function, *given)(*given)
 
 
-def entry_point(function: Callable, *arguments: Any) -> Callable[..., Any]:
+def entry_point(function: Callable[..., R], *arguments: object) -> Callable[..., R]:
     """Function that `call` calls for arguments of these types, which are `in_memory`: for whoever calls it again and again."""
     if not is_jitted(function):
         return function
-    found: Callable[..., Any] = quiet()(function) if PUBLIC_ONLY else compiled_for(function, list(arguments)).entry_point
+    found: Callable[..., R] = quiet()(function) if PUBLIC_ONLY else compiled_for(function, list(arguments)).entry_point
     return found
 
 
-def formula_for(function: Callable, *arguments: Any) -> Any:
+def formula_for(function: Callable[..., R], *arguments: object) -> Callable[..., R] | Formula:
     """Formula to pass to other kernels: a kernel as it is compiled for the types of arguments."""
     if not is_jitted(function):
         return function
@@ -49,7 +50,7 @@ def by_value(record: type[R]) -> type[R]:
 _BY_VALUE: set[type] = set()
 
 
-def in_memory(given: Any) -> Any:
+def in_memory(given: object) -> object:
     """An argument as compiled code takes it: records, and tuples of formulas, as `Packed`; as it is where numba is switched off, or
     nothing but its documented parts is used."""
     if config.DISABLE_JIT or PUBLIC_ONLY or not isinstance(given, tuple) or type(given) in _BY_VALUE:  # type: ignore[attr-defined]
@@ -57,17 +58,18 @@ def in_memory(given: Any) -> Any:
     return Packed(given) if hasattr(given, "_fields") or any(isinstance(each, Formula | tuple) for each in given) else given
 
 
-def compiled_for(function: Any, given: list[Any]) -> Any:
+def compiled_for(function: Callable, given: Sequence[object]) -> CompiledFormula:
     """A kernel as numba compiles it for the types of arguments `in_memory`; to have numba look at these takes longer than a short run."""
     key = function, *map(key_of, given)
     if key not in _COMPILED:
+        kernel: Any = function
         kinds = tuple(map(typeof, given))
         with quiet(), rare_collections():
-            if function.targetoptions.get("no_cpython_wrapper"):  # an inner formula, which refuses
+            if kernel.targetoptions.get("no_cpython_wrapper"):  # an inner formula, which refuses
                 function(*given)
-            function.compile(kinds)
-        _COMPILED[key] = function.overloads[kinds]
+            kernel.compile(kinds)
+        _COMPILED[key] = kernel.overloads[kinds]
     return _COMPILED[key]
 
 
-_COMPILED: dict[Any, Any] = {}
+_COMPILED: dict[tuple[Callable | TypeKey, ...], CompiledFormula] = {}

@@ -5,9 +5,12 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from typing import Any
+from typing import TYPE_CHECKING
 
 from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY
+
+if TYPE_CHECKING:
+    from toolkit.foundation.compiled.numba_parts import event as numba_event
 
 
 class CompileWatch:
@@ -30,7 +33,7 @@ class CompileWatch:
         """Note that the block has ended."""
         self.rest = clock.perf_counter() - self._opened - self.seconds
 
-    def notify(self, event: Any) -> None:
+    def notify(self, event: numba_event.Event) -> None:
         """Note that a function begins to be compiled, or that this is done or has failed."""
         self._begin() if event.is_start else self._end()
 

@@ -16,14 +16,17 @@ from functools import cache, cached_property
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import llvmlite
 import numba
 import numpy as np
 
-from toolkit.foundation.compiled.formula_stamp import Kernel, UnknownNameError, formula_stamp, layout
+from toolkit.foundation.compiled.formula_stamp import CompiledFormula, Kernel, UnknownNameError, formula_stamp, layout
 from toolkit.foundation.files.safe_files import in_one_stroke
+
+if TYPE_CHECKING:
+    from toolkit.foundation.compiled.numba_parts import CompileResult, JITCPUCodegen, Signature, cpu
 
 VARIABLE = "NUMBA_CACHE_DIR"
 """Environment variable that names a folder for compiled code. numba also takes it from a file in the current folder, this program not:
@@ -56,7 +59,7 @@ class CompiledCode:
     def __init__(self, kernel: Kernel, inner: bool = False) -> None:
         self.kernel, self.function, self._is_inner = kernel, kernel.py_func, inner
 
-    def load_overload(self, signature: Any, target: Any) -> Any:
+    def load_overload(self, signature: Signature, target: cpu.CPUContext) -> CompileResult | None:
         """Code that is kept for types of arguments; None if there is none, or only what is damaged."""
         from toolkit.foundation.compiled.numba_parts import restored
 
@@ -76,7 +79,7 @@ class CompiledCode:
         target.refresh()
         return None
 
-    def save_overload(self, signature: Any, compiled: Any) -> None:
+    def save_overload(self, signature: Signature, compiled: CompiledFormula) -> None:
         """Keep the code in the first folder that takes it; say where it is if it does not last there."""
         from toolkit.foundation.compiled.numba_parts import bytes_of
 
@@ -130,16 +133,16 @@ class CompiledCode:
         beside = [source.parent / "__pycache__"] if source.is_file() else []
         return beside + [folder / name for folder in _shared()]
 
-    def _file(self, signature: Any, codegen: Any) -> str:
+    def _file(self, signature: Signature, codegen: JITCPUCodegen) -> str:
         """Name of the file for types of arguments and a processor."""
-        signature = layout(getattr(signature, "args", signature))
+        arguments = layout(getattr(signature, "args", signature))
         versions = (
             numba.__version__,
             llvmlite.__version__,
             np.__version__,
             *(getattr(numba.config, each, None) for each in SETTINGS),
         )
-        key = repr((self._stamp, signature, codegen.magic_tuple(), versions, self._is_inner, LAYOUT)).encode()
+        key = repr((self._stamp, arguments, codegen.magic_tuple(), versions, self._is_inner, LAYOUT)).encode()
         return f"{self._name}-{sha256(key).hexdigest()[:16]}.nbc"
 
 

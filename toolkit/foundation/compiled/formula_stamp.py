@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import dis
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeGuard
 
 import numpy as np
 from numba import types
 from numba.extending import is_jitted
 
 from toolkit.foundation.compiled.rows import add_rows, add_to_each, subtract_multiples
+
+if TYPE_CHECKING:
+    from toolkit.foundation.compiled.numba_parts import JITCodeLibrary, JITCPUCodegen, Signature
 
 WRITTEN = (add_rows, add_to_each, subtract_multiples)
 """Functions of which formulas take code that is written for the compiler."""
@@ -26,11 +29,27 @@ LOADING = tuple(dis.opmap[name] for name in ("LOAD_CONST", "RETURN_CONST") if na
 """Instructions with the number of a constant."""
 
 
+class CompiledFormula(Protocol):
+    """A formula as numba has compiled it for the types of some arguments."""
+
+    signature: Signature
+    library: JITCodeLibrary
+    codegen: JITCPUCodegen
+    entry_point: Callable
+    lifted: Sequence[Any]
+    fndesc: Any
+
+
 class Kernel(Hashable, Protocol):
-    """A formula as numba compiles it."""
+    """A formula that numba compiles."""
 
     py_func: FunctionType
     targetoptions: dict[str, object]
+
+
+def is_kernel(used: object) -> TypeGuard[Kernel]:
+    """Whether a value is a formula that numba compiles."""
+    return bool(is_jitted(used))  # type: ignore[arg-type]
 
 
 class UnknownNameError(Exception):
@@ -62,7 +81,7 @@ def formula_stamp(kernel: Kernel) -> str:
 
 
 @cache
-def layout(given: Any) -> str:
+def layout(given: types.Type | tuple[types.Type, ...]) -> str:
     """Type of numba with the names and places of all records.
 
     numba writes the types alone, but code finds its records by both.
@@ -85,10 +104,10 @@ def _own(kernel: Kernel) -> str:
 
 
 def _called(kernel: Kernel) -> list[Kernel]:
-    return [used for _, used in _names(kernel) if bool(is_jitted(used))]
+    return [used for _, used in _names(kernel) if is_kernel(used)]
 
 
-def _names(kernel: Kernel) -> list[tuple[Any, Any]]:
+def _names(kernel: Kernel) -> list[tuple[Hashable, object]]:
     """Names that a kernel finds in its module or in the function that made it, and what they stand for."""
     function = kernel.py_func
     space, around = function.__globals__, zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
@@ -96,14 +115,14 @@ def _names(kernel: Kernel) -> list[tuple[Any, Any]]:
     return named + [(name, cell.cell_contents) for name, cell in around]
 
 
-def _defaults(kernel: Kernel) -> list[tuple[Any, Any]]:
+def _defaults(kernel: Kernel) -> list[tuple[Hashable, object]]:
     """Default values of arguments, which whoever calls the kernel holds."""
     function = kernel.py_func
     return [*enumerate(function.__defaults__ or ()), *sorted((function.__kwdefaults__ or {}).items())]
 
 
-def _meaning(name: Any, used: Any) -> str:
-    if is_jitted(used):
+def _meaning(name: Hashable, used: object) -> str:
+    if is_kernel(used):
         return "a kernel"
     if isinstance(used, FunctionType) and used in WRITTEN:
         return _written()
@@ -125,7 +144,7 @@ def _written() -> str:
     return sha256(Path(__file__).with_name("written_code.py").read_bytes()).hexdigest()
 
 
-def _is_plain(used: Any) -> bool:
+def _is_plain(used: object) -> bool:
     """Whether a value is a tuple of numbers."""
     return type(used) is tuple and all(isinstance(each, bool | int | float | complex) or _is_plain(each) for each in used)
 
@@ -154,7 +173,7 @@ def _loads_first(code: CodeType) -> bool:
     return any((each, 0) in instructions for each in LOADING)
 
 
-def _constant(given: Any) -> str:
+def _constant(given: object) -> str:
     if isinstance(given, CodeType):
         return "a function"
     return repr(sorted(map(repr, given)) if isinstance(given, frozenset) else given)

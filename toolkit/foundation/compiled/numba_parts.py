@@ -9,20 +9,20 @@ from __future__ import annotations
 
 import operator
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from functools import update_wrapper
 from typing import Any, ClassVar
 
-from llvmlite.binding import Linkage, parse_bitcode
-from numba.core import event
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, CompileResult, compile_result
+from llvmlite.binding import Linkage, ModuleRef, parse_bitcode
+from numba.core import cpu, event
+from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
+from numba.core.compiler import Compiler, CompileResult, Flags, compile_result
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
-from numba.core.types import Function
-from numba.core.typing.context import Context
+from numba.core.types import Function, Type
+from numba.core.typing import Context, Signature
 
 
 class KnownResults(Context):  # type: ignore[misc]
@@ -36,12 +36,12 @@ class KnownResults(Context):  # type: ignore[misc]
     known : what numba knows, which it goes on learning here
     """
 
-    results: ClassVar[dict[tuple, Any]] = {}
+    results: ClassVar[dict[tuple, Signature]] = {}
 
     def __init__(self, known: Context) -> None:
         self.__dict__ = known.__dict__
 
-    def resolve_function_type(self, func: Any, args: tuple, kws: dict[str, Any]) -> Any:
+    def resolve_function_type(self, func: Type, args: tuple[Type, ...], kws: Mapping[str, Type]) -> Signature | None:
         """Signature of a function for types of arguments."""
         if type(func) is not Function:
             return super().resolve_function_type(func, args, kws)
@@ -53,7 +53,7 @@ class KnownResults(Context):  # type: ignore[misc]
             self.results[call] = found
         return self.results[call]
 
-    def resolve_setitem(self, target: Any, index: Any, value: Any) -> Any:
+    def resolve_setitem(self, target: Type, index: Type, value: Type) -> Signature | None:
         """Signature of a written entry."""
         return self.resolve_function_type(super().resolve_value_type(operator.setitem), (target, index, value), {})
 
@@ -70,7 +70,7 @@ class KnownOperator(Function):
         found.__dict__ = {**vars(known), "known": known}
         return found
 
-    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+    def get_call_type(self, context: Context, args: tuple[Type, ...], kws: Mapping[str, Type]) -> Signature | None:
         """Signature of the operator for types of arguments."""
         return context.resolve_function_type(self.known, args, kws)
 
@@ -78,7 +78,7 @@ class KnownOperator(Function):
 class KnownOperators(KnownResults):
     """Types of operators for the step that writes code, which asks the operator anew for every operation."""
 
-    def resolve_value_type(self, val: Any) -> Any:
+    def resolve_value_type(self, val: object) -> Type:
         """Type of an operator, one that remembers its results."""
         found = super().resolve_value_type(val)
         return KnownOperator.of(found) if type(found) is Function else found
@@ -92,7 +92,16 @@ class FormulaCompiler(Compiler):
     typing, target, library, arguments, result, flags, names : as numba's own takes them; `flags` are the settings
     """
 
-    def __init__(self, typing: Any, target: Any, library: Any, arguments: Any, result: Any, flags: Any, names: Any) -> None:
+    def __init__(
+        self,
+        typing: Context,
+        target: cpu.CPUContext,
+        library: JITCodeLibrary | None,
+        arguments: tuple[Type, ...],
+        result: Type | None,
+        flags: Flags,
+        names: Mapping[str, Type],
+    ) -> None:
         super().__init__(KnownResults(typing), target, library, arguments, result, flags, names)
         self.state.targetctx.typing_context = KnownOperators(typing)  # of a copy, for this formula alone
 
@@ -101,7 +110,7 @@ class InnerCode(JITCodeLibrary):
     """A library of numba that is linked into others and never runs by itself."""
 
     @classmethod
-    def kept(cls, codegen: Any, found: tuple[str, bytes]) -> InnerCode:
+    def kept(cls, codegen: JITCPUCodegen, found: tuple[str, bytes]) -> InnerCode:
         """Library of a formula, from what `serialize_using_object_code` wrote."""
         name, bitcode = found
         library = cls(codegen, name)
@@ -117,7 +126,7 @@ class InnerCode(JITCodeLibrary):
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self._finalized = True
 
-    def _get_module_for_linking(self) -> Any:
+    def _get_module_for_linking(self) -> ModuleRef:
         """Code of the formula itself, not a copy of it.
 
         Callers may have it several times, and leave out what nobody calls.
@@ -131,11 +140,11 @@ class InnerCode(JITCodeLibrary):
         return self._shared_module
 
     @property
-    def codegen(self) -> Any:
+    def codegen(self) -> InnerCode:
         """Code generator that numba tells where constants of the formula are; they are in the code of those that call it."""
         return self
 
-    def set_env(self, name: str, environment: Any) -> None:
+    def set_env(self, name: str, environment: object) -> None:
         """Do nothing, since there is no place for an environment yet."""
 
     def get_pointer_to_function(self, name: str) -> int:
@@ -151,7 +160,7 @@ class InnerCode(JITCodeLibrary):
 class InnerCompiler(FormulaCompiler):
     """A compiler whose result is an `InnerCode`."""
 
-    def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
+    def __init__(self, typing: Context, target: cpu.CPUContext, library: JITCodeLibrary | None, *rest: Any) -> None:
         library = library or InnerCode(target.codegen(), "inner")
         library.enable_object_caching()
         super().__init__(typing, target, library, *rest)
@@ -166,7 +175,7 @@ class KeptCode(JITCodeLibrary):
     _bitcode: bytes = b""
 
     @classmethod
-    def kept(cls, codegen: Any, found: tuple[str, list[str], bytes, bytes]) -> KeptCode:
+    def kept(cls, codegen: JITCPUCodegen, found: tuple[str, list[str], bytes, bytes]) -> KeptCode:
         """Library of a kernel, from what `bytes_of` took apart."""
         name, defined, code, bitcode = found
         library = cls(codegen, name)
@@ -177,7 +186,7 @@ class KeptCode(JITCodeLibrary):
         codegen._engine._defined_symbols.update(defined)
         return library
 
-    def _get_module_for_linking(self) -> Any:
+    def _get_module_for_linking(self) -> ModuleRef:
         if self._shared_module is None:
             self._shared_module = parse_bitcode(self._bitcode)
         return self._shared_module
@@ -194,7 +203,7 @@ def bytes_of(compiled: Any) -> bytes:
     return dumps((library, *rest))
 
 
-def restored(target: Any, content: bytes, inner: bool) -> CompileResult:
+def restored(target: cpu.CPUContext, content: bytes, inner: bool) -> CompileResult:
     """Compiled formula in a process whose target is this, from its `bytes_of`; `inner` if only other kernels call it."""
     parts = pickle.loads(content)  # noqa: S301  trusted as the program is
     found, description, environment, signature, objectmode, lifted, annotation, reload_init, referenced = parts
@@ -237,11 +246,11 @@ class InnerFormula(CPUDispatcher):
     store : class of its code on disk, see `CompiledCode`
     """
 
-    def __init__(self, function: Callable, options: dict[str, Any], store: Callable) -> None:
+    def __init__(self, function: Callable, options: Mapping[str, object], store: Callable[[InnerFormula], object]) -> None:
         self.py_func, self.targetoptions, self._store = function, {**options, **COMPILED}, store
         update_wrapper(self, function)
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         """Attribute that is there once the formula is ready to be compiled; one thread makes it so, others wait."""
         if not name.startswith("__"):
             with global_compiler_lock:
@@ -251,12 +260,12 @@ class InnerFormula(CPUDispatcher):
                     self._cache = self._store(self)
         return object.__getattribute__(self, name)
 
-    def __call__(self, *_arguments: Any, **_named: Any) -> None:
+    def __call__(self, *_arguments: object, **_named: object) -> None:
         """Refuse a call: there is no code that Python could call."""
         name = self.py_func.__name__
         raise TypeError(f"{name} is a formula that only other kernels call. Call plain({name}), or decorate it by kernel.")
 
-    def _insert(self, *_found: Any) -> None:
+    def _insert(self, *_found: object) -> None:
         """Do nothing, since there is no entrance for Python's calls."""
 
 

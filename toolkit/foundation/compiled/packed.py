@@ -11,16 +11,23 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from ctypes import c_void_p
 from hashlib import sha256
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numba import NumbaExperimentalFeatureWarning, typeof, types
 from numba.extending import typeof_impl
 
-from toolkit.foundation.compiled.formula_stamp import layout
+from toolkit.foundation.compiled.formula_stamp import CompiledFormula, layout
 
 LAID_OUT = 0x0001 | 0x0002 | 0x0100 | 0x0400
 """Flags of an array that its type follows from, as numpy numbers them: C- and F-contiguous, aligned, writeable."""
+
+Record = types.Tuple | types.UniTuple | types.NamedTuple | types.NamedUniTuple
+"""Types of numba for what consists of parts."""
+Content: TypeAlias = "np.ndarray | Formula | tuple[Content, ...] | float | None"
+"""What a packed record holds."""
+TypeKey: TypeAlias = type | types.Type | int | tuple
+"""What the type of an argument follows from: equal keys, equal types of numba."""
 
 
 @contextmanager
@@ -53,7 +60,7 @@ class PackedType(types.Type):
     of : type of the record, or of the tuple of functions
     """
 
-    def __init__(self, of: types.BaseTuple) -> None:
+    def __init__(self, of: types.Type) -> None:
         self.of: Any = of
         self.sizes = np.array(_sizes(of), bool)
         """Which of its words are no addresses."""
@@ -73,7 +80,7 @@ class Formula:
     compiled : what numba's compiler has made
     """
 
-    def __init__(self, compiled: Any) -> None:
+    def __init__(self, compiled: CompiledFormula) -> None:
         self.compiled, self.kind = compiled, FormulaType(compiled.signature)
         self.address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
 
@@ -95,7 +102,7 @@ class Packed:
     __slots__ = ("address", "kind", "record", "words")
 
     def __init__(self, record: tuple) -> None:
-        words: list[Any] = []
+        words: list[int] = []
         self.kind = _kinds(_collect(record, words), record)
         self.record, self.words = record, np.array(words, np.int64)
         self.address = address_of(self.words)
@@ -107,15 +114,14 @@ class Packed:
 
 @typeof_impl.register(Packed)
 @typeof_impl.register(Formula)
-def _typeof_known(given: Any, _context: Any) -> types.Type:
-    kind: types.Type = given.kind
-    return kind
+def _typeof_known(given: Packed | Formula, _context: object) -> types.Type:
+    return given.kind
 
 
-_KNOWN: dict[Any, PackedType] = {}
+_KNOWN: dict[TypeKey, PackedType] = {}
 
 
-def _kinds(key: Any, record: tuple) -> PackedType:
+def _kinds(key: TypeKey, record: tuple) -> PackedType:
     """Type of a record with such contents; numba's own way to find it takes long."""
     if key not in _KNOWN:
         with quiet():
@@ -123,7 +129,7 @@ def _kinds(key: Any, record: tuple) -> PackedType:
     return _KNOWN[key]
 
 
-def key_of(given: Any) -> Any:
+def key_of(given: object) -> TypeKey:
     """Key that the type of an argument follows from."""
     if isinstance(given, np.ndarray):
         return given.dtype, given.ndim, given.flags.num & LAID_OUT
@@ -136,7 +142,7 @@ def key_of(given: Any) -> Any:
     return type(given)
 
 
-def _collect(given: Any, words: list[Any]) -> Any:
+def _collect(given: Content, words: list[int]) -> TypeKey:
     """Append the words of a value, and return what its type follows from, as `key_of`."""
     if isinstance(given, np.ndarray):
         words.append(address_of(given))
@@ -155,14 +161,14 @@ def _collect(given: Any, words: list[Any]) -> Any:
     return type(given)
 
 
-def _sizes(kind: Any) -> list[bool]:
+def _sizes(kind: types.Type) -> list[bool]:
     """Which words of a value of a type are no addresses, one bool for each word."""
-    if isinstance(kind, types.Tuple | types.UniTuple | types.NamedTuple | types.NamedUniTuple):
+    if isinstance(kind, Record):
         return [each for part in kind.types for each in _sizes(part)]
     return [not (isinstance(kind, types.Array | FormulaType) and k == 0) for k in range(words_of(kind))]
 
 
-def words_of(kind: Any) -> int:
+def words_of(kind: types.Type) -> int:
     """Number of words that a value of a type takes.
 
     Raises
@@ -172,7 +178,7 @@ def words_of(kind: Any) -> int:
     """
     if isinstance(kind, types.Array):
         return 1 + 2 * kind.ndim
-    if isinstance(kind, types.Tuple | types.UniTuple | types.NamedTuple | types.NamedUniTuple):
+    if isinstance(kind, Record):
         return sum(words_of(part) for part in kind.types)
     if isinstance(kind, types.NoneType):
         return 0
@@ -181,7 +187,7 @@ def words_of(kind: Any) -> int:
     raise NotImplementedError(f"a record with {kind}")
 
 
-def inside(kind: Any) -> Any:
+def inside(kind: types.Type) -> types.Type:
     """Type by which a formula has a part of a packed record: records and tuples of formulas stay where they are."""
     records = isinstance(kind, types.BaseNamedTuple) or (isinstance(kind, types.UniTuple) and isinstance(kind.dtype, FormulaType))
     return PackedType(kind) if records else kind

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import cache, partial
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numba
 from numba import config
@@ -18,6 +18,9 @@ from numba.extending import overload
 
 from toolkit.foundation.compiled.compiled_code import folder_for
 from toolkit.foundation.compiled.rows import add_rows, add_to_each, subtract_multiples
+
+if TYPE_CHECKING:
+    from toolkit.foundation.compiled.numba_parts import Signature
 
 VARIABLE = "FFRF_NUMBA"
 """Environment variable that asks, by the value `public`, for the documented parts of numba alone."""
@@ -46,7 +49,7 @@ def compiled(function: Callable, **options: bool) -> Callable:
 
 
 @cache
-def first_class(function: Callable, signature: Any) -> Any:
+def first_class(function: Callable, signature: Signature) -> Callable:
     """A formula compiled for one signature, as an argument for others, which are compiled without its code."""
     kernel: Any = function
     return _kept(partial(numba.cfunc, signature, **SETTINGS), kernel.py_func)

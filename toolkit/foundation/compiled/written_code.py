@@ -6,19 +6,23 @@ Columns of rows by 32, as many vectors as are left: their sums stay in registers
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
-from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_global
+from numba.core import base, cgutils, pythonapi
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, Signature, infer_global
 from numba.experimental.function_type import FunctionModel
 from numba.extending import NativeValue, infer, infer_getattr, lower_builtin, lower_getattr_generic, models, register_model, unbox
 
-from toolkit.foundation.compiled.packed import FormulaType, PackedType, inside, words_of
+from toolkit.foundation.compiled.packed import FormulaType, PackedType, Record, inside, words_of
 from toolkit.foundation.compiled.rows import LANES, add_rows, add_to_each, subtract_multiples
+
+Context: TypeAlias = base.BaseContext
+Values: TypeAlias = Sequence[ir.Value]
+Keywords: TypeAlias = Mapping[str, types.Type]
 
 I64, VECTOR = ir.IntType(64), ir.VectorType(ir.DoubleType(), LANES)
 
@@ -27,16 +31,16 @@ register_model(FormulaType)(FunctionModel)
 
 
 @unbox(PackedType)
-def _unbox_packed(_kind: Any, given: Any, c: Any) -> NativeValue:
+def _unbox_packed(_kind: PackedType, given: ir.Value, c: pythonapi._UnboxContext) -> NativeValue:
     return NativeValue(_attribute(given, "address", c))
 
 
 @unbox(FormulaType)
-def _unbox_formula(kind: Any, given: Any, c: Any) -> NativeValue:
+def _unbox_formula(kind: FormulaType, given: ir.Value, c: pythonapi._UnboxContext) -> NativeValue:
     return NativeValue(_formula(c.context, c.builder, kind, _attribute(given, "address", c)))
 
 
-def _attribute(given: Any, name: str, c: Any) -> Any:
+def _attribute(given: ir.Value, name: str, c: pythonapi._UnboxContext) -> ir.Value:
     """Address that an attribute of a Python object is."""
     number = c.pyapi.object_getattr_string(given, name)
     address = c.pyapi.long_as_voidptr(number)
@@ -44,7 +48,7 @@ def _attribute(given: Any, name: str, c: Any) -> Any:
     return address
 
 
-def _formula(context: Any, builder: Any, kind: Any, address: Any) -> Any:
+def _formula(context: Context, builder: ir.IRBuilder, kind: FormulaType, address: ir.Value) -> ir.Value:
     found = cgutils.create_struct_proxy(kind)(context, builder)
     nothing = cgutils.get_null_value(cgutils.voidptr_t)
     found.c_addr, found.py_addr, found.jit_addr = nothing, nothing, address
@@ -57,7 +61,7 @@ class _Attributes(AttributeTemplate):
 
     key = PackedType
 
-    def generic_resolve(self, kind: Any, name: str) -> Any:  # type: ignore[override]
+    def generic_resolve(self, kind: PackedType, name: str) -> types.Type | None:  # type: ignore[override]
         fields = getattr(kind.of, "fields", ())
         return inside(kind.of.types[fields.index(name)]) if name in fields else None
 
@@ -68,7 +72,7 @@ class _Places(AbstractTemplate):
 
     key = "static_getitem"
 
-    def generic(self, args: Any, kws: Any) -> Any:
+    def generic(self, args: tuple[PackedType, types.Type], kws: Keywords) -> Signature | None:
         kind, place = args
         known = isinstance(kind, PackedType) and isinstance(place, int) and 0 <= place < len(kind.of.types)
         return inside(kind.of.types[place])(*args) if known else None
@@ -78,43 +82,43 @@ class _Places(AbstractTemplate):
 class _Entries(AbstractTemplate):
     """Type of one entry of a packed tuple of formulas."""
 
-    def generic(self, args: Any, kws: Any) -> Any:
+    def generic(self, args: tuple[PackedType, types.Type], kws: Keywords) -> Signature | None:
         kind, place = args
         known = isinstance(kind, PackedType) and isinstance(kind.of, types.UniTuple) and isinstance(place, types.Integer)
         return inside(kind.of.dtype)(kind, types.intp) if known else None
 
 
 @lower_getattr_generic(PackedType)
-def _get_attribute(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
+def _get_attribute(context: Context, builder: ir.IRBuilder, kind: PackedType, value: ir.Value, name: str) -> ir.Value:
     return _part(context, builder, kind.of, value, kind.of.fields.index(name))
 
 
 @lower_builtin("static_getitem", PackedType, types.IntegerLiteral)
-def _get_place(context: Any, builder: Any, found: Any, args: Any) -> Any:
+def _get_place(context: Context, builder: ir.IRBuilder, found: Signature, args: Values) -> ir.Value:
     return _part(context, builder, found.args[0].of, args[0], found.args[1].literal_value)
 
 
 @lower_builtin(operator.getitem, PackedType, types.intp)
-def _get_entry(context: Any, builder: Any, found: Any, args: Any) -> Any:
+def _get_entry(context: Context, builder: ir.IRBuilder, found: Signature, args: Values) -> ir.Value:
     kind = found.args[0].of.dtype
     place = builder.mul(args[1], ir.Constant(I64, words_of(kind)))
     return _load(context, builder, kind, builder.gep(_words(builder, args[0]), [place]))
 
 
-def _words(builder: Any, address: Any) -> Any:
+def _words(builder: ir.IRBuilder, address: ir.Value) -> ir.Value:
     return builder.bitcast(address, I64.as_pointer())
 
 
-def _part(context: Any, builder: Any, of: Any, address: Any, place: int) -> Any:
+def _part(context: Context, builder: ir.IRBuilder, of: Record, address: ir.Value, place: int) -> ir.Value:
     begins = sum(map(words_of, of.types[:place]))
     return _load(context, builder, of.types[place], _at(builder, _words(builder, address), begins))
 
 
-def _at(builder: Any, words: Any, place: int) -> Any:
+def _at(builder: ir.IRBuilder, words: ir.Value, place: int) -> ir.Value:
     return builder.gep(words, [ir.Constant(I64, place)], inbounds=True) if place else words
 
 
-def _load(context: Any, builder: Any, kind: Any, words: Any) -> Any:
+def _load(context: Context, builder: ir.IRBuilder, kind: types.Type, words: ir.Value) -> ir.Value:
     """Value of a type that begins at an address."""
     if isinstance(inside(kind), PackedType):
         return builder.bitcast(words, cgutils.voidptr_t)
@@ -134,14 +138,14 @@ def _load(context: Any, builder: Any, kind: Any, words: Any) -> Any:
     return builder.trunc(word, context.get_value_type(kind)) if isinstance(kind, types.Boolean) else word
 
 
-def _word(builder: Any, words: Any, kind: Any = I64) -> Any:
+def _word(builder: ir.IRBuilder, words: ir.Value, kind: ir.Type = I64) -> ir.Value:
     """Word at an address, of which LLVM may know that nobody writes it while compiled code runs."""
     found = builder.load(builder.bitcast(words, kind.as_pointer()))
     found.set_metadata("invariant.load", builder.module.add_metadata([]))
     return found
 
 
-def _array(context: Any, builder: Any, kind: Any, words: Any) -> Any:
+def _array(context: Context, builder: ir.IRBuilder, kind: types.Array, words: ir.Value) -> ir.Value:
     found, size = context.make_array(kind)(context, builder), np.dtype(kind.dtype.name).itemsize
     data = _word(builder, words, context.get_data_type(kind.dtype).as_pointer())
     shape = [_word(builder, _at(builder, words, 1 + k)) for k in range(kind.ndim)]
@@ -164,17 +168,17 @@ _KINDS = (types.Array, types.Float, types.Float, types.Array, types.Array, types
 class _Sums(AbstractTemplate):
     """Types of the arguments of a sum of rows, as they are."""
 
-    def generic(self, args: Any, kws: Any) -> Any:
+    def generic(self, args: Sequence[types.Type], kws: Keywords) -> Signature | None:
         return types.none(*args)
 
 
 @lower_builtin(add_rows, *_KINDS)
-def _add_rows(context: Any, builder: Any, found: Any, args: Any) -> Any:
+def _add_rows(context: Context, builder: ir.IRBuilder, found: Signature, args: Values) -> ir.Value:
     target, entries, numbers, source = arrays(context, builder, found, args)
     first, last = (context.cast(builder, args[k], found.args[k], types.intp) for k in (5, 6))
     width = builder.extract_value(target.shape, 0)
 
-    def columns(at: Any, vectors: int) -> None:
+    def columns(at: ir.Value, vectors: int) -> None:
         row, rows = (builder.gep(each.data, [at]) for each in (target, source))
         sums = _sums(builder, vectors, entries.data, numbers.data, first, last, rows, width)
         scale, factor = (spread(builder, args[k]) for k in (1, 2))
@@ -186,13 +190,13 @@ def _add_rows(context: Any, builder: Any, found: Any, args: Any) -> Any:
     return context.get_dummy_value()
 
 
-def arrays(context: Any, builder: Any, found: Any, args: Any) -> list[Any]:
+def arrays(context: Context, builder: ir.IRBuilder, found: Signature, args: Values) -> list[cgutils._StructProxy]:
     """Arrays among the arguments of a compiled call."""
     kinds = enumerate(found.args)
     return [context.make_array(kind)(context, builder, args[k]) for k, kind in kinds if isinstance(kind, types.Array)]
 
 
-def by_vectors(builder: Any, width: Any, most: int, columns: Callable[[Any, int], None]) -> None:
+def by_vectors(builder: ir.IRBuilder, width: ir.Value, most: int, columns: Callable[[ir.Value, int], None]) -> None:
     """Write code for all columns of a row, `columns(at, vectors)` for at most so many vectors from column `at` on."""
     column = cgutils.alloca_once(builder, I64)
     builder.store(ir.Constant(I64, 0), column)
@@ -215,10 +219,19 @@ def by_vectors(builder: Any, width: Any, most: int, columns: Callable[[Any, int]
     builder.position_at_end(end)
 
 
-def _sums(builder: Any, vectors: int, entries: Any, numbers: Any, first: Any, last: Any, source: Any, width: Any) -> list[Any]:
+def _sums(
+    builder: ir.IRBuilder,
+    vectors: int,
+    entries: ir.Value,
+    numbers: ir.Value,
+    first: ir.Value,
+    last: ir.Value,
+    source: ir.Value,
+    width: ir.Value,
+) -> list[ir.Value]:
     """Write code for the sums of multiples of rows, in so many vectors."""
 
-    def grown(p: Any, sums: list[Any]) -> list[Any]:
+    def grown(p: ir.Value, sums: list[ir.Value]) -> list[ir.Value]:
         number = builder.load(builder.gep(numbers, [p]))
         number = builder.zext(number, I64) if number.type.width < I64.width else number
         row = places(builder, builder.gep(source, [builder.mul(number, width)]), vectors)
@@ -230,7 +243,13 @@ def _sums(builder: Any, vectors: int, entries: Any, numbers: Any, first: Any, la
     return summed(builder, vectors, first, last, grown)
 
 
-def summed(builder: Any, count: int, first: Any, last: Any, grown: Callable[[Any, list[Any]], list[Any]]) -> list[Any]:
+def summed(
+    builder: ir.IRBuilder,
+    count: int,
+    first: ir.Value,
+    last: ir.Value,
+    grown: Callable[[ir.Value, list[ir.Value]], list[ir.Value]],
+) -> list[ir.Value]:
     """Write a loop over p = first ... last - 1 with so many vectors of sums.
 
     `grown(p, sums)` writes what they are after one more turn.
@@ -253,13 +272,13 @@ def summed(builder: Any, count: int, first: Any, last: Any, grown: Callable[[Any
     return found
 
 
-def spread(builder: Any, value: Any, kind: Any = VECTOR) -> Any:
+def spread(builder: ir.IRBuilder, value: ir.Value, kind: ir.VectorType = VECTOR) -> ir.Value:
     """Vector of a kind with one number in all its lanes."""
     nothing, lanes = ir.Constant(kind, ir.Undefined), ir.Constant(ir.VectorType(ir.IntType(32), kind.count), [0] * kind.count)
     return builder.shuffle_vector(builder.insert_element(nothing, value, ir.Constant(ir.IntType(32), 0)), nothing, lanes)
 
 
-def places(builder: Any, row: Any, vectors: int) -> list[Any]:
+def places(builder: ir.IRBuilder, row: ir.Value, vectors: int) -> list[ir.Value]:
     """Addresses of the vectors of a row."""
     found = (builder.gep(row, [ir.Constant(I64, LANES * k)]) for k in range(vectors))
     return [builder.bitcast(place, VECTOR.as_pointer()) for place in found]
@@ -269,7 +288,7 @@ _KINDS_EACH = (types.UniTuple, types.Array, types.Integer, types.Array, types.In
 
 
 @lower_builtin(add_to_each, *_KINDS_EACH)
-def _add_to_each(context: Any, builder: Any, found: Any, args: Any) -> Any:
+def _add_to_each(context: Context, builder: ir.IRBuilder, found: Signature, args: Values) -> ir.Value:
     entries, source = arrays(context, builder, found, args)
     kind = context.make_array(found.args[0].dtype)
     targets = [kind(context, builder, each) for each in cgutils.unpack_tuple(builder, args[0], len(found.args[0]))]
@@ -277,10 +296,10 @@ def _add_to_each(context: Any, builder: Any, found: Any, args: Any) -> Any:
     first, length = builder.gep(source.data, [start]), builder.extract_value(entries.shape, 1)
     factors = [builder.gep(entries.data, [builder.mul(length, ir.Constant(I64, k))]) for k in range(len(targets))]
 
-    def columns(at: Any, vectors: int) -> None:
+    def columns(at: ir.Value, vectors: int) -> None:
         rows = builder.gep(first, [at])
 
-        def grown(p: Any, sums: list[Any]) -> list[Any]:
+        def grown(p: ir.Value, sums: list[ir.Value]) -> list[ir.Value]:
             row = [builder.load(each, align=8) for each in places(builder, builder.gep(rows, [builder.mul(p, stride)]), vectors)]
             spreads = [spread(builder, builder.load(builder.gep(each, [p]))) for each in factors]
             products = [builder.fmul(factor, each) for factor in spreads for each in row]
@@ -299,14 +318,14 @@ def _add_to_each(context: Any, builder: Any, found: Any, args: Any) -> Any:
 class _Multiples(AbstractTemplate):
     """Types of the arguments of `subtract_multiples`, as its code takes them."""
 
-    def generic(self, args: Any, kws: Any) -> Any:
+    def generic(self, args: tuple[types.UniTuple, ...], kws: Keywords) -> Signature | None:
         values, rows, factors, sources, _ = args
         rows, sources = (types.UniTuple(types.intp, len(each)) for each in (rows, sources))
         return types.none(values, rows, types.UniTuple(types.float64, len(factors)), sources, types.intp)
 
 
 @lower_builtin(subtract_multiples, types.Array, types.UniTuple, types.UniTuple, types.UniTuple, types.Integer)
-def _subtract_multiples(context: Any, builder: Any, found: Any, args: Any) -> Any:
+def _subtract_multiples(context: Context, builder: ir.IRBuilder, found: Signature, args: Values) -> ir.Value:
     data = context.make_array(found.args[0])(context, builder, args[0]).data
     rows, factors, sources = (cgutils.unpack_tuple(builder, args[k], len(found.args[k])) for k in (1, 2, 3))
     rows, sources = ([builder.gep(data, [each]) for each in begins] for begins in (rows, sources))
@@ -322,7 +341,7 @@ def _subtract_multiples(context: Any, builder: Any, found: Any, args: Any) -> An
     return context.get_dummy_value()
 
 
-def _while_enough(builder: Any, at: Any, length: Any, rows: Any, factors: Any, sources: Any) -> None:
+def _while_enough(builder: ir.IRBuilder, at: ir.Value, length: ir.Value, rows: Values, factors: Values, sources: Values) -> None:
     """Write code for all whole vectors of LANES numbers in the rows."""
     begin, work, end = (builder.append_basic_block(name) for name in ("multiples.begin", "multiples.work", "multiples.end"))
     builder.branch(begin)
@@ -335,11 +354,11 @@ def _while_enough(builder: Any, at: Any, length: Any, rows: Any, factors: Any, s
     builder.position_at_end(end)
 
 
-def _subtract(builder: Any, lanes: int, at: Any, rows: Any, factors: Any, sources: Any) -> None:
+def _subtract(builder: ir.IRBuilder, lanes: int, at: ir.Value, rows: Values, factors: Values, sources: Values) -> None:
     """Write code that subtracts from `lanes` numbers of every row, and moves on by as many."""
     kind, now = ir.VectorType(ir.DoubleType(), lanes), builder.load(at)
 
-    def place(row: Any) -> Any:
+    def place(row: ir.Value) -> ir.Value:
         return builder.bitcast(builder.gep(row, [now]), kind.as_pointer())
 
     known = [builder.load(place(source), align=8) for source in sources]

@@ -1,4 +1,4 @@
-"""All joints of a scene, in the plane and in space alike; which formulas run is known when they are compiled, as in `bodies.poses`.
+"""All joints of a scene, in the plane and in space alike; which formulas run is known when they are compiled, as in `markers.poses`.
 
 In space the lengths of quaternions are constraints too.
 """
@@ -27,7 +27,10 @@ def evaluate_any_joint(plane, frames, functions, joints, j, markers, state, acc,
 
 @inlined
 def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, acc, linearize, work, parts, terms):
-    """Add the rows and forces of all joints, and if `linearize` their derivatives by the state."""
+    """Add the rows and forces of all joints to both groups of the residual, and if `linearize` their derivatives by the state.
+
+    A joint in the plane that makes two points coincide, as a revolute does, takes the formulas of pins (`planar_pin`).
+    """
     if plane is not None:
         for j in range(len(joints.of)):
             if joints.of[j, PINNED]:

@@ -24,7 +24,7 @@ FROZEN = "frozen-basis"
 TOLD = 0.02
 """Relative error by a frozen basis above which there is a remark; from `LIMIT` on it is a doubt."""
 UNIMPORTANT = 0.02
-"""Effect of a gradient on its response, relative to that of the most important gradient, below which it is left out."""
+"""Effect of a gradient on its response, relative to that of the most important gradient, below which it is left out without a motion."""
 COUNTABLE = 1e3
 """Relative error of a number beyond which the number is taken for zero."""
 UNFELT = 1e-3
@@ -97,11 +97,17 @@ def basis_errors(
     found = {f: _compared(value, true[f], scale) for f, (value, scale) in values.items()}
     for f, row in gradients.items():
         most = max((abs(slopes[f][x]) * sizes[x] for x in row), default=0.0)
-        counts = max(UNIMPORTANT * most, UNFELT * max(abs(true[f]), abs(values[f][0])))
+        felt = UNFELT * max(abs(true[f]), abs(values[f][0]))
         for x, (slope, scale) in row.items():
+            counts = felt if scale > 0 else max(UNIMPORTANT * most, felt)  # a scale is a small effect of the variable at least
             if max(abs(slope - slopes[f][x]), abs(slope)) * sizes[x] > counts:
-                found[f"the derivative of {f} by {x}"] = _compared(slope, slopes[f][x], scale)
+                found[derivative(f, x)] = _compared(slope, slopes[f][x], scale)
     return BasisErrors(bodies, {name: each for name, each in found.items() if np.isfinite([each.told, each.true]).all()})
+
+
+def derivative(response: str, variable: str) -> str:
+    """What a derivative is called among the numbers of a run."""
+    return f"the derivative of {response} by {variable}"
 
 
 def _compared(told: float, true: float, scale: float) -> ComparedBases:

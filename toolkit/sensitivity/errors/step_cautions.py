@@ -72,7 +72,7 @@ def step_cautions(found: StepError | None, values: Mapping[str, Any], gradients:
         yield Caution("steps", f"{of_values} {_remedy(wrong, found, options)}")
     slopes = {(f, x): error for f, each in found.gradients.items() for x, error in each.items() if not error <= GRADIENTS}
     told = [
-        _told(f"the derivative of {f} by {x}", error, gradients[f][x], found.other_gradients[f][x], found.how)
+        _told(f"the derivative of {f} by {x}", error, gradients[f][x], found.other_gradients[f][x], _how(found, f, x))
         for (f, x), error in _worst(slopes)
     ]
     of_slopes = f"{'; '.join(told)}{_more(slopes)}."
@@ -124,6 +124,11 @@ def _told(what: str, error: float, ours: float, other: float, how: str) -> str:
     return f"{what} is off by {size} because of the length of the steps: {np.real(ours):.5g} as it is, {there} {how}"
 
 
+def _how(found: StepError, response: str, variable: str) -> str:
+    """How the other derivative was found."""
+    return f"at the peak between the steps, {found.how}" if (response, variable) in found.at_peaks else found.how
+
+
 def _more(errors: Mapping[Any, float]) -> str:
     return f" (and {len(errors) - MOST} more)" if len(errors) > MOST else ""
 
@@ -131,7 +136,8 @@ def _more(errors: Mapping[Any, float]) -> str:
 def _remedy(errors: Mapping[Any, float], found: StepError, options: RunOptions) -> str:
     """A step, or an error of a step, that is expected to be short enough."""
     worst = min(1.0, max(np.nan_to_num(error, nan=1.0) for error in errors.values()))
-    part = (WANTED / worst) ** (1 / found.order)
+    order = 1 if found.at_peaks & set(errors) else found.order  # a peak lies within a step, however exact this is
+    part = (WANTED / worst) ** (1 / order)
     if options.local_error is not None:
         return f"Try solver.local_error = {options.local_error * part**3:.1g} and solver.step = {options.step * part:.1g}, the longest one."
     if options.times is not None:

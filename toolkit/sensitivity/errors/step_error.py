@@ -8,6 +8,9 @@ where all are near the limit. The larger of both is taken: f and g may be equall
 by chance, which k seldom does too. Longer steps cost three quarters of a run and are often too long to tell more than that something may
 be wrong; then a run with steps half as long (r = 1/2) says how wrong. If it denies what the longer ones say, one with a quarter decides;
 these two are both compared with f, which is farther from the truth than they.
+
+The derivative of an extreme over time is that at the step next to the peak, which may be far or near by chance, in every run. What it
+differs by at the peak itself is known without another run, and derivatives of the runs are compared there.
 """
 
 from __future__ import annotations
@@ -68,12 +71,16 @@ class StepError:
         The same errors as parts of the value and of the derivative themselves, which may be small where the motion ends.
     other_values, other_gradients
         What the run with the other steps found.
+    changes, slope_changes
+        What the exact numbers differ from those of the run by, as far as the estimate knows.
     order
         Order of the scheme that the estimate supposes.
     vibrations
         Those that the steps take out and the comparison has, in words.
     step
         Length of the steps that keep them.
+    at_peaks
+        Response and variable of derivatives that are off by the time of a peak above all.
     """
 
     how: str
@@ -83,9 +90,12 @@ class StepError:
     own_gradients: dict[str, dict[str, float]]
     other_values: Values
     other_gradients: Gradients
+    changes: dict[str, float]
+    slope_changes: dict[str, dict[str, float]]
     order: int
     vibrations: str = ""
     step: float | None = None
+    at_peaks: frozenset[tuple[str, str]] = frozenset()
 
     @property
     def by_shorter_steps(self) -> bool:
@@ -117,6 +127,7 @@ def step_error(
     repeat: Repeat,
     suspicious: bool = False,
     lost: LostVibrations | None = None,
+    at_peaks: Gradients | None = None,
 ) -> StepError | None:
     """Estimated time-step error of a motion; None if no other steps work.
 
@@ -128,13 +139,15 @@ def step_error(
         Response -> variable -> what an error of the derivative is to be compared with, if that is larger than the derivative.
     lost : LostVibrations
         What the steps have taken out of it, if that counts: then a run with steps that keep it decides, where it is affordable.
+    at_peaks : dict
+        Response -> variable -> what the derivative of an extreme differs by at its peak between the steps.
     """
     options = solution.options or solution.system.scene.solver
     if solution.halved:  # its steps, which other ones may have to halve again where they are longer
         options = options.model_copy(update={"times": tuple(map(float, solution.whole_run))})
     else:
         options = options.model_copy(update={"halvings": 0})  # other steps are to be what they are called
-    known = JudgedNumbers(values, gradients, scales, slope_scales, 1 if first_order(options) else 2)
+    known = JudgedNumbers(values, gradients, scales, slope_scales, 1 if first_order(options) else 2, at_peaks or {})
     if lost is not None and (resolved := _resolved(known, lost, solution, repeat)) is not None:
         return resolved
     longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
@@ -188,6 +201,7 @@ def _with_lost(found: StepError, known: JudgedNumbers, lost: LostVibrations, sol
         values={**found.values, **more},
         own_values={**found.own_values, **own},
         other_values={**found.other_values, **{f: lost.values[f] for f in more}},
+        changes={**found.changes, **{f: float(np.real(lost.values[f] - known.values[f])) for f in more}},
         vibrations=vibrations,
         step=2 * np.pi / (lost.vibrations[0].rate * SAMPLED),
     )
@@ -199,16 +213,18 @@ def _with_lost_slopes(found: StepError, known: JudgedNumbers, lost: LostVibratio
     They are nan, unknown, where the run has no derivatives of its states.
     """
     added = lost.gradients() if known.gradients else {}
-    errors = {f: dict(each) for f, each in found.gradients.items()}
-    others, own = ({f: dict(each) for f, each in of.items()} for of in (found.other_gradients, found.own_gradients))
+    errors, own, others, moved = (
+        {f: dict(each) for f, each in of.items()}
+        for of in (found.gradients, found.own_gradients, found.other_gradients, found.slope_changes)
+    )
     for f, slopes in known.gradients.items():
         for x, slope in slopes.items() if lost.swings.get(f, 0.0) > 0 else ():
             more = np.nan if added is None else added[f][x]
             scale = max(abs(slope), known.slope_scales[f][x])
             error = _relative(abs(more), scale)
             if not error <= errors[f][x]:
-                errors[f][x], own[f][x], others[f][x] = error, _own(error, slope, scale), slope + more
-    return replace(found, gradients=errors, own_gradients=own, other_gradients=others)
+                errors[f][x], own[f][x], others[f][x], moved[f][x] = error, _own(error, slope, scale), slope + more, more
+    return replace(found, gradients=errors, own_gradients=own, other_gradients=others, slope_changes=moved)
 
 
 class JudgedNumbers(NamedTuple):
@@ -219,6 +235,7 @@ class JudgedNumbers(NamedTuple):
     scales: Mapping[str, float]
     slope_scales: Gradients
     order: int
+    at_peaks: Gradients  # what derivatives of extremes differ by at peaks between the steps
 
 
 def first_order(options: RunOptions) -> bool:
@@ -229,27 +246,35 @@ def first_order(options: RunOptions) -> bool:
 def _estimate(known: JudgedNumbers, runs: list[ComparisonRun]) -> StepError:
     """Time-step error by comparison with other runs, in the order of their steps."""
 
-    def estimated(number: float, others: list[float], scale: float) -> float:
-        """The largest estimate of a number that is `others` in the other runs, a part of its scale."""
+    def change(number: Any, others: list[Any]) -> float:
+        """The largest estimate of what the exact number differs by from one that is `others` in the other runs."""
         chain, ratios = [float(np.real(each)) for each in (number, *others)], [1.0, *(run.ratio for run in runs)]
         pairs = pairwise if runs[0].ratio > 1 else _with_the_first
         steps = zip(pairs(chain), pairs(ratios), strict=True)
-        return _relative(max(abs((b - a) / (s**known.order - r**known.order)) for (a, b), (r, s) in steps), scale)
+        return max(((a - b) / (s**known.order - r**known.order) for (a, b), (r, s) in steps), key=abs)
 
-    values = {f: estimated(value, [run.values[f] for run in runs], known.scales[f]) for f, value in known.values.items()}
+    changes = {f: change(value, [run.values[f] for run in runs]) for f, value in known.values.items()}
+    peaks = {f: {x: known.at_peaks.get(f, {}).get(x, 0.0) for x in slopes} for f, slopes in known.gradients.items()}
+    slope_changes = {
+        f: {x: peaks[f][x] + change(slope + peaks[f][x], [run.gradients[f][x] for run in runs]) for x, slope in slopes.items()}
+        for f, slopes in known.gradients.items()
+    }
+    at_peaks = frozenset(
+        (f, x) for f, each in slope_changes.items() for x, all_of in each.items() if abs(peaks[f][x]) > abs(all_of) / 2
+    )
+    values = {f: _relative(abs(each), known.scales[f]) for f, each in changes.items()}
     largest = {
         f: {x: max(abs(slope), known.slope_scales[f][x]) for x, slope in slopes.items()} for f, slopes in known.gradients.items()
     }
-    gradients = {
-        f: {x: estimated(slope, [run.gradients[f][x] for run in runs], largest[f][x]) for x, slope in slopes.items()}
-        for f, slopes in known.gradients.items()
-    }
+    gradients = {f: {x: _relative(abs(each), largest[f][x]) for x, each in slopes.items()} for f, slopes in slope_changes.items()}
     own = {f: _own(error, known.values[f], known.scales[f]) for f, error in values.items()}
     of_slopes = {
         f: {x: _own(error, known.gradients[f][x], largest[f][x]) for x, error in errors.items()}
         for f, errors in gradients.items()
     }
-    return StepError(runs[0].how, values, gradients, own, of_slopes, runs[0].values, runs[0].gradients, known.order)
+    others = runs[0].values, runs[0].gradients
+    own_errors = own, of_slopes
+    return StepError(runs[0].how, values, gradients, *own_errors, *others, changes, slope_changes, known.order, at_peaks=at_peaks)
 
 
 def _with_the_first(numbers: list[float]) -> list[tuple[float, float]]:

@@ -1,10 +1,11 @@
 """Bending and stretch by weight and inertia between nodes, which beam elements leave out whatever their motion.
 
-What pulls at the middles of a body's elements, per mass: weight and forces of inertia, in the axes of its frame.
+What pulls at the middles of a body's elements, per mass: weight, forces of inertia and c times the velocity, in the axes of its frame.
 
-    A^T (g - r'') - alpha x p - omega x (omega x p) - 2 omega x p' - p'',    p = X + (u_1 + u_2) / 2 + l / 8 (phi_1 - phi_2) x e
+    A^T (g - r'' - c r') - (alpha + c omega) x p - omega x (omega x p) - 2 omega x p' - p'' - c p'
+    p = X + (u_1 + u_2) / 2 + l / 8 (phi_1 - phi_2) x e
 
-with displacements u and rotations phi of an element's ends, as its shape functions have it.
+with the mass-proportional damping c, and displacements u and rotations phi of an element's ends, as its shape functions have it.
 
 Weight less inertia, and pressure on the side of a piece of a solid, p per length, bend an element of length l by moments of up to
 p l^2 / 12 more than its shape functions say; displacements of the nodes are those of the exact beam. In parts of the
@@ -14,7 +15,9 @@ largest strain of a fibre at sqrt(3) r, as of a rectangle,
 
 Along an element p makes the force at one of its ends p l / 2 larger than the mean, which is all that the element says of it.
 
-A basis of few shapes lacks besides what p moves the nodes by and no shape knows.
+A basis of few shapes lacks besides what p, and the forces at points that go with it, move the nodes by and no shape knows. All of it is
+added with its sign to what the elements tell, at every instant, and the largest is compared: what bends a beam where it is bent little,
+or the other way, is nothing of its largest stress.
 """
 
 from __future__ import annotations
@@ -32,13 +35,14 @@ from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.energy import StrainEnergy
 from toolkit.responses.local_stress import LocalStress
 from toolkit.responses.over_time import OverTime
+from toolkit.responses.stress import StressResponse
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution, deforming, design_point, elastic_coordinates, elements_of
 from toolkit.validity.bodies.carried_force import static_deflection
-from toolkit.validity.bodies.chain import Chain, Sides, sides_of
+from toolkit.validity.bodies.chain import Chain, Sides, motion_rows, sides_of
 from toolkit.validity.bodies.deformation import LIMIT, in_space, instants_of, whole_bodies
+from toolkit.validity.bodies.geometric_stiffness import wrenches_at_points
 from toolkit.validity.bodies.known_chain import PlanarChain, chain
-from toolkit.validity.scene_cautions import bodies_of_stress
 
 CANCELLED = 1e-6
 """Weight and inertia that differ by less in their own parts are those of free fall, to what solvers leave."""
@@ -60,12 +64,14 @@ def pull_on_elements(solution: Solution, name: str, behind: Chain, instants: np.
     inertia = np.zeros((len(q), *sides.along.shape))
     if has_inertia(solution):
         place, rate, inertia = (middles(behind, sides, behind.displacements(x[:, body.frame_size :])) for x in (q, v, a))
+        drag = np.real(body.mass_damping(scene)) if solution.steps else 0.0
+        inertia = inertia + drag * rate
         if body.moves:
-            inertia = inertia + _turned_back(axes, a[:, : body.moves])[:, None]
+            inertia = inertia + _turned_back(axes, a[:, : body.moves] + drag * v[:, : body.moves])[:, None]
         if body.turns:
             omega, alpha = (_cross(body.spins(q, x), behind.nodes.shape[1]) for x in (v, a))  # spins(v, v) = 0
             centre = behind.nodes[sides.ends].mean(axis=1) + place
-            inertia = inertia + _applied(alpha + omega @ omega, centre) + 2 * _applied(omega, rate)
+            inertia = inertia + _applied(alpha + omega @ omega + drag * omega, centre) + 2 * _applied(omega, rate)
     found = weight - inertia
     sizes = np.linalg.norm(weight, axis=2) + np.linalg.norm(inertia, axis=2)
     return np.where((np.linalg.norm(found, axis=2) > CANCELLED * sizes)[:, :, None], found, 0.0)
@@ -187,21 +193,15 @@ def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
     scene, moving = solution.system.scene, has_inertia(solution)
     pressed, heavy = is_pressed(scene), moving or bool(np.real(scene.gravity).any())
     for body in whole_bodies(scene) if pressed or heavy else ():
-        parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
-        found = [_strains(solution, name) for name in parts] if body in bodies_of_stress(scene) else []
-        across, along, largest = _missed([each for each in found if each is not None], _looks_anywhere(scene, body))
-        lacking = across + along
-        part = lacking / (largest + lacking) if lacking else 0.0
-        if part > LIMIT:
-            allowed = LIMIT * (largest + lacking)  # across / factor^2 + along / factor
-            factor = (along + np.sqrt(along**2 + 4 * across * allowed)) / (2 * allowed)
+        missed = _missed(solution, body)
+        if missed.part > LIMIT:
             known = {"its weight": heavy, "pressures on it": pressed, "forces of inertia": moving}
             forces = " and ".join(words for words, there in known.items() if there)
             named = f"{forces} {'does' if forces == 'its weight' else 'do'}"
             yield bent_between_nodes.caution(
                 f"the stress of {body} lacks what {named} between nodes, or what no shape of its basis knows of that. It is off by some "
-                f"{part:.0%} of the largest, while interface points are where they should be. Fix: build the model with "
-                f"{times_as_many(factor)} as many {elements_of(scene, body)}, or with more modes.",
+                f"{missed.part:.0%} of the largest, while interface points are where they should be. Fix: build the model with "
+                f"{times_as_many(missed.finer)} as many {elements_of(scene, body)}, or with more modes.",
             )
 
 
@@ -264,76 +264,151 @@ def times_as_many(factor: float) -> str:
     return f"{max(np.ceil(10 * factor - ALMOST) / 10, 1.1):.3g} times"
 
 
-class MissedStrains(NamedTuple):
-    """Strains of fibres (n_t, n_e): missed by elements across and along, told by them, and both with their signs.
+class AskedStress(NamedTuple):
+    """When and where a response looks at the stress of a body: at some states or all, at some ends of elements or all."""
 
-    The last is known where all shapes of the elements are there; a basis lacks shapes under forces of joints besides.
+    steps: np.ndarray | None = None
+    ends: np.ndarray | None = None  # (n, 2) element and its end, 0 or 1
+    signed: bool = False  # whether compression does not count
+
+
+class Missed(NamedTuple):
+    """Part of a stress that is missed, and parts of the largest strain that elements miss across and along them at most."""
+
+    part: float = 0.0
+    across: float = 0.0
+    along: float = 0.0
+
+    @property
+    def finer(self) -> float:
+        """How many times as many elements miss no more than the limit: across / factor^2 + along / factor."""
+        across, along = self.part / (self.across + self.along) * np.array([self.across, self.along])
+        return float(along + np.sqrt(along**2 + 4 * across * LIMIT)) / (2 * LIMIT)
+
+
+class PartStrains(NamedTuple):
+    """Strains of fibres of a part's elements (n_e) at some instants (n_t), by what acts between nodes: told, true and missed.
+
+    Those by the normal force and by bending are at the beginning, the end and the middle of each element, (2, 3, n_t, n_e).
     """
 
-    across: np.ndarray
+    instants: np.ndarray  # (n_t,)
+    elements: np.ndarray  # (n_e,) numbers in the body
+    across: np.ndarray  # (n_t, n_e) missed at most, by weight, pressure and inertia alone
     along: np.ndarray
     told: np.ndarray
-    both: np.ndarray
-    known: bool
+    true: np.ndarray
+    missed: np.ndarray
+
+    def seen(self, asked: AskedStress) -> np.ndarray:
+        """Strains (5, 3, n_t, n_e) that a response looks at: missed at most across and along, told, true, missed; none elsewhere."""
+        found = np.zeros((5, *self.told.shape[1:]))
+        found[:2] = np.stack([self.across, self.along])[:, None]
+        for k, (normal, bend) in enumerate((self.told, self.true, self.missed), start=2):
+            found[k] = (normal if asked.signed and k < 4 else np.abs(normal)) + bend
+        if asked.ends is not None:
+            where = np.zeros((len(self.elements), 3))
+            there = np.isin(asked.ends[:, 0], self.elements)
+            where[asked.ends[there, 0] - self.elements[0], asked.ends[there, 1]] = 1.0
+            found *= where.T[:, None]
+        return found
 
 
-def _missed(parts: list[MissedStrains], anywhere: bool) -> tuple[float, float, float]:
-    """Parts of the largest strain that a body's elements miss, across and along, and the largest that they tell.
+def _missed(solution: Solution, body: str) -> Missed:
+    """What elements miss of the stress of a body, by the response that is off most."""
+    scene = solution.system.scene
+    asked = [*_asked_stresses(solution, body)]
+    steps = np.concatenate([np.zeros(0, int), *(each.steps for each in asked if each.steps is not None)])
+    parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
+    found = [each for name in parts if asked and (each := _strains(solution, name, steps)) is not None]
+    return max((_off(each, found) for each in asked), default=Missed()) if found else Missed()
 
-    The largest is what a response asks for. What elements miss where they are strained little does not count, unless it is asked for
-    `anywhere`; nor is it all that is missed at most, where signs are known.
+
+def _off(asked: AskedStress, parts: list[PartStrains]) -> Missed:
+    """What is missed of a response, in parts of the largest that it looks at during the motion.
+
+    It counts where weight, pressure and inertia alone make up half of the limit at most: what forces at points do in left-out shapes is
+    looked at by `missed_statics`. What is missed where elements are strained little is nothing of the largest stress; at a place of its
+    own all of it is.
     """
-    if not parts:
-        return 0.0, 0.0, 0.0
-    strains = [(each.across, each.along, each.told, each.both) for each in parts]
-    across, along, told, both = (max(float(each.max()) for each in every) for every in zip(*strains, strict=True))
-    at_most = anywhere or not all(each.known for each in parts)
-    share = 1.0 if at_most else abs(both - told) / (across + along) if across + along else 0.0
-    return share * across, share * along, told
+    seen = [each.seen(asked) for each in parts]
+    at = [slice(None) if asked.steps is None else np.isin(each.instants, asked.steps) for each in parts]
+    across, along, told, true, _ = (max(float(np.abs(each[k]).max()) for each in seen) for k in range(5))
+    then = [each[:, :, when] for each, when in zip(seen, at, strict=True)]
+    told_then, true_then, missed = (max(float(each[k].max()) for each in then) for k in (2, 3, 4))
+    lacking, largest = (abs(true_then - told_then), true) if asked.ends is None else (missed, told + missed)
+    least = CANCELLED * max(float(each.told.max()) for each in parts)
+    if across + along <= LIMIT / 2 * (told + across + along) or lacking <= least:
+        return Missed()
+    return Missed(lacking / max(largest, least), across, along)
 
 
-def _looks_anywhere(scene: ResolvedScene, body: str) -> bool:
-    """Whether a response asks for the body's stress at a place of its own, and not for the largest."""
-    asked = [each.source if isinstance(each, OverTime) else each for each in scene.responses.values()]
-    return any(isinstance(each, LocalStress) and each.body == body for each in asked)
+def _asked_stresses(solution: Solution, body: str) -> Iterator[AskedStress]:
+    """Where responses look at the stress of a body."""
+    scene, last = solution.system.scene, len(solution.times) - 1
+    response: Any
+    for response in scene.responses.values():
+        source = response.source if isinstance(response, OverTime) else response
+        if isinstance(source, StressResponse) and source.body == body:
+            yield AskedStress(None if source.when == "all" else np.array([last]), signed=source.measure == "signed")
+        elif isinstance(source, LocalStress) and source.body == body and (solution.steps or not response.needs_motion):
+            steps = np.array([source.step(solution)]) if response is source else None
+            yield AskedStress(steps, _ends(scene, source))
 
 
-def _strains(solution: Solution, name: str) -> MissedStrains | None:
-    """Strains of a part at its largest deformations; None where these are not known."""
+def _ends(scene: ResolvedScene, asked: LocalStress) -> np.ndarray:
+    """Ends (n, 2) of elements that a response looks at; all where the model does not say whose its stress points are."""
+    body: Any = scene.bodies[asked.body]
+    model, rows = scene.model(body.model, "stress", "elements"), asked.rows(scene)
+    points, elements = model.stress, model.elements
+    if points is None:
+        count = 0 if elements is None else len(elements.connectivity)
+        return np.stack(np.meshgrid(np.arange(count), (0, 1)), axis=-1).reshape(-1, 2)
+    return np.column_stack([points.element[rows], points.end[rows]]).astype(int)
+
+
+def _strains(solution: Solution, name: str, steps: np.ndarray) -> PartStrains | None:
+    """Strains of a part at its largest deformations and at some states; None where its elements are not known."""
     scene = solution.system.scene
     behind, body = chain(scene, name), scene.body(name)
     if behind is None or not isinstance(body, CuttableBody | FramedPart):
         return None
     found, elastic = beams_of(behind), np.real(solution.q[:, elastic_coordinates(solution, name)])
-    instants = instants_of(solution, name)
+    instants = np.union1d(instants_of(solution, name), steps)
     pull = _density(scene, body, found)[:, None] * pull_on_elements(solution, name, behind, instants)
     pull = pull + pressure_on_elements(solution, name, behind, instants)
     along = np.einsum("tei,ei->te", pull, found.along)
     normal = pull - along[:, :, None] * found.along
     fibre = FIBRE / (found.axial * np.sqrt(found.gyration))
     between = np.linalg.norm(normal, axis=2) * found.lengths**2 / 12 * fibre
-    stretched = np.abs(along) * found.lengths / 2 / found.axial
-    told_apart = behind.is_full or behind.per_node > PlanarChain.per_node  # parts in space are looked at by `left_out_shapes`
-    unknown = np.zeros((1, behind.forms.count)) if told_apart else _outside_the_basis(scene, name, behind, found, pull)
-    u = behind.displacements(elastic[instants])
-    across = between + _fibre_strains(found, behind.forms.forces(unknown))
-    forces = behind.forms.forces(u)
-    return MissedStrains(across, stretched, _fibre_strains(found, forces), _with_loads(found, forces, pull), told_apart)
+    by_mass, by_points = (behind.forms.forces(each) for each in _outside_the_basis(solution, name, behind, pull, instants))
+    told = behind.forms.forces(behind.displacements(elastic[instants]))
+    return PartStrains(
+        instants,
+        getattr(body, "first", 0) + np.arange(len(found.axial)),
+        between + np.abs(_strains_at_places(found, by_mass)).sum(axis=0).max(axis=0),
+        np.abs(along) * found.lengths / 2 / found.axial,
+        _strains_at_places(found, told),
+        _strains_at_places(found, told + by_mass + by_points, pull),
+        _strains_at_places(found, by_mass + by_points, pull),
+    )
 
 
-def _with_loads(found: Beams, forces: np.ndarray, pull: np.ndarray) -> np.ndarray:
-    """Largest strains (n_t, n_e) of elements under forces per length p (n_t, n_e, d) between nodes that are right.
+def _strains_at_places(found: Beams, forces: np.ndarray, pull: np.ndarray | float = 0.0) -> np.ndarray:
+    """Largest strains by normal force and bending (2, 3, n_t, n_e) of elements under forces per length p between nodes that are right.
 
     With e along the element, which tells M_1, M_2 and N, its ends and its middle have
 
         M_1 - (e x p) l^2 / 12,   M_2 + (e x p) l^2 / 12,   (M_2 - M_1) / 2 - (e x p) l^2 / 24,   N +- e . p l / 2
     """
+    pull = np.broadcast_to(pull, (*forces.shape[:2], found.along.shape[1]))
     bend = _across(found.along, pull) * (found.lengths**2 / 12)[:, None]
     first, last = np.moveaxis(forces[:, :, 1:].reshape(*bend.shape[:2], 2, -1), 2, 0)
     stretch = np.einsum("tei,ei->te", pull, found.along) * found.lengths / 2
-    moments = (first - bend, (last - first) / 2 - bend / 2, last + bend)
-    normal = (forces[:, :, 0] + sign * stretch for sign in (1, 0, -1))
-    return np.max([_strain(found, n, np.linalg.norm(m, axis=2)) for n, m in zip(normal, moments, strict=True)], axis=0)
+    moments = np.linalg.norm([first - bend, last + bend, (last - first) / 2 - bend / 2], axis=3)
+    normal = np.stack([forces[:, :, 0] + sign * stretch for sign in (1, -1, 0)])
+    strains: np.ndarray = np.stack([normal / found.axial, FIBRE * moments / (found.axial * np.sqrt(found.gyration))])
+    return strains
 
 
 def _across(along: np.ndarray, pull: np.ndarray) -> np.ndarray:
@@ -343,25 +418,28 @@ def _across(along: np.ndarray, pull: np.ndarray) -> np.ndarray:
     return (along[:, 0] * pull[:, :, 1] - along[:, 1] * pull[:, :, 0])[:, :, None]
 
 
-def _strain(found: Beams, normal: np.ndarray, moment: np.ndarray) -> np.ndarray:
-    strain: np.ndarray = np.abs(normal) / found.axial + FIBRE * moment / (found.axial * np.sqrt(found.gyration))
-    return strain
+def _outside_the_basis(
+    solution: Solution, name: str, behind: Chain, pull: np.ndarray, instants: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements (n_t, n) of the plane's nodes that no shape of the basis knows, under forces per length (n_t, n_e, 2) and at points.
 
-
-def _fibre_strains(found: Beams, forces: np.ndarray) -> np.ndarray:
-    """Largest strains (n_t, n_e) of fibres, from forces of elements (n_t, n_e, k)."""
-    moments = np.linalg.norm(forces[:, :, 1:].reshape(*forces.shape[:2], 2, -1), axis=3).max(axis=2)
-    return _strain(found, forces[:, :, 0], moments)
-
-
-def _outside_the_basis(scene: ResolvedScene, name: str, behind: Chain, found: Beams, pull: np.ndarray) -> np.ndarray:
-    """Displacements of the plane's nodes under forces per length (n_t, n_e, 2) that no shape of the basis knows, (n_t, n)."""
-    half = pull * found.lengths[:, None] / 2
-    turn = (found.along[:, 0] * half[:, :, 1] - found.along[:, 1] * half[:, :, 0]) * found.lengths / 6
+    Parts keep the coordinates of their points; those in space are looked at by `left_out_shapes`.
+    """
+    scene, none = solution.system.scene, np.zeros((len(instants), behind.forms.count))
+    if behind.is_full or behind.per_node > PlanarChain.per_node:
+        return none, none
+    found, half = sides_of(behind), pull * sides_of(behind).lengths[:, None] / 2
+    turn = _across(found.along, half) * found.lengths[:, None] / 6
     loads = np.zeros((len(behind.nodes), len(pull), behind.per_node))
     for node, sign in zip(found.ends.T, (1, -1), strict=True):
-        np.add.at(loads, node, np.swapaxes(np.concatenate([half, sign * turn[:, :, None]], axis=2), 0, 1))
-    flat = np.swapaxes(loads, 0, 1).reshape(len(pull), -1)
+        np.add.at(loads, node, np.swapaxes(np.concatenate([half, sign * turn], axis=2), 0, 1))
+    at_points = none
+    for interface, wrench in ({} if name not in scene.bodies else wrenches_at_points(solution, name, instants)).items():
+        place = np.real(design_point(scene, name, "interfaces").interface(interface).here[0][:, 0])
+        at_points = at_points + wrench @ motion_rows(behind.nodes, found.ends, place)
     stiffness = np.real(design_point(scene, name).value("stiffness"))
-    known: np.ndarray = static_deflection(stiffness, behind.shapes.T @ flat.T).T @ behind.shapes.T
-    return behind.under(flat) - known
+    by_mass, by_points = (
+        behind.under(flat) - static_deflection(stiffness, behind.shapes.T @ flat.T).T @ behind.shapes.T
+        for flat in (np.swapaxes(loads, 0, 1).reshape(len(pull), -1), at_points)
+    )
+    return by_mass, by_points

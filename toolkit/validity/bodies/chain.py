@@ -218,18 +218,18 @@ def sides_of(behind: Chain) -> Sides:
 
 def chord_rows(nodes: np.ndarray, connectivity: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Rows (3, n): both displacements of the first point, and that of the second across the line through both, (2,) each."""
-    first, second = (displacement_rows(nodes, connectivity, point) for point in (one, other))
+    first, second = (motion_rows(nodes, connectivity, point)[:2] for point in (one, other))
     side = other - one
     return np.vstack([first, (np.array([-side[1], side[0]]) / np.linalg.norm(side)) @ second])
 
 
-def displacement_rows(nodes: np.ndarray, connectivity: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Rows (2, n) of the displacement at an undeformed place (2,) of the element that it is nearest to."""
+def motion_rows(nodes: np.ndarray, connectivity: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Rows (3, n) of the displacement and the rotation at an undeformed place (2,) of the planar element that it is nearest to."""
     start, side = nodes[connectivity[:, 0]], nodes[connectivity[:, 1]] - nodes[connectivity[:, 0]]
     ratio = np.clip(np.einsum("ed,ed->e", place - start, side) / np.einsum("ed,ed->e", side, side), 0.0, 1.0)
     away = np.linalg.norm(start + ratio[:, None] * side - place, axis=1)
     e = first_smallest(away / np.linalg.norm(side, axis=1).sum())
-    found = np.zeros((2, 3 * len(nodes)))
-    own = (3 * connectivity[e][:, None] + np.arange(3)).ravel()
-    found[:, own] = at_place(BeamElements.in_plane(nodes[connectivity[[e]]]).shape[0], ratio[e])
+    found, own = np.zeros((3, 3 * len(nodes))), (3 * connectivity[e][:, None] + np.arange(3)).ravel()
+    element = BeamElements.in_plane(nodes[connectivity[[e]]])
+    found[:2, own], found[2, own] = at_place(element.shape[0], ratio[e]), at_place(element.rotation[0], ratio[e])
     return found

@@ -1,0 +1,1 @@
+"""The air around a section."""
