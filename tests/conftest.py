@@ -30,6 +30,8 @@ MODELS = Path(__file__).parents[1] / "models"
 PLANE, SPACE = "four_bar_chain", "spatial_bracket"
 SHARES = {"gw0": PLANE, "gw1": SPACE}
 """Worker of pytest-xdist -> the model whose dimension it compiles before its first test."""
+SELDOM = 20_000, 20, 20
+"""Thresholds of the search for garbage, which nearly nothing here leaves, instead of Python's 700, 10, 10: a fiftieth of the time."""
 LONG = 1000
 """Number of tests from which on it pays: a few tests compile what they need."""
 
@@ -81,6 +83,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Compile this worker's share before the first test of a long run; what is there now stays, and is not looked through for garbage."""
     gc.freeze()
+    gc.set_threshold(*SELDOM)
     share = SHARES.get(getattr(session.config, "workerinput", {}).get("workerid"))
     if share and len(session.items) >= LONG:
         for scene in formulations(share):

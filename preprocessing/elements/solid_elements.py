@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache, partial
 
 import numpy as np
 import skfem
@@ -50,6 +51,8 @@ CUBE_MIDDLES = np.array(
 """Middles of their edges and faces, and of themselves, in that order."""
 IN_MEMORY = 3_000_000
 """Numbers of gradients of shape functions at once."""
+FEW_POINTS = 3_000
+"""Coordinates of points of the reference element at which values of shape functions are kept."""
 DEGENERATE = 1e-8
 """Smallest area or volume of an element at a point, in parts of the power of its largest extent."""
 
@@ -65,7 +68,7 @@ class ElementBlock:
 
     def functions(self) -> skfem.CellBasis:
         """Shape functions at points that integrate products of two of them exactly, on curved elements too."""
-        return skfem.CellBasis(self.geometry, self.shapes, quadrature=points_of(self.kind))
+        return self._functions(points_of(self.kind))
 
     def functions_in_parts(self) -> Iterator[tuple[np.ndarray, skfem.CellBasis]]:
         """Shape functions and numbers of some elements after others, so that not all gradients are in memory at once."""
@@ -73,11 +76,21 @@ class ElementBlock:
         at_once = max(1, IN_MEMORY // (points[0].size * self.shapes.doflocs.shape[0]))
         for start in range(0, len(self.connectivity), at_once):
             elements = np.arange(start, min(start + at_once, len(self.connectivity)))
-            yield elements, skfem.CellBasis(self.geometry, self.shapes, quadrature=points, elements=elements)
+            yield elements, self._functions(points, elements)
 
     def functions_at(self, points: np.ndarray, elements: np.ndarray | None = None) -> skfem.CellBasis:
         """Shape functions at points (d, n_points) of the reference element, of all elements or of those with the given numbers."""
-        return skfem.CellBasis(self.geometry, self.shapes, quadrature=(points, np.ones(points.shape[1])), elements=elements)
+        return self._functions((points, np.ones(points.shape[1])), elements)
+
+    def _functions(self, quadrature: tuple[np.ndarray, np.ndarray], elements: np.ndarray | None = None) -> skfem.CellBasis:
+        """Shape functions at points; the gradient of the map is inverted once, where scikit-fem does so for each of them."""
+        mapping = self.geometry.mapping()
+        inverse = mapping.invDF(quadrature[0], elements)
+        mapping.invDF = lambda _points, tind=None: inverse
+        try:
+            return skfem.CellBasis(self.geometry, self.shapes, mapping, quadrature=quadrature, elements=elements)
+        finally:
+            del mapping.invDF
 
     def numbering(self, functions: skfem.CellBasis, n_nodes: int) -> sparse.csr_array:
         """Sparse (functions, n_nodes) that says which shape function of scikit-fem belongs to which node."""
@@ -117,7 +130,33 @@ def _block(kind: str, connectivity: np.ndarray, nodes: np.ndarray) -> ElementBlo
             f"the {kind} elements do not fit together: what is a corner of one lies between the corners of another, or two that meet have "
             "not the same node between their corners. Fix the mesh, or mesh it again."
         ) from error
-    return ElementBlock(kind, connectivity, made, shapes())
+    mapping = made.mapping()
+    if hasattr(mapping, "elem"):  # that of straight triangles and tetrahedra has none
+        mapping.elem = _evaluated_once(type(mapping.elem))
+    return ElementBlock(kind, connectivity, made, _evaluated_once(shapes))
+
+
+def _evaluated_once(shapes: type[skfem.Element]) -> skfem.Element:
+    """Element of scikit-fem which evaluates its functions once at the same points: a map of 27 nodes asks for each of them 9 times."""
+    found = shapes()
+    found.lbasis = partial(_function_at, shapes)
+    return found
+
+
+def _function_at(shapes: type[skfem.Element], points: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """Shape function and its gradient at points of the reference element; those at a few points are kept."""
+    if points.size > FEW_POINTS:
+        found: tuple[np.ndarray, np.ndarray] = shapes().lbasis(points, number)
+        return found
+    return _known_function(shapes, np.asarray(points, float).tobytes(), points.shape, number)  # type: ignore[arg-type]
+
+
+@lru_cache(maxsize=512)
+def _known_function(
+    shapes: type[skfem.Element], points: bytes, shape: tuple[int, ...], number: int
+) -> tuple[np.ndarray, np.ndarray]:
+    found: tuple[np.ndarray, np.ndarray] = shapes().lbasis(np.frombuffer(points).reshape(shape), number)
+    return found
 
 
 def _order(kind: str) -> np.ndarray:

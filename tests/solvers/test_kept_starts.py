@@ -106,7 +106,7 @@ def test_gradients_are_those_of_both_runs(folder, dimension):
     The file keeps the derivatives of direct differentiation, and in another round those of the complex step, to judge the second run alone.
     """
     scene, paths = (
-        pendulum(folder, dimension, end_time=8 * STEP),
+        pendulum(folder, dimension, end_time=4 * STEP),
         NUMBERS[dimension],
     )  # a complex run is slow, and exact at any length
     file = kept(scene, folder, paths)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from operator import itemgetter
 
 import numpy as np
@@ -92,16 +92,18 @@ def load_arrays(
     columns: list[np.ndarray],
     pattern: Pattern,
     dtype: type,
+    driven: Collection[int],
     kept: Loads | None = None,
 ) -> Loads:
-    """Loads of the scene, with the places of their local entries in the pattern; `kept` is what they are at other numbers."""
+    """Loads of the scene, with the places of their local entries in the pattern; `driven` are the time curves that a design variable
+    changes, `kept` is what the loads are at other numbers."""
     changes = parameter_changes([d.loads for d in derivatives], len(values.loads))
     places = _places(scene, numbering, columns, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
     flat = [change for pairs in changes for change in pairs]
     return Loads(
         **places,
         parameter=np.array(list(values.loads.values()), dtype).reshape(-1, scene.space.load_parameters),
-        designed=designed(places["marker"].tolist(), derivatives, changes, places["curve"]),
+        designed=designed(places["marker"].tolist(), derivatives, changes, places["curve"], driven),
         design_start=starts([len(pairs) for pairs in changes]),
         design_variable=ints([[x for x, _, _ in flat]]),
         design_parameter=ints([[p for _, p, _ in flat]]),
@@ -132,10 +134,11 @@ def _places(scene: ResolvedScene, numbering: Numbering, columns: list[np.ndarray
     }
 
 
-def designed(markers: list, derivatives: list[Quantities], changes: list, curves: np.ndarray) -> np.ndarray:
-    """Whether any design variable matters to each component: through a marker, a parameter or its curve."""
+def designed(
+    markers: list, derivatives: list[Quantities], changes: list, curves: np.ndarray, driven: Collection[int]
+) -> np.ndarray:
+    """Whether any design variable matters to each component: through a marker, a parameter or its curve, if that is one of the `driven`."""
     active = {m for m, _, _ in marker_changes(derivatives)}
-    driven = set(curve_pairs(derivatives)[0])
     components = zip(markers, changes, curves, strict=True)
     return ints([[int(bool(active & set(pair) or change or curve in driven)) for pair, change, curve in components]])
 
@@ -164,7 +167,7 @@ def curve_pairs(derivatives: list[Quantities]) -> tuple[np.ndarray, np.ndarray]:
         (c, x)
         for x, derivative in enumerate(derivatives)
         for c, curve in derivative.curves.items()
-        if any(np.imag(value) != 0 for _, value in curve.numbers())
+        if any(value.imag != 0 for _, value in curve.numbers())
     ]
     return ints([[c for c, _ in pairs]]), ints([[x for _, x in pairs]])
 
@@ -186,9 +189,11 @@ def joint_arrays(
     columns: list[np.ndarray],
     pattern: Pattern,
     dtype: type,
+    driven: Collection[int],
     kept: Joints | None = None,
 ) -> Joints:
-    """Joints of the scene as forms, with the places of their local entries in the pattern; `kept` is what they are at other numbers."""
+    """Joints of the scene as forms, with the places of their local entries in the pattern; `driven` are the time curves that a design
+    variable changes, `kept` is what the joints are at other numbers."""
     joints: list[Joint] = list(scene.joints.values())
     for joint in joints if kept is None else ():
         check_rows(joint, scene)
@@ -197,7 +202,7 @@ def joint_arrays(
     ends = starts([len(found) for found in changes])
     if kept is not None:
         of = kept.of.copy()
-        of[:, DESIGNED] = designed(list(kept.marker), derivatives, changes, kept.curve)
+        of[:, DESIGNED] = designed(list(kept.marker), derivatives, changes, kept.curve, driven)
         of[:, DESIGN], of[:, DESIGN + 1] = ends[:-1], ends[1:]
         if not np.array_equal(kept.value, given["value"]):
             of[:, PINNED] = _pinned(of, given) if scene.space is PLANE else 0
@@ -217,7 +222,7 @@ def joint_arrays(
             [numbering.row[name] for name in scene.joints],
             [len(each) for each in rows],
             curves,
-            designed(markers, derivatives, changes, curves),
+            designed(markers, derivatives, changes, curves, driven),
             [int(joint.curved) for joint in joints],
             starts([len(forms_of(each)) for each in rows])[:-1],
             _turned(rows),

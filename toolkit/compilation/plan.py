@@ -193,23 +193,25 @@ def build_plan(
     pattern = (
         Pattern.of(kept.plan.indptr, kept.plan.indices) if kept else _pattern(scene, numbering, values, constant_rows, columns)
     )
+    by_curves = curve_pairs(derivatives)
+    driven = set(by_curves[0].tolist())
     makers: dict[str, Callable[[], Any]] = {
         "constant": lambda: constant_part(
             numbering, values, derivatives, constant_rows, pattern, dtype, sizes, kept.plan.constant if kept else None
         ),
         **_PARTS[scene.space](scene, numbering, values, derivatives, columns, pattern, dtype),
         "joints": lambda: joint_arrays(
-            scene, numbering, values, derivatives, columns, pattern, dtype, kept.plan.joints if kept else None
+            scene, numbering, values, derivatives, columns, pattern, dtype, driven, kept.plan.joints if kept else None
         ),
         "loads": lambda: load_arrays(
-            scene, numbering, values, derivatives, columns, pattern, dtype, kept.plan.loads if kept else None
+            scene, numbering, values, derivatives, columns, pattern, dtype, driven, kept.plan.loads if kept else None
         ),
     }
     parts = {
         name: getattr(kept.plan, name) if kept and not kept.changed & _needs(name, derivatives) else make()
         for name, make in makers.items()
     }
-    parts |= dict(zip(CURVES, curve_pairs(derivatives), strict=True))
+    parts |= dict(zip(CURVES, by_curves, strict=True))
     if kept and touched_alike(parts, {name: getattr(kept.plan, name) for name in parts}):
         touched_row, touched_variable = kept.plan.touched_row, kept.plan.touched_variable
     else:

@@ -154,6 +154,8 @@ class SparsePolynomial:
     @classmethod
     def joined(cls, polynomials: Sequence[SparsePolynomial], sizes: Sequence[int]) -> SparsePolynomial:
         """Polynomial of several arrays of the given sizes, one behind the other."""
+        if len(polynomials) == 1:
+            return polynomials[0]
         width, terms, places = max(each.factor.shape[1] for each in polynomials), 0, 0
         parts = []
         for each, size in zip(polynomials, sizes, strict=True):

@@ -243,10 +243,10 @@ class DesignPoint:
     def _recorded(self, item: str, told: Told, others: Together | None) -> Together:
         """Joint polynomial of an item and others; of the item alone if all are too large together."""
         wanted = {} if others is None else {name: self.model.told[self.kind, name] for name in others.places}
-        found = Together.of({**wanted, item: told})
-        if len(found.polynomial.entry) > SMALL:
+        wanted[item] = told
+        if sum(0 if each.polynomial is None else len(each.polynomial.entry) for each in wanted.values()) > SMALL:
             return Together.of({item: told})
-        self.model.told[self.kind, told.complex] = found
+        found = self.model.told[self.kind, told.complex] = Together.of(wanted)
         return found
 
     def rows(self, item: str) -> Matrix:

@@ -283,7 +283,8 @@ class Scene(Description):
         """Path as `available_paths` has it: in space x, y and z name the numbers of every vector, and 0 and 1 those of a pair."""
         groups: dict[str, Mapping[str, object]] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
         path = numbered(path, groups) if self.space.named_vectors else path
-        return lettered(path, self._numbers_near(path)) if path.endswith((".0", ".1")) else path
+        known = not path.endswith((".0", ".1")) or self._written(path) is not None
+        return path if known else lettered(path, self._numbers_near(path))
 
     def _written(self, path: str) -> Scalar | None:
         """Scalar at a path, if the scene writes one there."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import TypeVar
 
 import numpy as np
@@ -388,6 +388,12 @@ class System:
         return Inputs(curves[0], curves_x[0], scale, np.asarray(levels, float), True, False)
 
 
+@lru_cache(maxsize=8)
+def _analysed(indptr: bytes, indices: bytes, n_q: int, moving: bytes) -> LUPlan:
+    """Analysis of a pattern, once for scenes that have the same: those of other numbers, and of a complex step."""
+    return analyse(np.frombuffer(indptr, np.int64), np.frombuffer(indices, np.int64), n_q, np.frombuffer(moving, bool))
+
+
 def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[tuple[str, str], ...] = ()) -> System:
     """Compile a scene with the named design variables (none by default) and, on request, markers that no component needs.
 
@@ -408,7 +414,11 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     sizes = weights(scene, numbering)
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
-    lu_plan = analyse(plan.indptr, plan.indices, plan.n_q, moving_unknowns(numbering, values, plan.markers.coordinate))
+    moving = moving_unknowns(numbering, values, plan.markers.coordinate)
+    if numbering.n <= FEW:
+        lu_plan = _analysed(plan.indptr.tobytes(), plan.indices.tobytes(), plan.n_q, moving.tobytes())
+    else:
+        lu_plan = analyse(plan.indptr, plan.indices, plan.n_q, moving)
     asked = seen.asked_by_components
     system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes, files, asked)
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system
