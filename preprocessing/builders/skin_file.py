@@ -175,7 +175,7 @@ class ElementGroup(InputTable):
 
 
 class Place(InputTable):
-    """A place on the skin: a node (0 at F), an arc length from F, or an x on one side; the keys are arguments of `Skin.locate`."""
+    """A place on the skin: a node (0 at F), an arc length from F, or an x on one side."""
 
     node: Annotated[int, Field(ge=0)] | None = None
     arc_length: FiniteFloat | None = None
