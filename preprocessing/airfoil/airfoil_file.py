@@ -18,8 +18,8 @@ TAIL = 0.98  # behind it crossing surfaces and caps are a matter of rounding
 LARGEST_GAP = 0.3  # chord
 SHARPEST_TURN = 30.0  # degrees, behind the nose
 SHARPEST_NOSE, HOLLOW_NOSE = 90.0, 10.0  # degrees to the left and right; noses of real files, some of few rows, reach 68 and 2
-TILT = 3.0  # degrees between the chord line and the x-axis; real sections have 0.06, one with a drooped nose 0.9
-FOLD = 120.0  # degrees; no rounded nose turns so far at one row, only a sharp one: up to 156 in real files of few rows
+LARGEST_TILT = 3.0  # degrees between the chord line and the x-axis; real sections have 0.06, one with a drooped nose 0.9
+FOLD_ANGLE = 120.0  # degrees; no rounded nose turns so far at one row, only a sharp one: up to 156 in real files of few rows
 _ROUNDING = 1e-5  # chord; the usual files hold five decimals
 
 
@@ -123,11 +123,11 @@ def _kinks(loop: Loop) -> tuple[str, ...]:
     warnings = []
     for i in np.flatnonzero(sharp & (x < TAIL)):
         degrees, line, nose = abs(turn[i]), loop.lines[i + 1], _is_sharp_nose(loop.points, turn, int(i))
-        if degrees > FOLD and not nose:
+        if degrees > FOLD_ANGLE and not nose:
             raise InputError(
                 f"line {line}: the contour folds back by {degrees:.0f} degrees at x = {x[i]:g}. Fix or remove that row."
             )
-        what = "sharp nose: the contour turns by" if degrees > FOLD else "kink of"
+        what = "sharp nose: the contour turns by" if degrees > FOLD_ANGLE else "kink of"
         warnings.append(f"line {line}: {what} {degrees:.0f} degrees at x = {x[i]:g}")
     return tuple(warnings)
 
@@ -162,7 +162,7 @@ def _tilt(loop: Loop) -> tuple[str, ...]:
     text = (
         f"the chord line is turned by {tilt:.1f} degrees from the x-axis, and stays so: turn the coordinates if that is not meant"
     )
-    return (text,) if abs(tilt) > TILT else ()
+    return (text,) if abs(tilt) > LARGEST_TILT else ()
 
 
 SAME_POINT = 1e-9  # chord; closer rows are one row written twice

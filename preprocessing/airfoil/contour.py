@@ -50,7 +50,7 @@ def polished(f_and_slope: Callable[[Number], tuple[Number, Number]], u: float) -
 
 SIDES = ("upper", "lower")
 
-UPRIGHT = 1e-3
+LEAST_SLOPE = 1e-3
 """Least |dx/ds| at which the derivative of a place found by its x is given; at the nose it is infinite."""
 
 
@@ -149,7 +149,7 @@ class Contour:
             return self.curve.arc_length(u).item()
         along = np.real(spline(u, 1))
         slope = along[0] / norm(along)
-        if abs(slope) < UPRIGHT:
+        if abs(slope) < LEAST_SLOPE:
             raise InputError(
                 f"the {side} side is upright at x = {x:g} (dx/ds = {slope:.1e}), so that the place has no derivative by the shape. "
                 "Name the point by its arc length, or choose x away from the nose."
@@ -210,7 +210,7 @@ class Contour:
         return (place - point) @ first, first @ first + (place - point) @ second
 
 
-NARROWEST = 1e-6
+NARROWEST_BUMP = 1e-6
 """Least half width of a bump, in lengths of the contour."""
 
 _SAMPLES = 201  # of a bump, in search of a fold: it is smooth, and the contour between rows is too
@@ -238,9 +238,9 @@ class Bump:
             It reaches off the contour, or is too narrow to be told from a point of it.
         """
         (low, high), length = np.real(self.ends), contour.length.real
-        if np.real(self.half_width) < NARROWEST * length:
+        if np.real(self.half_width) < NARROWEST_BUMP * length:
             raise InputError(
-                f"half_width {np.real(self.half_width):g} is less than {NARROWEST:g} of the contour's length {length:g}. Give a "
+                f"half_width {np.real(self.half_width):g} is less than {NARROWEST_BUMP:g} of the contour's length {length:g}. Give a "
                 "bump that several nodes lie in."
             )
         if not 0 <= low < high <= length:

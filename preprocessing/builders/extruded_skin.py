@@ -19,7 +19,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import replaced, write_whole
 from toolkit.foundation.files.toml_file import read_toml
 
-ON_NODE = 1e-9
+NODE_DISTANCE = 1e-9
 """Part of the skin's length within which an interface point is on a station of the mesh."""
 HEXAHEDRON = np.vstack([2 * CUBE, 2 * CUBE_MIDDLES]).round().astype(int)[:20]
 """Places of the 20 nodes in steps of half an element along the skin, through it and across it."""
@@ -106,7 +106,7 @@ def places(path: Path, geometry: Geometry, file: SkinFile) -> dict[str, float]:
     for name, place in file.interface_points.items():
         with at_key(path, f"interface_points.{name}"):
             s = geometry.skin.locate(**place.model_dump(), stations=geometry.arc_lengths).real
-            if name == "skin" or abs(s - found.get(name, s)) > ON_NODE * found["G"]:
+            if name == "skin" or abs(s - found.get(name, s)) > NODE_DISTANCE * found["G"]:
                 raise InputError("the solid's groups F, G and skin are its ends and all of it. Give the point another name.")
             found[name] = s
     return found
@@ -115,7 +115,7 @@ def places(path: Path, geometry: Geometry, file: SkinFile) -> dict[str, float]:
 def _mesh(geometry: Geometry, file: SkinFile, at: dict[str, float], layers: int) -> meshio.Mesh:
     """Structured mesh, from a grid with two steps for each element along the skin, through it and across it."""
     ends = np.sort(np.concatenate([geometry.arc_lengths, list(at.values())]))
-    stations = ends[np.append(True, np.diff(ends) > ON_NODE * ends[-1])]
+    stations = ends[np.append(True, np.diff(ends) > NODE_DISTANCE * ends[-1])]
     s = np.sort(np.concatenate([stations, (stations[1:] + stations[:-1]) / 2]))
     if (count := 3 * len(s) * (2 * layers + 1)) > MOST_NODES:
         raise InputError(

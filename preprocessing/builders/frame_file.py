@@ -36,7 +36,7 @@ from preprocessing.elements.beams import BeamPatch, PlanarBeam, SpatialBeam
 from preprocessing.elements.section import Patch, Sheared
 from preprocessing.reduction.discretisation import DesignSpace, Discretisation
 
-ALONG = 1e-6
+PARALLEL_SINE = 1e-6
 """Sine of the angle between a beam and the orientation of its section below which it says nothing."""
 MOST_ELEMENTS = 500
 """Largest number of elements of a frame, whose matrices are dense in the reduction."""
@@ -141,7 +141,7 @@ class FrameFile(InputTable):
                 yield f"beams.{k}: its ends {beam.start} and {beam.end} are at one place; a beam needs a length"
             if beam.orientation is not None:
                 sine = np.linalg.norm(np.cross(along, beam.orientation))
-                if sine <= ALONG * length * np.linalg.norm(beam.orientation):
+                if sine <= PARALLEL_SINE * length * np.linalg.norm(beam.orientation):
                     yield f"beams.{k}.orientation: {beam.orientation} is zero or runs along the beam; give a direction across it"
         if sum(beam.elements for beam in self.beams) > MOST_ELEMENTS:
             yield f"beams: all together have more than {MOST_ELEMENTS} elements; give them fewer"
@@ -244,7 +244,7 @@ def _orientation(beam: BeamTable, along: np.ndarray) -> np.ndarray:
     """Orientation of a beam: as given, or else z; x of beams along z."""
     if beam.orientation is not None:
         return np.array(beam.orientation)
-    return np.roll(_ABOVE, 1) if np.linalg.norm(np.cross(along, _ABOVE)) <= ALONG * np.linalg.norm(along) else _ABOVE
+    return np.roll(_ABOVE, 1) if np.linalg.norm(np.cross(along, _ABOVE)) <= PARALLEL_SINE * np.linalg.norm(along) else _ABOVE
 
 
 def _values(file: FrameFile) -> dict[str, float]:

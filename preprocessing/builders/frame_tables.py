@@ -172,11 +172,11 @@ def _in_order(polar: Mapping[str, PolarNode], known: Collection[str]) -> Iterato
         waiting = {name: each for name, each in waiting.items() if name not in placed}
 
 
-SAME_LINE = 1e-4
+SAME_LINE_DISTANCE = 1e-4
 """Distance, in lengths of the shorter beam, below which two beams are on one line; coordinates are typed with four digits or more."""
-TOUCHING = 1e-3
+TOUCHING_DISTANCE = 1e-3
 """Distance, in lengths of a beam, below which a node or another beam touches it: less than any beam is thick."""
-NAMED_PAIRS = 3
+MOST_NAMED_PAIRS = 3
 """Number of similar places that are named; the others are counted."""
 
 
@@ -210,7 +210,7 @@ def doubled(beams: Sequence[BeamTable], nodes: Mapping[str, np.ndarray]) -> Iter
     lines = MemberLines.of(beams, nodes)
     for k in range(len(beams)):
         shared = _shared_length(lines, k)
-        for m in map(int, np.flatnonzero(shared > TOUCHING * np.minimum(lines.length[k], lines.length[:k]))):
+        for m in map(int, np.flatnonzero(shared > TOUCHING_DISTANCE * np.minimum(lines.length[k], lines.length[:k]))):
             yield _twice(lines, k, m, float(shared[m]))
 
 
@@ -240,7 +240,7 @@ def _shared_length(lines: MemberLines, k: int) -> np.ndarray:
     extent = np.where(places[1] == places[0], 1.0, places[1] - places[0])
     parts = [(place - places[0]) / extent for place in (low, high)]
     distances = [np.linalg.norm(off[0] + part[:, None] * (off[1] - off[0]), axis=1) for part in parts]
-    on_one_line = np.maximum(*distances) <= SAME_LINE * np.minimum(length, lines.length[:k])
+    on_one_line = np.maximum(*distances) <= SAME_LINE_DISTANCE * np.minimum(length, lines.length[:k])
     return np.where(on_one_line, high - low, 0.0)
 
 
@@ -261,7 +261,7 @@ def _twice(lines: MemberLines, k: int, m: int, shared: float) -> str:
 def _nodes_at_one_place(lines: MemberLines) -> Iterator[str]:
     """Pairs of nodes that are nearer to each other than any beam is long."""
     names, places = list(lines.nodes), np.array(list(lines.nodes.values()))
-    near = TOUCHING * lines.length.min()
+    near = TOUCHING_DISTANCE * lines.length.min()
     for k, name in enumerate(names):
         for m in np.flatnonzero(np.linalg.norm(places[:k] - places[k], axis=1) <= near):
             yield f"{names[m]} and {name} at {_told(places[k])}"
@@ -272,7 +272,7 @@ def _nodes_on_beams(lines: MemberLines) -> Iterator[str]:
     for name, place in lines.nodes.items():
         part = np.sum((place - lines.start) * lines.along, axis=1) / lines.length**2
         off = np.linalg.norm(place - lines.start - part[:, None] * lines.along, axis=1)
-        for k in map(int, np.flatnonzero((off <= TOUCHING * lines.length) & _between_ends(part))):
+        for k in map(int, np.flatnonzero((off <= TOUCHING_DISTANCE * lines.length) & _between_ends(part))):
             if name not in (lines.beams[k].start, lines.beams[k].end):
                 yield f"{name} on {lines.name(k)}"
 
@@ -281,7 +281,7 @@ def _crossings(lines: MemberLines) -> Iterator[str]:
     """Pairs of beams whose lines meet between the ends of both."""
     for k in range(len(lines.beams)):
         on_one, on_two, off = _nearest(lines, k)
-        near = off <= TOUCHING * np.minimum(lines.length[k], lines.length[:k])
+        near = off <= TOUCHING_DISTANCE * np.minimum(lines.length[k], lines.length[:k])
         for m in map(int, np.flatnonzero(near & _between_ends(on_one) & _between_ends(on_two))):
             if not lines.connected(k, m):
                 yield f"{lines.name(m)} and {lines.name(k)} at {_told(lines.start[k] + on_one[m] * lines.along[k])}"
@@ -293,7 +293,7 @@ def _nearest(lines: MemberLines, k: int) -> tuple[np.ndarray, np.ndarray, np.nda
     gap = lines.start[:k] - lines.start[k]
     mixed, squares = two @ one, lines.length[:k] ** 2
     determinant = lines.length[k] ** 2 * squares - mixed**2
-    parallel = determinant <= SAME_LINE**2 * lines.length[k] ** 2 * squares
+    parallel = determinant <= SAME_LINE_DISTANCE**2 * lines.length[k] ** 2 * squares
     safe = np.where(parallel, 1.0, determinant)
     on_one = np.where(parallel, -1.0, (squares * (gap @ one) - mixed * np.sum(gap * two, axis=1)) / safe)
     on_two = (on_one * mixed - np.sum(gap * two, axis=1)) / squares
@@ -302,12 +302,12 @@ def _nearest(lines: MemberLines, k: int) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def _between_ends(part: np.ndarray) -> np.ndarray:
-    return (part > TOUCHING) & (part < 1 - TOUCHING)
+    return (part > TOUCHING_DISTANCE) & (part < 1 - TOUCHING_DISTANCE)
 
 
 def _listed(found: Sequence[str]) -> str:
-    more = f", and {len(found) - NAMED_PAIRS} more" if len(found) > NAMED_PAIRS else ""
-    return ", ".join(found[:NAMED_PAIRS]) + more
+    more = f", and {len(found) - MOST_NAMED_PAIRS} more" if len(found) > MOST_NAMED_PAIRS else ""
+    return ", ".join(found[:MOST_NAMED_PAIRS]) + more
 
 
 def _told(place: np.ndarray) -> str:

@@ -20,7 +20,7 @@ from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial
 from toolkit.reduced_model.model import InterfacePoint, Invariants, ReducedModel, StressPoints
 from toolkit.reduced_model.parts import (
     PAIRS,
-    SPATIAL_LOCAL,
+    SPATIAL_ELEMENT_COORDINATES,
     PieceLoads,
     Pieces,
     SpatialElements,
@@ -125,7 +125,7 @@ def _sum(each: Sequence[SparsePolynomial]) -> SparsePolynomial:
     )
 
 
-MOTIONS = SPATIAL_LOCAL // 2
+MOTIONS = SPATIAL_ELEMENT_COORDINATES // 2
 """Number of motions of an end: along x, y and z, and about them."""
 CLAMPED = 0
 """Number of the end that the frame of the body is tied to."""
@@ -157,7 +157,7 @@ def pressures(pieces: Sequence[ReducedModel]) -> PiecePressures:
     whole, every = placed(pieces, _pressure_in_body(loads)), placed(pieces, _pressure_in_row(loads))
     return PiecePressures(
         {name: SurfaceLoad(*_arrays(whole, name, (), 1 + MOTIONS * count)) for name in names},
-        {name: PieceLoads(*_arrays(every, name, (count,), 1 + SPATIAL_LOCAL)) for name in names},
+        {name: PieceLoads(*_arrays(every, name, (count,), 1 + SPATIAL_ELEMENT_COORDINATES)) for name in names},
         whole.derivatives,
         {item.replace("surface_loads", "piece_loads", 1): each for item, each in every.derivatives.items()},
     )
@@ -227,7 +227,7 @@ class PieceSurface(NamedTuple):
 
     def parts(self, pieces: Sequence[ReducedModel], width: int, n_stress: int) -> tuple[Surface, Pieces, StressPoints]:
         """Parts of the reduced model: surface, pieces, and stress points, one to each surface point or none."""
-        surface, own = np.zeros((len(self.owner), 3, width)), np.zeros((len(self.owner), 3, 1 + SPATIAL_LOCAL))
+        surface, own = np.zeros((len(self.owner), 3, width)), np.zeros((len(self.owner), 3, 1 + SPATIAL_ELEMENT_COORDINATES))
         for k, (piece, rows) in enumerate(zip(pieces, self.rows, strict=True)):
             here, columns = rows >= 0, columns_of_piece(k)
             assert piece.surface is not None
@@ -390,14 +390,14 @@ def _invariants(whole: PlacedArrays, count: int, n_stress: int) -> SpatialInvari
 
 
 def _elements(every: PlacedArrays, nodes: PlacedArrays, count: int, n_stress: int) -> SpatialElements:
-    width = 1 + SPATIAL_LOCAL
+    width = 1 + SPATIAL_ELEMENT_COORDINATES
     shapes = {
         "mass": (count,),
         "first_moment": (count, 3, width),
         "second_moment": (count, len(PAIRS), width, width),
-        "stiffness": (count, SPATIAL_LOCAL, SPATIAL_LOCAL),
-        "damping": (count, SPATIAL_LOCAL, SPATIAL_LOCAL),
-        "stress_operator": (n_stress * COMPONENTS, SPATIAL_LOCAL),
+        "stiffness": (count, SPATIAL_ELEMENT_COORDINATES, SPATIAL_ELEMENT_COORDINATES),
+        "damping": (count, SPATIAL_ELEMENT_COORDINATES, SPATIAL_ELEMENT_COORDINATES),
+        "stress_operator": (n_stress * COMPONENTS, SPATIAL_ELEMENT_COORDINATES),
     }
     connectivity = np.column_stack([np.arange(count), np.arange(count) + 1])
     sums = {name: every.arrays[name].reshape(shape) for name, shape in shapes.items()}

@@ -29,10 +29,10 @@ from preprocessing.mesh.input_files import at_key
 from preprocessing.mesh.matrix_file import read_motion, read_nodes
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions, rotations
-from preprocessing.reduction.ties import NARROW, NodeTie, rows_of_place, tie
+from preprocessing.reduction.ties import ONE_POINT_RADIUS, NodeTie, rows_of_place, tie
 from toolkit.foundation.errors import InputError, meant
 
-ON_EDGE = 1e-9
+BOX_TOLERANCE = 1e-9
 """Part of the body's extent by which a node may be outside of a box."""
 
 
@@ -86,7 +86,7 @@ def _in_box(mesh: SolidMesh, box: list[float]) -> np.ndarray:
     low, high = np.array(box).reshape(2, -1)
     if np.any(low > high):
         raise InputError(f"the box {box} is turned inside out; write {order}.")
-    slack = ON_EDGE * mesh.size
+    slack = BOX_TOLERANCE * mesh.size
     return np.flatnonzero(np.all((mesh.nodes >= low - slack) & (mesh.nodes <= high + slack), axis=1))
 
 
@@ -139,7 +139,7 @@ def faces_in(mesh: SolidMesh, surface: BoundaryFaces, region: Region) -> Boundar
     return found
 
 
-AT_ONE_PLACE = 1e-6
+SAME_PLACE = 1e-6
 """Distance of clamped nodes, in parts of the body's extent, below which they leave the body free to turn."""
 
 
@@ -257,7 +257,7 @@ def _clamped(path: Path, file: BodyFile, mesh: SolidMesh) -> np.ndarray:
     with at_key(path, "clamp"):
         nodes = nodes_in(mesh, file.clamp)
         held = rigid_motions((mesh.nodes[nodes] - mesh.nodes[nodes[0]]) / mesh.size)
-        if np.linalg.eigvalsh(held.T @ held)[0] < AT_ONE_PLACE**2:
+        if np.linalg.eigvalsh(held.T @ held)[0] < SAME_PLACE**2:
             where, apart = ("at one place", "edge") if mesh.dimension == 2 else ("at one place or on one line", "face")
             raise InputError(
                 f"the clamp on {file.clamp.words} holds {len(nodes)} node{'s' * (len(nodes) > 1)} {where}, and the body can still turn "
@@ -266,7 +266,7 @@ def _clamped(path: Path, file: BodyFile, mesh: SolidMesh) -> np.ndarray:
         return nodes
 
 
-NO_BODY = 1e-6
+MOMENT_TOLERANCE = 1e-6
 """Part of the moments of inertia by which the largest may exceed the sum of the others: files round to six digits."""
 
 
@@ -354,7 +354,7 @@ def _means(mesh: SolidMesh, masses: Sequence[PointMass], axis: int) -> sparse.cs
 
 def _turning(mesh: SolidMesh) -> list[bool]:
     """Whether the rotation of its nodes moves each mass: it has an inertia, or is not at the middle of its nodes."""
-    near = NARROW * mesh.size
+    near = ONE_POINT_RADIUS * mesh.size
     arms = (np.real(_place(mesh, each) - mesh.nodes[each.carriers].mean(axis=0)) for each in mesh.masses)
     return [
         bool(np.abs(arm).max() > near or np.any(_own_inertia(mesh, each))) for each, arm in zip(mesh.masses, arms, strict=True)
@@ -392,7 +392,7 @@ def _principal(mesh: SolidMesh, mass: PointMass) -> Sequence[tuple[float, np.nda
     else:
         inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         moments, axes = np.linalg.eigh(np.trace(inertia) / 2 * np.eye(3) - inertia)
-    if moments.min() < -NO_BODY * np.abs(moments).max():
+    if moments.min() < -MOMENT_TOLERANCE * np.abs(moments).max():
         raise InputError(
             f"the rotary inertia of {mass.source} is that of no body: each principal moment of inertia is at most the sum of the others, "
             "and none is negative. Give the moments about the centre of its mass, and products with the sign of the file's format."

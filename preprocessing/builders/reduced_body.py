@@ -34,7 +34,7 @@ from toolkit.reduced_model.dependence import SparsePolynomial
 from toolkit.reduced_model.model import MEAN_AXES, Chord, InterfacePoint, Outline, ReducedModel, StressPoints
 from toolkit.reduced_model.parts import SPIN_STIFFENING, Interior, Spin
 
-MODES, MOST = 2, 12
+EXAMINED_MODES, MOST_EXAMINED_SHAPES = 2, 12
 """Modes that are looked at, the lowest ones, and shapes of interface points."""
 AXES = "xyz"
 
@@ -90,7 +90,7 @@ def _cases(solid: ReducedSolid) -> tuple[list[str], np.ndarray]:
         return _weights(solid)
     n_modes = shapes.modes.count if shapes.modes else 0
     n_static = shapes.columns.shape[1] - n_modes
-    static, modes = min(n_static, MOST), min(n_modes, MODES)
+    static, modes = min(n_static, MOST_EXAMINED_SHAPES), min(n_modes, EXAMINED_MODES)
     names = [f"interface shape {k + 1}" for k in range(static)] + [f"mode {k + 1}" for k in range(modes)]
     return names, shapes.columns[:, [*range(static), *range(n_static, n_static + modes)]]
 
@@ -182,7 +182,7 @@ TRIANGLES = {
     "quad9": ((0, 4, 8), (4, 1, 8), (1, 5, 8), (5, 2, 8), (2, 6, 8), (6, 3, 8), (3, 7, 8), (7, 0, 8)),
 }
 """Places among the nodes of an element, in the order of mesh files."""
-LARGEST = 3_000_000
+LARGEST_STRESS_ARRAY = 3_000_000
 """Numbers of the stress beyond which there is none: bodies that keep all coordinates of a fine mesh would fill their file with it."""
 
 
@@ -195,7 +195,7 @@ def inside(body: Elastic | None, mesh: SolidMesh, z: np.ndarray, parameters: Seq
     z : Z = [xi, Psi] (n, 1 + n_f)
     parameters : names of all, among them the modulus
     """
-    if body is None or mesh.dimension != 2 or 4 * len(mesh.nodes) * z.shape[1] > LARGEST:
+    if body is None or mesh.dimension != 2 or 4 * len(mesh.nodes) * z.shape[1] > LARGEST_STRESS_ARRAY:
         return None
     every = np.concatenate([block[:, TRIANGLES[kind]].reshape(-1, 3) for kind, block in mesh.blocks.items()])
     points, triangles = np.unique(every, return_inverse=True)
@@ -222,7 +222,7 @@ def nodal_stress(body: Elastic, displacements: np.ndarray) -> np.ndarray:
 
 LARGEST_ENRICHED = 200_000
 """Nodal coordinates of the largest solid that has more shapes beside frozen ones."""
-NEW = 1e-6
+NEW_SHAPE_PART = 1e-6
 """Part of a derivative of a shape beyond all shapes, below which it is round-off."""
 
 
@@ -337,7 +337,7 @@ def _beyond(shapes: np.ndarray, more: np.ndarray) -> np.ndarray:
     for _ in range(2):
         more = more - known @ (known.T @ more)
     new, parts, _ = np.linalg.svd(more, full_matrices=False)
-    return new[:, parts > NEW]
+    return new[:, parts > NEW_SHAPE_PART]
 
 
 def _drawn(model: ReducedModel, body: DiscreteBody, z: np.ndarray, coloured: bool) -> ReducedModel:

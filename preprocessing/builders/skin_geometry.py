@@ -36,10 +36,10 @@ from toolkit.foundation.errors import InputError
 SAMPLES = 2001
 """Arc lengths along the skin at which the integrals are taken; errors of Simpson's rule are far below the rows' last digit."""
 
-ROWS = 161
+TARGET_ROWS = 161
 """Rows of the target between F and G: close enough for a spline to follow any nose."""
 
-CLOSED = 0.15
+CLOSING_PART = 0.15
 """Behind G the lower side returns to the undeformed one within this part of the chord."""
 
 
@@ -74,7 +74,7 @@ def drooped(contour: Contour, skin: Skin, depth: float, chord: float) -> np.ndar
     if found != 1:
         raise InputError(f"the nose cannot droop by {depth:g} with slope and height kept at G. Choose a smaller depth.")
     line, _ = moved(c)
-    return _completed(contour, skin, line[:: (SAMPLES - 1) // (ROWS - 1)], chord)
+    return _completed(contour, skin, line[:: (SAMPLES - 1) // (TARGET_ROWS - 1)], chord)
 
 
 def _change(tau: np.ndarray, c: np.ndarray) -> np.ndarray:
@@ -91,15 +91,15 @@ def _step(q: np.ndarray) -> np.ndarray:
 def _completed(contour: Contour, skin: Skin, line: np.ndarray, chord: float) -> np.ndarray:
     """The moved skin between the rows before F and those behind G, which follow G's slide and fade out of it."""
     rows, at = contour.position(contour.curve.point_s), contour.curve.point_s
-    gap = 0.5 * skin.length / ROWS
+    gap = 0.5 * skin.length / TARGET_ROWS
     before, behind = rows[at < skin.start - gap], rows[at > skin.end + gap].copy()
     slide = line[-1] - skin.position(skin.length)
-    behind += slide * (1 - _step((behind[:, :1] - skin.position(skin.length)[0]) / (CLOSED * chord)))
+    behind += slide * (1 - _step((behind[:, :1] - skin.position(skin.length)[0]) / (CLOSING_PART * chord)))
     return np.vstack([before, line, behind])
 
 
 SHORTEST_ELEMENT = 0.2  # thicknesses; finer elements resolve nothing that Euler-Bernoulli beams describe
-THINNEST = 1e-6  # skin lengths L; bending over stretching stiffness is (t / L)^2, and 1e-16 is round-off
+THINNEST_SKIN = 1e-6  # skin lengths L; bending over stretching stiffness is (t / L)^2, and 1e-16 is round-off
 
 
 def slenderness(skin: Skin, arc_lengths: np.ndarray, thickness: float) -> tuple[str, ...]:
@@ -114,9 +114,9 @@ def slenderness(skin: Skin, arc_lengths: np.ndarray, thickness: float) -> tuple[
     InputError
         The bending stiffness would be lost in the round-off of the stretching stiffness.
     """
-    if thickness < THINNEST * skin.length.real:
+    if thickness < THINNEST_SKIN * skin.length.real:
         raise InputError(
-            f"a thickness of {thickness:g} is less than {THINNEST:g} of the skin's length {skin.length:g}: its bending stiffness "
+            f"a thickness of {thickness:g} is less than {THINNEST_SKIN:g} of the skin's length {skin.length:g}: its bending stiffness "
             "would be lost in round-off. Fix the exponent or the units."
         )
     samples = np.linspace(0.0, skin.length, 2000)

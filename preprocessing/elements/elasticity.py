@@ -173,7 +173,7 @@ class StressedSolid:
         return pressure[:, :, None, None] * np.eye(strain.shape[2]) + 2 * self.lame[1] * strain
 
 
-AT_ONCE = 300_000
+POINTS_AT_ONCE = 300_000
 """Points of integration at once."""
 
 
@@ -185,7 +185,7 @@ def volume_of(blocks: Iterable[ElementBlock]) -> float:
 def _volume(block: ElementBlock) -> float:
     """Integral of the determinant of each element's map over the reference element, without its sign."""
     points, weights = points_of(block.kind)
-    mapping, at_once = block.geometry.mapping(), max(1, AT_ONCE // len(weights))
+    mapping, at_once = block.geometry.mapping(), max(1, POINTS_AT_ONCE // len(weights))
     found = []
     for start in range(0, len(block.connectivity), at_once):
         elements = np.arange(start, min(start + at_once, len(block.connectivity)))

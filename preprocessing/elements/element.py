@@ -84,7 +84,7 @@ SPACE = ElementSpace(
 SPACES = {each.dimension: each for each in (PLANE, SPACE)}
 
 
-CANCELLED = 1e-13
+CANCELLED_SUM = 1e-13
 """Part of the sum of the absolute values, below which a sum of some hundred numbers is round-off."""
 
 
@@ -146,7 +146,7 @@ BodyMatrix: TypeAlias = Blocks | csr_array
 
 def without_cancelled(sums: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """Real sums with zeros where all but round-off of their summands cancels; `sizes` are the sums of their absolute values."""
-    return np.where(np.abs(sums) > CANCELLED * sizes, sums, 0.0)
+    return np.where(np.abs(sums) > CANCELLED_SUM * sizes, sums, 0.0)
 
 
 def sparse_of(matrix: BodyMatrix) -> csr_array:

@@ -49,11 +49,11 @@ CUBE_MIDDLES = np.array(
     ]
 )
 """Middles of their edges and faces, and of themselves, in that order."""
-IN_MEMORY = 3_000_000
+NUMBERS_AT_ONCE = 3_000_000
 """Numbers of gradients of shape functions at once."""
 FEW_POINTS = 3_000
 """Coordinates of points of the reference element at which values of shape functions are kept."""
-DEGENERATE = 1e-8
+SMALLEST_VOLUME = 1e-8
 """Smallest area or volume of an element at a point, in parts of the power of its largest extent."""
 
 
@@ -73,7 +73,7 @@ class ElementBlock:
     def functions_in_parts(self) -> Iterator[tuple[np.ndarray, skfem.CellBasis]]:
         """Shape functions and numbers of some elements after others, so that not all gradients are in memory at once."""
         points = points_of(self.kind)
-        at_once = max(1, IN_MEMORY // (points[0].size * self.shapes.doflocs.shape[0]))
+        at_once = max(1, NUMBERS_AT_ONCE // (points[0].size * self.shapes.doflocs.shape[0]))
         for start in range(0, len(self.connectivity), at_once):
             elements = np.arange(start, min(start + at_once, len(self.connectivity)))
             yield elements, self._functions(points, elements)
@@ -191,7 +191,7 @@ def _refuse_degenerate(block: ElementBlock, nodes: np.ndarray) -> None:
     for points in _test_points(block):
         area = _determinant(block.geometry.mapping().DF(points)) / np.where(extent > 0, extent, 1.0)[:, None] ** nodes.shape[1]
         least, most = np.minimum(least, area.min(axis=1)), np.maximum(most, area.max(axis=1))
-    wrong = np.flatnonzero(~(np.maximum(least, -most) > DEGENERATE))
+    wrong = np.flatnonzero(~(np.maximum(least, -most) > SMALLEST_VOLUME))
     if len(wrong):
         place = ", ".join(f"{x:g}" for x in corners[wrong[0]].mean(axis=0))
         numbers = ", ".join(map(str, block.connectivity[wrong[0]]))

@@ -209,9 +209,9 @@ STRAIGHT = {
     "wedge": skfem.ElementWedge1,
 }  # fmt: skip
 """Shape functions of the corners."""
-ROUNDS = 3
+PATCH_GROWTHS = 3
 """Number of times that a patch may grow."""
-UNTOLD = 1e-6
+OPEN_TERM_EIGENVALUE = 1e-6
 """Part of the largest eigenvalue of a patch's normal matrix below which its points leave a term open."""
 
 
@@ -249,7 +249,7 @@ def recovered(blocks: Sequence[ElementBlock], nodes: np.ndarray, samples: Sequen
     sampled = _incidence(np.column_stack([members, np.arange(len(members))]), (meeting.shape[1], len(members)))
     found = _fit(nodes, places, meeting @ sampled, order)
     lacking, grown = found.lacking, meeting
-    for _ in range(ROUNDS):
+    for _ in range(PATCH_GROWTHS):
         if not lacking.any():
             break
         grown = (meeting + _recovered_rows(lacking) @ (grown @ (grown.T @ grown))).tocsr()
@@ -273,14 +273,14 @@ class _Fit:
     def lacking(self) -> np.ndarray:
         """Whether the points of a patch leave a term open, (n_nodes,)."""
         found, sizes = np.zeros(len(self.radius), bool), np.linalg.eigvalsh(self.normal)
-        found[self.used] = sizes[:, 0] < UNTOLD * sizes[:, -1]
+        found[self.used] = sizes[:, 0] < OPEN_TERM_EIGENVALUE * sizes[:, -1]
         return found
 
     def coefficients(self, values: np.ndarray) -> np.ndarray:
         """Coefficients (n_nodes, n_terms, k) from values (n_samples, k) at the points; zero where there is no corner."""
         right = (self.rows @ values).reshape(len(self.radius), self.normal.shape[1], -1)
         found = np.zeros_like(right)
-        found[self.used] = np.linalg.pinv(self.normal, rcond=UNTOLD, hermitian=True) @ right[self.used]
+        found[self.used] = np.linalg.pinv(self.normal, rcond=OPEN_TERM_EIGENVALUE, hermitian=True) @ right[self.used]
         return found
 
 
@@ -356,7 +356,7 @@ def _in_order_of(straight: skfem.Element, block: ElementBlock, corners: np.ndarr
     return corners[:, [int(np.argmin(np.abs(own - place).sum(axis=1))) for place in theirs]]
 
 
-REST = 1e-10
+RIGID_MOTION_ENERGY = 1e-10
 """Energy of a load case, in parts of the largest energy per square of displacement, below which it is a rigid motion."""
 
 
@@ -415,4 +415,4 @@ def stress_errors(body: Elastic, displacements: np.ndarray) -> StressErrors:
             largest = np.maximum(largest, each.max(axis=0))
     stiff = energy / np.maximum((displacements**2).mean(axis=0), np.finfo(float).tiny)
     relative = np.sqrt(error / np.maximum(energy + error, np.finfo(float).tiny))
-    return StressErrors(np.where(stiff > REST * stiff.max(initial=0.0), relative, np.nan), place)
+    return StressErrors(np.where(stiff > RIGID_MOTION_ENERGY * stiff.max(initial=0.0), relative, np.nan), place)

@@ -25,18 +25,18 @@ from preprocessing.elements.solid_elements import ElementBlock, points_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions, translations
 from toolkit.foundation.errors import InputError
 
-UNEQUAL = 1e-3
+UNEQUAL_MATERIAL = 1e-3
 """Relative difference of mass or stiffness that digits in files explain; of curved elements what their integration does is added."""
 OFF_CENTRE = 0.02
 """Distance of the two centres, in parts of the extent: masses that are lumped at nodes move it a little, another order of nodes far."""
 COARSE = {"triangle": 1, "quad": 1, "tetra": 1, "hexahedron": 1, "wedge": 1, "triangle6": 2, "tetra10": 2}
 """Order of the fewest points by which programs integrate an element; 3 for the others, two points along each axis."""
-BULGE = 1.25
+LARGEST_BULGE = 1.25
 """Largest volume, in parts of what lies between the nodes: a curved edge leaves the straight lines between its three nodes, as of a disk
 with eight of them."""
 TWO_INTEGRATIONS = 0.005
 """Relative difference of the volumes by which two matrices of curved elements were integrated."""
-AT_ONCE = 20_000
+ELEMENTS_AT_ONCE = 20_000
 """Elements whose maps at all points are in memory at once."""
 REMEDY = (
     "Correct [material], give the files that belong to it, or leave [material] out, so that the model has a stiffness_scale and a "
@@ -70,7 +70,7 @@ def volume_of(blocks: Sequence[ElementBlock]) -> Volume:
     for block in blocks:
         mapping, (points, weights) = block.geometry.mapping(), points_of(block.kind)
         fewer, their_weights = points_of(block.kind, COARSE.get(block.kind, 3))
-        for elements in np.array_split(np.arange(len(block.connectivity)), 1 + len(block.connectivity) // AT_ONCE):
+        for elements in np.array_split(np.arange(len(block.connectivity)), 1 + len(block.connectivity) // ELEMENTS_AT_ONCE):
             each = np.abs(mapping.detDF(points, elements)) * weights
             size += each.sum()
             moment = moment + np.einsum("aep,ep->a", mapping.F(points, elements), each)
@@ -89,7 +89,7 @@ def volume_of_mass(mesh: SolidMesh, scalar_mass: csr_array, material: UniformMat
     nodal = np.asarray(scalar_mass.sum(axis=1)).ravel()
     mass, across = float(nodal.sum()), " times width" if mesh.dimension == 2 else ""
     size, most = mass / (material.density * material.width), _between(mesh.nodes)
-    if not 0 < size <= BULGE * most:
+    if not 0 < size <= LARGEST_BULGE * most:
         raise InputError(
             f"the mass matrix has a mass of {mass:g}, which is density times a volume of {size:g}{across}, and all "
             f"nodes lie within {most:g}. {REMEDY}. If the mass is meant, because of point masses for example, set "
@@ -123,7 +123,7 @@ def refuse_other_mass(
     """
     nodal = np.asarray(scalar_mass.sum(axis=1)).ravel()
     mass, meant = float(nodal.sum()), material.density * material.width * volume.size
-    if not differs and not isclose(mass, meant, rel_tol=UNEQUAL + 2 * volume.doubt):
+    if not differs and not isclose(mass, meant, rel_tol=UNEQUAL_MATERIAL + 2 * volume.doubt):
         points = sum(each.mass for each in mesh.masses)
         _say_other_mass(mass, meant, points, material.density, mesh.dimension)
     if not differs:
@@ -162,7 +162,7 @@ def refuse_other_stiffness(mesh: SolidMesh, stiffness: csr_array, material: Unif
     strains = uniform_strains(mesh.nodes - volume.centre)
     found = strains.T @ (stiffness @ strains) / (material.width * volume.size)
     by_lambda, by_mu = _forms(mesh.dimension)
-    unequal = UNEQUAL + 2 * volume.doubt
+    unequal = UNEQUAL_MATERIAL + 2 * volume.doubt
     lame, *_ = np.linalg.lstsq(np.column_stack([by_lambda.ravel(), by_mu.ravel()]), found.ravel(), rcond=None)
     if material.lame is not None:
         meant = material.youngs_modulus * (material.lame[0] * by_lambda + material.lame[1] * by_mu)
@@ -184,7 +184,7 @@ def _refuse_material(lame: np.ndarray, material: UniformMaterial, volume: Volume
     """Refuse the material of body.toml where the matrix is of another one; without Poisson's ratio its modulus decides."""
     states = [material.state] if material.state == "space" or material.lame else ["plane-stress", "plane-strain"]
     found = [_modulus_and_ratio(lame, state) for state in states]
-    unequal = UNEQUAL + 2 * volume.doubt
+    unequal = UNEQUAL_MATERIAL + 2 * volume.doubt
     if material.lame is None and any(isclose(modulus, material.youngs_modulus, rel_tol=unequal) for modulus, _ in found):
         return
     modulus, ratio = found[0]
@@ -233,14 +233,14 @@ def _modulus_and_ratio(lame: np.ndarray, state: str) -> tuple[float, float]:
 def _power_of_ten(ratio: float) -> str:
     """Likely origin of a ratio of 1000 and the like, in words; empty for others."""
     power = log10(ratio) if ratio > 0 else 0.0
-    if round(power) and abs(power - round(power)) < UNEQUAL:
+    if round(power) and abs(power - round(power)) < UNEQUAL_MATERIAL:
         return f", 10^{round(power)}, as of other units (check `units`, and `scale` in [mesh])"
     return ""
 
 
 UNEQUAL_MASSES = 1e-9
 """Largest difference, relative to the largest entry, of parts of a mass matrix that should be equal or zero."""
-RESISTED = 1e-6
+RIGID_MOTION_FORCE = 1e-6
 """Largest force against a rigid motion, relative to those of a motion of the same size of single nodes."""
 
 
@@ -253,7 +253,9 @@ def refuse_swapped(mesh: SolidMesh, mass: csr_array, stiffness: csr_array) -> No
         They are swapped.
     """
     motion = translations(*mesh.nodes.shape)
-    resisted = [np.abs(matrix @ motion).max() > RESISTED * (abs(matrix) @ np.abs(motion)).max() for matrix in (mass, stiffness)]
+    resisted = [
+        np.abs(matrix @ motion).max() > RIGID_MOTION_FORCE * (abs(matrix) @ np.abs(motion)).max() for matrix in (mass, stiffness)
+    ]
     if resisted == [False, True]:
         raise InputError(
             "a motion of the whole body meets no mass, but stiffness: the two files are swapped. Give the mass matrix as mass, and the "
@@ -310,7 +312,7 @@ def refuse_supports(mesh: SolidMesh, stiffness: csr_array) -> None:
     names = ("x", "y", "rotation") if mesh.dimension == 2 else ("x", "y", "z", "rotation about x", "about y", "about z")
     for axis, motion in zip(names, centred.T, strict=True):
         force, own = np.abs(stiffness @ motion).max(), (abs(stiffness) @ np.abs(motion)).max()
-        if force > RESISTED * own:
+        if force > RIGID_MOTION_FORCE * own:
             raise InputError(
                 f"the stiffness matrix resists a rigid motion ({axis}) by {force / own:.0e} of the forces of its elements. Export it "
                 "without supports, with nodes in the same order, and with all displacements of every node."

@@ -14,7 +14,7 @@ from preprocessing.foreign_files.nastran.lines import named_files
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import meant_path, read_whole
 
-DEEPEST, MOST = 20, 1000
+DEEPEST_INCLUDE, MOST_FILES = 20, 1000
 """Files that include each other in a row, and files in all, that any mesh is made of."""
 PAIRS = {".node": ".ele", ".ele": ".node"}
 INCLUDING: dict[str, Callable[[Path, Path, bytes], Iterator[Path]]] = {
@@ -47,9 +47,10 @@ def drawn_on(path: Path) -> list[Path]:
                 raise InputError(
                     f"{str(each)!r} includes {str(named)!r}, which includes it in turn. Take one of the two lines out."
                 )
-            if len(chain) > DEEPEST or len(found) > MOST:
+            if len(chain) > DEEPEST_INCLUDE or len(found) > MOST_FILES:
                 raise InputError(
-                    f"{str(path)!r} includes more than {MOST} files, or more than {DEEPEST} in a row. Write the mesh in one file."
+                    f"{str(path)!r} includes more than {MOST_FILES} files, or more than {DEEPEST_INCLUDE} in a row. Write the "
+                    "mesh in one file."
                 )
             if named not in found and named != path:
                 found[named] = None

@@ -109,7 +109,7 @@ LONGEST_HEADER = 10_000
 """Bytes of the text in a .npy file that says what it holds."""
 
 
-WIDEST = 10_000
+MOST_FIELDS = 10_000
 """Most fields of a line of a text; a table of nodes has three."""
 NAMES = re.compile(rb"\s*\"?x\"?\s*,\s*\"?y\"?\s*(?:,\s*\"?z\"?\s*)?", re.IGNORECASE)
 """The only first line of words whose meaning is plain: the names of the coordinates."""
@@ -138,7 +138,7 @@ def table_of(content: bytes) -> np.ndarray:
     text = re.sub(rb"#[^\n]*", b"", plain_text(content))
     first, _, rest = text.partition(b"\n")
     body, before = (rest, 1) if NAMES.fullmatch(first) else (text, 0)
-    return number_lines(body, range(1, WIDEST), "," if b"," in body else None, before)
+    return number_lines(body, range(1, MOST_FIELDS), "," if b"," in body else None, before)
 
 
 def _only_one(arrays: dict[str, np.ndarray]) -> np.ndarray:

@@ -49,7 +49,7 @@ MADE = {(3,): "triangle", (3, 3, 3, 3): "tetra", (3, 3, 4, 4, 4): "wedge", (3, 3
 """Kind of an element by the numbers of corners of its faces."""
 QUADRATIC = {"triangle": "triangle6", "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid"}
 """The same with nodes in the middle of its edges."""
-AT_ONCE = 20_000
+REPEATS_AT_ONCE = 20_000
 """Elements at once that are looked through for repeated nodes."""
 
 Meaning = tuple[str, list[int]]
@@ -106,10 +106,10 @@ def _split(kind: str, elements: np.ndarray) -> Elements:
 def _repeat(elements: np.ndarray) -> np.ndarray:
     """Which elements (n_e, n_local) have a node twice, (n_e,)."""
     found = np.zeros(len(elements), bool)
-    for first in range(0, len(elements), AT_ONCE):
-        members = np.ascontiguousarray(elements[first : first + AT_ONCE].T)
+    for first in range(0, len(elements), REPEATS_AT_ONCE):
+        members = np.ascontiguousarray(elements[first : first + REPEATS_AT_ONCE].T)
         for one, other in combinations(members, 2):
-            found[first : first + AT_ONCE] |= one == other
+            found[first : first + REPEATS_AT_ONCE] |= one == other
     return found
 
 
@@ -185,13 +185,13 @@ def _refuse(path: Path, points: np.ndarray, kind: str, elements: np.ndarray, mad
 
 GAMMA, FIRST, SECOND = (np.uint64(each) for each in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB))
 """Constants of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014)."""
-DENSE = 16
+DENSE_NUMBERS = 16
 """Part of all numbers, one in so many, from which on a table of all of them is faster than sorting."""
 
 
 def distinct(arrays: Sequence[np.ndarray], n: int) -> np.ndarray:
     """Numbers from 0 to n - 1 that occur in arrays, in rising order."""
-    if DENSE * sum(each.size for each in arrays) < n:
+    if DENSE_NUMBERS * sum(each.size for each in arrays) < n:
         return np.unique(np.concatenate([np.zeros(0, np.int64), *(each.ravel() for each in arrays)]))
     there = np.zeros(n, bool)
     for each in arrays:
@@ -283,11 +283,11 @@ BETWEEN: dict[str, tuple[int, Places]] = {
     "hexahedron27": (8, (*FORMS["hexahedron"].edges, *HEXAHEDRON, tuple(range(8)))),
 }
 """Number of corners of a kind, and the corners round every further node in the order of mesh files."""
-STRAIGHT = 1e-6
+STRAIGHT_EDGE = 1e-6
 """Largest distance of a node from the middle of its edge, in parts of the element's extent, that no exchange can have."""
-ALIKE = 0.05
+LEAST_PRODUCT = 0.05
 """Part of |c_i - c_j|^2 that the product has at least: nodes in the quarters of their edges leave 0.5, a turn by a right angle 0."""
-NEARER = 0.3
+NEARER_EDGE = 0.3
 """Distance of a node from the middle of another edge, in parts of that from its own, below which it is taken to belong there."""
 ELEMENTS_AT_ONCE = 50_000
 """Elements at once."""
@@ -329,13 +329,14 @@ def _exchanged(kind: str, places: np.ndarray) -> np.ndarray:
     middles = np.stack([places[:, list(each)].mean(axis=1) for each in between], axis=1)
     found, further = np.zeros(len(places), bool), places[:, corners:]
     off = np.abs(further - middles).max(axis=(1, 2), initial=0.0)
-    bent = np.flatnonzero(off > STRAIGHT * np.ptp(places[:, :corners], axis=1).max(axis=1))
+    bent = np.flatnonzero(off > STRAIGHT_EDGE * np.ptp(places[:, :corners], axis=1).max(axis=1))
     middles, further = middles[bent], further[bent]
     for i, j in combinations(range(len(between)), 2):
         apart = middles[:, i] - middles[:, j]
-        unlike = ((further[:, i] - further[:, j]) * apart).sum(axis=1) < ALIKE * (apart**2).sum(axis=1)
+        unlike = ((further[:, i] - further[:, j]) * apart).sum(axis=1) < LEAST_PRODUCT * (apart**2).sum(axis=1)
         exchanged = [
-            _length(further[:, a] - middles[:, b]) < NEARER * _length(further[:, a] - middles[:, a]) for a, b in ((i, j), (j, i))
+            _length(further[:, a] - middles[:, b]) < NEARER_EDGE * _length(further[:, a] - middles[:, a])
+            for a, b in ((i, j), (j, i))
         ]
         found[bent] |= unlike & (exchanged[0] | exchanged[1])
     return found

@@ -14,9 +14,9 @@ from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LARGEST
 
-ASYMMETRIC = 1e-9
+ASYMMETRY_TOLERANCE = 1e-9
 """Largest relative difference of entries that should be equal; programs write 6 to 16 digits."""
-EXTREME = 1e60
+LARGEST_ENTRY = 1e60
 """No entry of a matrix is larger in any unit system, and the largest is not smaller than its inverse: products still are numbers."""
 AGAIN = "Export it again."
 
@@ -48,10 +48,10 @@ def square_of(
             f"the matrix {str(path)!r} has shape {matrix.shape}; its nodes have {n} coordinates. Give both of one model."
         )
     largest = abs(matrix).max() if matrix.nnz else 0.0
-    if not largest >= 1 / EXTREME:
+    if not largest >= 1 / LARGEST_ENTRY:
         raise InputError(f"the matrix {str(path)!r} holds no entry larger than {largest:g}. {AGAIN}")
     difference = abs(matrix - matrix.T).max()
-    if not difference <= ASYMMETRIC * largest:
+    if not difference <= ASYMMETRY_TOLERANCE * largest:
         raise InputError(
             f"the matrix {str(path)!r} is not symmetric (by {difference:g}). If it holds one triangle only, say so in its first line "
             "(%%MatrixMarket matrix coordinate real symmetric)."
@@ -146,8 +146,8 @@ def _checked(path: Path, found: MatrixEntries, n: int) -> sparse.csr_array:
         raise InputError(f"the matrix {str(path)!r} claims {rows} rows for {len(value)} entries. {AGAIN}")
     if len(row) and (row.min() < 0 or row.max() >= rows or column.min() < 0 or column.max() >= n):
         raise InputError(f"the matrix {str(path)!r} has entries outside of its shape {(rows, columns)}. {AGAIN}")
-    if len(value) and float(np.abs(value.astype(float)).max()) > EXTREME:
-        raise InputError(f"the matrix {str(path)!r} has entries beyond {EXTREME:g}. Fix their unit.")
+    if len(value) and float(np.abs(value.astype(float)).max()) > LARGEST_ENTRY:
+        raise InputError(f"the matrix {str(path)!r} has entries beyond {LARGEST_ENTRY:g}. Fix their unit.")
     return sparse.csr_array(sparse.coo_array((value.astype(float), (row, column)), shape=(rows, n)))
 
 

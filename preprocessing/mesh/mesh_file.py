@@ -25,10 +25,10 @@ from preprocessing.mesh.solid_mesh import SolidMesh, refuse_parts
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LARGEST
 
-FLAT = 1e-9
+PLANE_TOLERANCE = 1e-9
 """Part of the extent by which a plane mesh may leave its plane."""
 
-OF_RIGID, CARRIERS = 200, 500
+MOST_RIGID_NODES, MOST_CARRIERS = 200, 500
 """Nodes of a rigid body that carry a mass, and most nodes whose mean does."""
 
 
@@ -139,11 +139,11 @@ def _masses(path: Path, masses: Sequence[PointMass], number: np.ndarray, scale: 
 def _carriers(path: Path, mass: PointMass, number: np.ndarray) -> np.ndarray:
     """Nodes that carry a mass, or as many of a rigid body's as tell its motion: every pair of them costs memory."""
     nodes: np.ndarray = np.unique(number[mass.carriers])
-    if mass.rigid and len(nodes) > OF_RIGID:
-        return nodes[np.linspace(0, len(nodes) - 1, OF_RIGID).astype(int)]
-    if len(nodes) > CARRIERS:
+    if mass.rigid and len(nodes) > MOST_RIGID_NODES:
+        return nodes[np.linspace(0, len(nodes) - 1, MOST_RIGID_NODES).astype(int)]
+    if len(nodes) > MOST_CARRIERS:
         raise InputError(
-            f"the mesh {str(path)!r} has a mass ({mass.source}) that follows the mean of {len(nodes)} nodes; {CARRIERS} are the most. "
+            f"the mesh {str(path)!r} has a mass ({mass.source}) that follows the mean of {len(nodes)} nodes; {MOST_CARRIERS} are the most. "
             "Let it follow fewer of them, or leave it out: leave_out in [mesh]."
         )
     return nodes
@@ -190,7 +190,7 @@ def _refuse_places(path: Path, points: np.ndarray, scale: float) -> None:
 
 def _plane(path: Path, points: np.ndarray) -> np.ndarray:
     """Coordinates x and y of points whose z is the same."""
-    if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLAT * np.ptp(points[:, :2]):
+    if points.shape[1] > 2 and np.ptp(points[:, 2]) > PLANE_TOLERANCE * np.ptp(points[:, :2]):
         raise InputError(
             f"the mesh {str(path)!r} has triangles or quadrilaterals only, but its z reaches from {points[:, 2].min():g} to "
             f"{points[:, 2].max():g}. Give a mesh in the plane of x and y, or mesh the volume with tetrahedra or hexahedra."

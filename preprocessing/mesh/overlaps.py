@@ -18,14 +18,14 @@ from preprocessing.mesh.faces import ElementSides, Simplices, cut
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.foundation.errors import InputError
 
-INSIDE = 0.5
+INSIDE_PART = 0.5
 """Where an element is looked at, on the way from its side to its centre: parts that only touch, with curved faces meshed differently,
 enter one another by less."""
-EDGE = 1e-9
+EDGE_TOLERANCE = 1e-9
 """Part of a simplex by which a point may be outside of it: on its edge, but for round-off."""
-FLAT = 1e-12
+FLAT_SIMPLEX = 1e-12
 """Volume of a simplex, in parts of the power of its extent, from which it can hold a point."""
-AT_ONCE = 20_000
+PAIRS_AT_ONCE = 20_000
 """Pairs of points and elements at once."""
 
 
@@ -67,7 +67,7 @@ def _proper(simplices: Simplices) -> Simplices:
     extent = np.abs(edges).max(axis=(1, 2))
     volume = np.linalg.det(edges / np.where(extent > 0, extent, 1.0)[:, None, None])
     mostly = np.sign(np.bincount(simplices.element, volume))
-    kept = volume * mostly[simplices.element] > FLAT
+    kept = volume * mostly[simplices.element] > FLAT_SIMPLEX
     return Simplices(*(part[kept] for part in simplices))
 
 
@@ -77,11 +77,11 @@ def _inside_others(sides: ElementSides, simplices: Simplices) -> Iterator[np.nda
     single = count[number.ravel()] == 1
     outer = np.flatnonzero(single[simplices.side])
     corners = simplices.corners[outer]
-    points, owner = (1 - INSIDE) * corners[:, 1:].mean(axis=1) + INSIDE * corners[:, 0], simplices.element[outer]
+    points, owner = (1 - INSIDE_PART) * corners[:, 1:].mean(axis=1) + INSIDE_PART * corners[:, 0], simplices.element[outer]
     order = np.argsort(simplices.element, kind="stable")
     first = np.searchsorted(simplices.element[order], np.arange(sides.n_elements + 1))
     point, element = _near(points, owner, *_boxes(simplices, sides.n_elements))
-    for some in np.array_split(np.arange(len(point)), 1 + len(point) // AT_ONCE):
+    for some in np.array_split(np.arange(len(point)), 1 + len(point) // PAIRS_AT_ONCE):
         own = np.diff(first)[element[some]]
         pair = np.repeat(some, own)
         simplex = order[np.repeat(first[element[some]] - np.cumsum(own) + own, own) + np.arange(len(pair))]
@@ -101,10 +101,10 @@ def _boxes(simplices: Simplices, n_elements: int) -> tuple[np.ndarray, np.ndarra
 def _near(points: np.ndarray, owner: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of points and of other elements whose boxes hold them, as numbers."""
     every, middle, radius = cKDTree(points), (low + high) / 2, np.linalg.norm(high - low, axis=1) / 2
-    found = every.query_ball_point(middle, (1 + EDGE) * radius)
+    found = every.query_ball_point(middle, (1 + EDGE_TOLERANCE) * radius)
     point = np.concatenate([np.zeros(0, int), *(np.array(each, int) for each in found)])
     element = np.repeat(np.arange(len(low)), [len(each) for each in found])
-    slack = EDGE * radius[element, None]
+    slack = EDGE_TOLERANCE * radius[element, None]
     held = np.all((points[point] >= low[element] - slack) & (points[point] <= high[element] + slack), axis=1)
     held &= owner[point] != element
     return point[held], element[held]
@@ -114,7 +114,7 @@ def _holds(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Whether simplices (n, d + 1, d) hold points (n, d)."""
     edges = np.swapaxes(corners[:, 1:] - corners[:, [0]], 1, 2)
     parts = np.linalg.solve(edges, (points - corners[:, 0])[:, :, None])[:, :, 0]
-    return (parts.min(axis=1) >= -EDGE) & (parts.sum(axis=1) <= 1 + EDGE)
+    return (parts.min(axis=1) >= -EDGE_TOLERANCE) & (parts.sum(axis=1) <= 1 + EDGE_TOLERANCE)
 
 
 def _named(mesh: SolidMesh, element: int) -> str:

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from preprocessing.foreign_files.contents import LeftOutContent, PointMass
 from toolkit.foundation.errors import InputError
 
-AT_ONCE = 1_000_000
+NODES_AT_ONCE = 1_000_000
 """Nodes of elements that are put together at once: a graph of all would take more memory than the mesh."""
 
 
@@ -116,7 +116,7 @@ def lumps(n_nodes: int, members: Sequence[np.ndarray]) -> np.ndarray:
     """Number of the lump that each node is in, (n_nodes,); elements or faces (n, n_local) hang together that share nodes."""
     label = np.arange(n_nodes, dtype=np.int32)
     for each in members:
-        for some in np.array_split(each, 1 + each.size // AT_ONCE):
+        for some in np.array_split(each, 1 + each.size // NODES_AT_ONCE):
             label = _merged(label, label[some])[label]
     return label
 

@@ -165,9 +165,9 @@ def _content(each: Path) -> bytes:
 
 DENSITY, MODULUS = 2700.0, 70e9
 """Density and Young's modulus of aluminium, in kg/m^3 and Pa."""
-WEIGHT, THIN = 0.5, 0.1
+TIP_MASS_PART, PLANE_THICKNESS = 0.5, 0.1
 """Mass at the tip, in parts of the body's; thickness of a plane body, in parts of its length."""
-SWIFT = 0.14
+TURN_DURATION = 0.14
 """Duration of the quarter of a turn in parts of sqrt(length / m) s: the tip is accelerated by some five times its weight."""
 STEPS = 100
 WRITTEN = ("body.toml", "scene.toml", "README.md", "body.h5")
@@ -271,11 +271,11 @@ def _numbers(solid: NewSolid, folder: Path, units: str, drawn: bool) -> dict[str
     ends = [mesh.nodes[nodes_in(mesh, Region(group=group))] for group in (solid.clamp, solid.grip)]
     plane, size = mesh.dimension == 2, mesh.size
     reach = float(np.linalg.norm(ends[1].mean(axis=0) - ends[0].mean(axis=0)))
-    width = _short(THIN * size)
+    width = _short(PLANE_THICKNESS * size)
     density = DENSITY * kilogram / length**3
-    mass = WEIGHT * density * volume(mesh) * (width if plane else 1.0)
+    mass = TIP_MASS_PART * density * volume(mesh) * (width if plane else 1.0)
     inertia, down = mass * (0.1 * size) ** 2, 9.81 * length
-    duration = _short(SWIFT * np.sqrt(max(reach, 1e-3 * size) / length), 2)
+    duration = _short(TURN_DURATION * np.sqrt(max(reach, 1e-3 * size) / length), 2)
     return {
         "what": "An arm" if drawn else "A solid", "words": WORDS[units], "units": units, "mesh": solid.name,
         "modulus": _short(MODULUS * kilogram / length), "density": _short(density), "clamp": solid.clamp, "grip": solid.grip,

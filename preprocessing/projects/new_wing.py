@@ -161,26 +161,26 @@ CHORDS = 1e-3, 1e6
 LIKELY = 5.0, 1e5
 """mm; chords that are believed of a file of lengths without being asked for."""
 
-CLAMP = 0.25
+CLAMP_PLACE = 0.25
 """Place of F and G along the chord."""
 
-DROOP = 6.0 / 550.0
+DROOP_DEPTH = 6.0 / 550.0
 """Depth in chords of the droop that is the target if none is given, as in the reference wing."""
 
 LINKAGE = {"A": (72.5 / 550, 0.42214), "B": (75.3 / 550, 0.15679), "D": (61.8 / 550, 0.47488)}
 """Joints of the reference wing: place along the chord, and height as a part of the section's thickness there."""
 
-FRACTION = 1.1
+LARGEST_FRACTION = 1.1
 """Largest x that can be meant as a fraction of the chord."""
 
 ELEMENTS, ON_SKIN = 30, {"C": 10, "E": 25}
 """Number of elements of the skin, and how many of them, from F on, are before its joints in the reference wing."""
-BACK, FARTHEST = -0.05, -0.95
+FIRST_JOINT_SHIFT, FARTHEST_JOINT_SHIFT = -0.05, -0.95
 """Part of an element by which a joint is nearer to F than that, and by which the study may move it there: between elements the skin has
 kinks, and no derivative along it. Farther from F the linkage is near to its snap-through."""
 TORQUES, THICKNESSES = (0.6, 1.5), (0.8, 5 / 3)
 """Bounds of the study, in parts of what the scene has."""
-ALONG, ACROSS, BESIDE = 0.01, 0.15, 0.02
+JOINT_RANGE_ALONG, JOINT_RANGE_ACROSS, SKIN_CLEARANCE = 0.01, 0.15, 0.02
 """How far the study may move joints: along the chord in parts of it, and in height in parts of the section's thickness there; of which so
 much is left beside the skin, wherever along the chord the joint is moved to."""
 
@@ -201,7 +201,7 @@ class AirfoilFile:
         InputError
             The file cannot be used, or it is not clear what its numbers are in.
         """
-        if self.units is None and (largest := largest_x(self.path)) > FRACTION:
+        if self.units is None and (largest := largest_x(self.path)) > LARGEST_FRACTION:
             raise InputError(
                 f"airfoil {self.path.name}: x reaches {largest:g}, so its numbers are no fractions of the chord. Say what they are in: "
                 f"{self.option} percent, or {self.option} mm."
@@ -229,10 +229,10 @@ class WingSection:
     def of(cls, airfoil: AirfoilFile, chord: float) -> WingSection:
         """Section from the airfoil, with its skin cut at F and G."""
         contour = airfoil.contour(chord)
-        start, end = (contour.at_x(CLAMP * chord, side) for side in ("upper", "lower"))
+        start, end = (contour.at_x(CLAMP_PLACE * chord, side) for side in ("upper", "lower"))
         return cls(contour, Skin(contour, start, end), chord)
 
-    def along(self, name: str, part: float = BACK) -> float:
+    def along(self, name: str, part: float = FIRST_JOINT_SHIFT) -> float:
         """Place of a joint of the skin, as arc length from F, at a part of its element."""
         return float(f"{(ON_SKIN[name] + part) * self.skin.length / ELEMENTS:.6g}")
 
@@ -311,8 +311,8 @@ def _target(section: WingSection, file: AirfoilFile | None) -> bytes:
     if file is not None:
         section.skin.target_positions(file.contour(section.chord), np.linspace(0, section.skin.length, 31))
         return file.path.read_bytes()
-    rows = drooped(section.contour, section.skin, DROOP * section.chord, section.chord) / section.chord
-    lines = [f"nose drooped by {DROOP:.2%} of the chord", *(f" {x:.9f} {y:.9f}" for x, y in rows)]
+    rows = drooped(section.contour, section.skin, DROOP_DEPTH * section.chord, section.chord) / section.chord
+    lines = [f"nose drooped by {DROOP_DEPTH:.2%} of the chord", *(f" {x:.9f} {y:.9f}" for x, y in rows)]
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -330,12 +330,12 @@ def _texts(section: WingSection, folder: Path, airfoil: AirfoilFile, target: Air
     scale = section.chord / REFERENCE_CHORD
     torque = float(f"{4200 * scale**3:.4g}")
     numbers = {
-        "chord": float(f"{section.chord:.12g}"), "units": _units(airfoil, target), "clamp_x": CLAMP * section.chord,
+        "chord": float(f"{section.chord:.12g}"), "units": _units(airfoil, target), "clamp_x": CLAMP_PLACE * section.chord,
         "thickness": 1.5 * scale, "width": 1000 * scale, "area": 100 * scale**2, "torque": torque,
         **{name: section.joint(*place) for name, place in LINKAGE.items()},
         "elements": ELEMENTS, **{f"arc_{name}": section.along(name) for name in ON_SKIN},
     }  # fmt: skip
-    droop = f"here the nose drooped by {DROOP:.1%} of the chord, in place of a target of your own"
+    droop = f"here the nose drooped by {DROOP_DEPTH:.1%} of the chord, in place of a target of your own"
     words = {
         "name": f"`{airfoil.path.name}`", "folder": shlex.quote(str(folder)), "more": f"{1.1 * torque:g}",
         "target": f"`{target.path.name}`" if target else droop,
@@ -350,18 +350,22 @@ def _bounds(section: WingSection, torque: float, thickness: float) -> dict[str, 
     lines = []
     for name, (along, height) in LINKAGE.items():
         (x, y), chord = section.joint(along, height), section.chord
-        ends = (along - ALONG, along + ALONG)
-        lowest = max(section.joint(along, height - ACROSS)[1], *(section.joint(end, BESIDE)[1] for end in ends))
-        highest = min(section.joint(along, height + ACROSS)[1], *(section.joint(end, 1 - BESIDE)[1] for end in ends))
+        ends = (along - JOINT_RANGE_ALONG, along + JOINT_RANGE_ALONG)
+        lowest = max(
+            section.joint(along, height - JOINT_RANGE_ACROSS)[1], *(section.joint(end, SKIN_CLEARANCE)[1] for end in ends)
+        )
+        highest = min(
+            section.joint(along, height + JOINT_RANGE_ACROSS)[1], *(section.joint(end, 1 - SKIN_CLEARANCE)[1] for end in ends)
+        )
         lines += [
-            f'"points.{name}.x" = {{ between = {_between(x - ALONG * chord, x + ALONG * chord)} }}',
+            f'"points.{name}.x" = {{ between = {_between(x - JOINT_RANGE_ALONG * chord, x + JOINT_RANGE_ALONG * chord)} }}',
             f'"points.{name}.y" = {{ between = {_between(min(lowest, y), max(highest, y))} }}',
         ]
     return {
         "M_t": _between(*(part * torque for part in TORQUES)),
         "t_w": _between(*(part * thickness for part in THICKNESSES)),
         "joints": "\n".join(lines),
-        **{f"along_{name}": str([section.along(name, FARTHEST), section.along(name)]) for name in ON_SKIN},
+        **{f"along_{name}": str([section.along(name, FARTHEST_JOINT_SHIFT), section.along(name)]) for name in ON_SKIN},
     }
 
 

@@ -207,10 +207,10 @@ PARTS = {"symmetric": symmetric, "antisymmetric": antisymmetric, "whole": lambda
 """Parts of a product that are an invariant, by the words of `preprocessing.elements.element.Form`."""
 
 
-ON_NODE = 1e-9
+NODE_DISTANCE = 1e-9
 """A point closer to a node than this part of the skin's length is on the node."""
 
-MOVES_ALONG = 1e-6
+POINT_LAG = 1e-6
 """Parts of the largest movement that a point may lag behind its node; round-off is far below."""
 
 
@@ -235,7 +235,7 @@ def interface_point(beams: LineElement, arc_lengths: np.ndarray, z: np.ndarray, 
     """
     nodes, place = np.real(arc_lengths), np.real(arc_length)
     nearest = int(np.abs(nodes - place).argmin())
-    if abs(nodes[nearest] - place) <= ON_NODE * (nodes[-1] - nodes[0]):
+    if abs(nodes[nearest] - place) <= NODE_DISTANCE * (nodes[-1] - nodes[0]):
         _refuse_passing(arc_lengths, nearest, arc_length)
         return node_point(beams, z, nearest, arc_lengths[nearest])
     if not nodes[0] <= place <= nodes[-1]:
@@ -246,7 +246,7 @@ def interface_point(beams: LineElement, arc_lengths: np.ndarray, z: np.ndarray, 
 
 def _refuse_passing(arc_lengths: np.ndarray, node: int, arc_length: complex) -> None:
     """Refuse a place that is at the node now, but moves otherwise than the node does."""
-    if abs(np.imag(arc_lengths[node] - arc_length)) > MOVES_ALONG * np.abs(np.imag([*arc_lengths, arc_length])).max():
+    if abs(np.imag(arc_lengths[node] - arc_length)) > POINT_LAG * np.abs(np.imag([*arc_lengths, arc_length])).max():
         raise InputError(
             f"arc length {np.real(arc_length):g} is that of node {node}, but a parameter of the shape moves the node and not the "
             f"point: at the kink between two elements it has no derivative. Write node = {node} if it belongs to the node, or "

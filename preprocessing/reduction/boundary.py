@@ -66,10 +66,10 @@ def most_across(e: np.ndarray) -> np.ndarray:
     return np.delete(np.arange(len(size)), first_smallest(-size + size.max()))
 
 
-ON_CLAMP = 1e-9
+CLAMPED_POINT = 1e-9
 """Part of the rows of a point, relative to their size, that the clamped node does not determine, if the point sits on that node."""
 
-INDEPENDENT = 1e-8
+INDEPENDENT_ROWS = 1e-8
 """Smallest part of the rows of a point that the rows before do not determine. It falls with the third power of the distance between
 neighbours in one element, and round-off times its inverse is lost in the constraint modes."""
 
@@ -150,10 +150,10 @@ def with_points(clamped: Boundary, interface_rows: Mapping[str, np.ndarray], mas
     points: list[str] = []
     on_clamp: list[str] = []
     for name, own in interface_rows.items():
-        if _new_part(clamped.rows, own, mass).max() <= ON_CLAMP:
+        if _new_part(clamped.rows, own, mass).max() <= CLAMPED_POINT:
             on_clamp.append(name)
             continue
-        if _new_part(rows, own, mass).min() <= INDEPENDENT:
+        if _new_part(rows, own, mass).min() <= INDEPENDENT_ROWS:
             raise InputError(
                 f"interface point {name!r} cannot move independently of "
                 f"{', '.join(repr(point) for point in points) or 'the clamped node'}: give every place one name, keep points apart, "

@@ -34,7 +34,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.model import MEAN_AXES, Chord
 
-REGULAR = 1e-6
+REGULAR_CONDITION = 1e-6
 """Reciprocal condition of the rows on the coordinates that follow, below which two points share their nodes."""
 
 
@@ -78,7 +78,7 @@ def pinned_coordinates(boundary: ChordBoundary) -> PinnedCoordinates:
     turn = [] if len(e) == 2 else [one + 3 + next(k for k in range(3) if k not in across)]
     pinned = np.array([*(one + np.arange(len(e))), *turn, *(other + across)])
     found = PinnedCoordinates(boundary.rows[:m], pinned)
-    if one == other or not 1 / np.linalg.cond(found.rows[:, pinned]) > REGULAR:
+    if one == other or not 1 / np.linalg.cond(found.rows[:, pinned]) > REGULAR_CONDITION:
         raise InputError(
             f"chord: the points {boundary.chord.first!r} and {boundary.chord.second!r} are nearest to one node, so that the line through "
             "them turns with a single element. Choose points that are apart, or use more elements."
@@ -96,7 +96,7 @@ def _nearest(rows: np.ndarray, m: int) -> int:
 
 IDENTITY = "differentiated: identity on the free coordinates, the same at every design"
 
-DEPENDENT = 1e-11
+DEPENDENT_SHAPES = 1e-11
 """Smallest eigenvalue of the mass matrix of frame and basis, scaled to a unit diagonal; the runtime refuses bodies below a tenth of it."""
 
 
@@ -264,7 +264,7 @@ def _refuse_dependent(motions: np.ndarray, mass: np.ndarray, boundary: Boundary)
     inertia = motions.T @ mass @ motions
     scale = 1 / np.sqrt(np.diag(inertia))
     smallest = np.linalg.eigvalsh(scale[:, None] * inertia * scale)[0]
-    if smallest <= DEPENDENT:
+    if smallest <= DEPENDENT_SHAPES:
         raise InputError(
             f"the motions of the frame and of the interface points {', '.join(boundary.points) or '(none)'} cannot be told apart "
             f"(smallest eigenvalue of their mass matrix {smallest:.0e}). Move points apart that share an element, use more elements, "

@@ -12,7 +12,7 @@ from scipy.linalg.lapack import get_lapack_funcs
 from preprocessing.elements.element import Matrix
 from toolkit.foundation.errors import InputError
 
-SINGULAR = 1e-15
+SINGULAR_CONDITION = 1e-15
 """Reciprocal condition number, after equilibration, of a matrix that cannot be told from a singular one."""
 
 _EQUILIBRATION_STEPS = 5
@@ -88,7 +88,7 @@ def _factors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     factor, condition = get_lapack_funcs(("getrf", "gecon"), (matrix,))
     lower_upper, pivots, exactly_singular = factor(matrix)
     reciprocal = 0.0 if exactly_singular else condition(lower_upper, np.abs(matrix).sum(axis=0).max())[0]
-    if not reciprocal > SINGULAR:
+    if not reciprocal > SINGULAR_CONDITION:
         raise SingularBorderedSystemError(f"the bordered matrix is singular (reciprocal condition number {reciprocal:.0e})")
     return lower_upper, pivots
 
@@ -117,7 +117,7 @@ def _dense(matrix: Matrix) -> np.ndarray:
     return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
 
 
-RIGID = 1e-13
+RIGID_EIGENVALUE = 1e-13
 """Largest eigenvalue of a rigid motion, of the stiffness matrix scaled to a unit diagonal: round-off leaves some 1e-16. The first elastic
 mode has about (h / L)^2 (t / L)^2 / 12 for elements of length h on a thin skin of length L and thickness t: 1e-7 for 30 elements."""
 
@@ -145,7 +145,7 @@ def rigid_modes(pencil: ConstrainedPencil) -> np.ndarray:
         raise InputError(
             f"the stiffness matrix has no modes ({error}): its entries differ by too many powers of ten. Export it again."
         ) from error
-    rigid = scale[:, None] * (allowed @ motions[:, energy < RIGID])
+    rigid = scale[:, None] * (allowed @ motions[:, energy < RIGID_EIGENVALUE])
     return _orthonormal(_refined(pencil, rigid), pencil.mass) if rigid.size else rigid
 
 

@@ -15,7 +15,7 @@ from preprocessing.reduction.constrained_pencil import (
     rigid_modes,
 )
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.near_ties import EQUAL, clusters, told_apart
+from toolkit.foundation.near_ties import EQUAL_EIGENVALUES, clusters, told_apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,9 +312,9 @@ def count_by_frequency(modes: NormalModes, highest: float, least: int = 1) -> in
     found = modes.frequencies
     if not len(found):
         raise InputError("no mode can be chosen by frequency: the boundary leaves no motion. Name fewer interface points.")
-    if not highest <= found[-1] * (1 + EQUAL):
+    if not highest <= found[-1] * (1 + EQUAL_EIGENVALUES):
         raise InputError(f"modes up to {highest:g} Hz cannot be told: the mesh ends at {found[-1]:.6g} Hz. Use more elements.")
-    count = int(np.count_nonzero(found <= highest * (1 + EQUAL)))
+    count = int(np.count_nonzero(found <= highest * (1 + EQUAL_EIGENVALUES)))
     if count < least:
         raise InputError(f"no mode lies below {highest:g} Hz: the lowest has {found[0]:.6g} Hz. Choose a higher frequency.")
     return cluster(modes.spectrum, count - 1)[1] if count else 0

@@ -152,7 +152,7 @@ def _rates(matrices: Matrices, rate: Rate, shapes: Matrix) -> dict[str, Matrix]:
 
 LARGEST_FULL = 900
 """Nodal coordinates up to which all are kept: with so many the check takes some 4 s, most of it to compile."""
-MORE, MORE_ALONE = 60, 120
+ENRICHING_MODES, ENRICHING_MODES_ALONE = 60, 120
 """Modes more than twice those of the frozen basis, beside constraint modes and alone. Errors of too few modes fall with their number at
 least, so that twice as many show half of an error in the worst case."""
 
@@ -164,13 +164,13 @@ def richer_choices(choice: BasisChoice, modes: int, n: int) -> list[BasisChoice]
     """
     if choice.derivative != "frozen" or choice.kind == "full":
         return []
-    more = 2 * modes + MORE_ALONE
+    more = 2 * modes + ENRICHING_MODES_ALONE
     alone = replace(choice, kind="eigenmodes", count=more, frequency=None, static_error=None, beside_frozen=True)
     if choice.boundary == "free":
         return [alone]
     if n <= LARGEST_FULL:
         return [replace(alone, kind="full", count=None)]
-    return [replace(alone, kind="craig-bampton", count=2 * modes + MORE), alone]
+    return [replace(alone, kind="craig-bampton", count=2 * modes + ENRICHING_MODES), alone]
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,9 +55,9 @@ def count_by_static_error(modes: NormalModes, rows: Mapping[str, csr_array], sys
 
 LARGEST_FULL = 3000
 """Coordinates of the largest full basis: its dense matrices take some 100 MB."""
-STILL = 1e-12
+CLAMPED_ROWS = 1e-12
 """Largest entry of the rows of a point on the clamp."""
-MORE = 4
+EXTRA_MODES = 4
 """Modes beyond those that are kept: the last ones that Lanczos finds come last."""
 
 
@@ -153,7 +153,7 @@ def solid_shapes(
             )
         return SolidShapes(np.eye(n), "differentiated: identity on the free coordinates, the same at every design")
     rows = {name: (each.rows @ free.map) for name, each in ties.items()}
-    moving = {name: row for name, row in rows.items() if abs(row).max() > STILL}
+    moving = {name: row for name, row in rows.items() if abs(row).max() > CLAMPED_ROWS}
     if choice.kind != "eigenmodes":
         turn = None if choice.chord is None else chord_turn(Chord(*choice.chord), list(moving), ties)
         return _with_interface(choice, mass, stiffness, places, free, moving, turn)
@@ -224,7 +224,7 @@ def _modes(
             return bool(found.frequencies[-1] > choice.frequency)
         return (by_static_error(found) or found.count) < found.count
 
-    every = lowest_modes(system, mass, enough, (choice.count or 0) + MORE)
+    every = lowest_modes(system, mass, enough, (choice.count or 0) + EXTRA_MODES)
     count = choice.count or 0
     if choice.frequency is not None:
         count = count_by_frequency(every, choice.frequency, least=1 if choice.kind == "eigenmodes" else 0)

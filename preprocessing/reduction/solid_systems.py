@@ -42,7 +42,7 @@ class BasisChange:
         )
 
 
-LEAF = 120
+LEAF_COORDINATES = 120
 """Coordinates of parts that are not halved any more."""
 
 
@@ -61,7 +61,7 @@ def dissected(matrix: sparse.csr_array, places: np.ndarray) -> np.ndarray:
 
 def _ordered(graph: sparse.csr_array, places: np.ndarray, members: np.ndarray) -> np.ndarray:
     """The members in order; graph and places are theirs."""
-    if len(members) <= LEAF:
+    if len(members) <= LEAF_COORDINATES:
         return members
     axis = np.argmax(np.ptp(places, axis=0))
     left = places[:, axis] < np.median(places[:, axis])
@@ -156,7 +156,7 @@ def _mkl() -> str:
         return ""
 
 
-LARGE = 10_000
+PARDISO_FROM = 10_000
 """Coordinates from which Pardiso is asked: SuperLU factors a smaller body within half a second, with the same digits for everybody."""
 
 
@@ -179,11 +179,11 @@ def factored(stiffness: sparse.csr_array, places: np.ndarray | None) -> Factors:
     stiffness : (n, n)
     places : (n, d), where the node of every coordinate is
     """
-    large = stiffness.shape[0] >= LARGE
+    large = stiffness.shape[0] >= PARDISO_FROM
     return (pardiso_factors(stiffness) if large else None) or superlu_factors(stiffness, places)
 
 
-DEPENDENT = 1e-9
+DEPENDENT_ROWS = 1e-9
 """Smallest eigenvalue of the compliance between averaged rows, scaled to a unit diagonal, that is more than round-off."""
 
 
@@ -258,7 +258,7 @@ def held_system(stiffness: sparse.csr_array, rows: sparse.csr_array, places: np.
     compliance = (compliance + compliance.T) / 2
     own = np.diag(compliance)
     scale = 1 / np.sqrt(np.where(own > 0, own, 1.0))
-    if not own.min() > 0 or not np.linalg.eigvalsh(scale[:, None] * compliance * scale)[0] > DEPENDENT:
+    if not own.min() > 0 or not np.linalg.eigvalsh(scale[:, None] * compliance * scale)[0] > DEPENDENT_ROWS:
         raise InputError(
             "the averaged interface points cannot move independently of each other and of what is held. Give every place one name, and "
             "more nodes to points that are close together, to a clamp or to a rigid tie."

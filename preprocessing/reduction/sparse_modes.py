@@ -16,9 +16,9 @@ from preprocessing.reduction.solid_systems import BasisChange
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import told_apart
 
-SMALL = 300
+DENSE_BELOW = 300
 """Coordinates up to which all modes are computed with dense matrices."""
-CONVERGED, PATIENCE = 1e-11, 500
+CONVERGED_RESIDUAL, MOST_ITERATIONS = 1e-11, 500
 """Relative residual and steps of the conjugate gradients for derivatives; the factors' round-off is smaller by some 1e-3."""
 
 
@@ -66,7 +66,7 @@ def lowest_modes(system: ShiftedSystem, mass: csr_array, enough: Callable[[Norma
     n = mass.shape[0] - system.rows.shape[0]
     if not n:
         return _no_modes(system, mass)
-    if mass.shape[0] <= SMALL:
+    if mass.shape[0] <= DENSE_BELOW:
         dense = ConstrainedPencil(system.stiffness.toarray(), mass.toarray(), system.rows.toarray())
         return normal_modes(dense)
     count = first
@@ -157,8 +157,8 @@ def _conjugate_gradients(matrix: Callable, nearly_inverse: Callable, force: np.n
     u, residual, open_ = np.zeros_like(force), force, np.arange(force.shape[1])
     direction = nearly_inverse(residual)
     size = _products(residual, direction)
-    enough = CONVERGED**2 * (solved + size)
-    for _ in range(PATIENCE):
+    enough = CONVERGED_RESIDUAL**2 * (solved + size)
+    for _ in range(MOST_ITERATIONS):
         still = size > enough[open_]
         open_, residual, direction, size = open_[still], residual[:, still], direction[:, still], size[still]
         if not len(open_):

@@ -23,7 +23,7 @@ from preprocessing.reduction.assembly import Matrices, symmetric
 from preprocessing.reduction.discretisation import STEP, derivative_of
 from preprocessing.reduction.solid_systems import free_system, held_system
 from preprocessing.reduction.sparse_modes import ShiftedSystem
-from preprocessing.reduction.stored_entries import OF_SHAPES, ROUND_OFF, AnyInvariants
+from preprocessing.reduction.stored_entries import ROUND_OFF, SHAPE_ROUND_OFF, AnyInvariants
 from toolkit.reduced_model.parts import Spin
 
 
@@ -123,5 +123,5 @@ def _without_round_off(value: np.ndarray, inv: AnyInvariants) -> np.ndarray:
 
 def without_round_off_of_rate(rate: np.ndarray, value: np.ndarray, parameter: float) -> np.ndarray:
     """A derivative, or zeros where it is round-off of a value that does not depend on the parameter."""
-    changes = parameter == 0 or np.abs(rate * parameter).max(initial=0) > OF_SHAPES * np.abs(value).max(initial=0)
+    changes = parameter == 0 or np.abs(rate * parameter).max(initial=0) > SHAPE_ROUND_OFF * np.abs(value).max(initial=0)
     return rate if changes else np.zeros_like(rate)

@@ -24,7 +24,7 @@ from toolkit.reduced_model.shapes import EntryScale, entry_factors
 ROUND_OFF = 1e-12
 """Part of what an entry could be, below which it is round-off: sums over a thousand elements leave 1e-13, and of an entry as
 small as this no digit would count beside the others."""
-OF_SHAPES = 1e-9
+SHAPE_ROUND_OFF = 1e-9
 """Part of what a whole item of computed shapes could change, below which its change is round-off of their eigenvalue problem."""
 BY_COORDINATE = ("position", "rotation", "moment")
 """Last words of the names of items whose last axis is that of [1; q_f]."""
@@ -134,7 +134,7 @@ def _of_item(item: str, rate: np.ndarray, computed: bool, interfaces: Mapping[st
         reach = np.ptp(np.real(point.arc_length_range))
         powers = (reach ** np.arange(len(rate))).reshape(-1, *(1,) * (rate.ndim - 1))
         own = np.abs(getattr(point, rest[-1]) * powers)[..., 1:].max(initial=0)
-        size, least = size * powers, OF_SHAPES * fastest * own if own > 0 else np.inf
+        size, least = size * powers, SHAPE_ROUND_OFF * fastest * own if own > 0 else np.inf
     if not (computed and rest[-1] in BY_COORDINATE):
         return size > ROUND_OFF * size.max(initial=0)
     found = np.zeros(rate.shape, bool)
@@ -232,7 +232,7 @@ def _of_rows(row: np.ndarray, column: np.ndarray, size: np.ndarray) -> np.ndarra
     return rows[row] * columns[column]
 
 
-HELD = 1e-12
+HELD_POINT = 1e-12
 """Part of the largest displacement of a node, or of the rotation that it is over the body's size, below which a point is held."""
 
 
@@ -257,6 +257,6 @@ def with_held_points(
 def _held(coefficients: np.ndarray, size: float, largest: float) -> np.ndarray:
     """Coefficients of the powers of the arc length, which is at most the size."""
     found, powers = coefficients.copy(), np.arange(len(coefficients)).reshape(-1, *(1,) * (coefficients.ndim - 1))
-    if np.abs(coefficients[..., 1:] * size**powers).max(initial=0) <= HELD * largest:
+    if np.abs(coefficients[..., 1:] * size**powers).max(initial=0) <= HELD_POINT * largest:
         found[..., 1:] = 0
     return found

@@ -23,9 +23,9 @@ from preprocessing.reduction.boundary import along, left, refuse_short, refuse_u
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import Chord
 
-NARROW = 1e-9
+ONE_POINT_RADIUS = 1e-9
 """Radius of gyration of tied nodes, in parts of the body's extent, below which they are one point without a rotation."""
-THIN = 1e-12
+THIN_MOMENT = 1e-12
 """Least moment of tied nodes about an axis, in parts of the largest, below which they are on one line."""
 
 
@@ -117,7 +117,7 @@ def tie(mesh: SolidMesh, nodes: np.ndarray, spread: sparse.sparray, at: list[flo
 def _at_one_node(mesh: SolidMesh, node: int, at: list[float] | None, rigid: bool) -> NodeTie:
     """Rows of a point at one node: the node's displacement, and the rotation of the nodes around it."""
     place = mesh.nodes[node]
-    if rigid or (at is not None and not np.allclose(at, place, rtol=0, atol=NARROW * mesh.size)):
+    if rigid or (at is not None and not np.allclose(at, place, rtol=0, atol=ONE_POINT_RADIUS * mesh.size)):
         raise InputError(
             f"node {node} alone ties no rotation and no other place; name a group of nodes, or leave tie and at out."
         )
@@ -151,7 +151,7 @@ def _rows(mesh: SolidMesh, carried: WeightedNodes, turned: WeightedNodes, point:
     shares = sparse.kron(spread_of_turns, np.eye(d), format="csr") @ flat.T
     moments = flat @ shares
     sizes = np.linalg.eigvalsh(moments.real)
-    if not sizes[0] > max((NARROW * mesh.size) ** 2, THIN * sizes[-1]):
+    if not sizes[0] > max((ONE_POINT_RADIUS * mesh.size) ** 2, THIN_MOMENT * sizes[-1]):
         where = "at one place" if d == 2 else "at one place or on one line"
         raise InputError(f"the {len(others)} nodes are {where}, so that they do not tell a rotation; name nodes that are apart.")
     rotation = _placed(mesh, others, np.linalg.solve(moments, shares.T))

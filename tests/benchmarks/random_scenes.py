@@ -58,8 +58,8 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.errors.step_cautions import GRADIENTS as GRADIENT
-from toolkit.sensitivity.errors.step_cautions import VALUES
+from toolkit.sensitivity.errors.step_cautions import GRADIENT_LIMIT as GRADIENT
+from toolkit.sensitivity.errors.step_cautions import VALUE_LIMIT
 from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
@@ -179,7 +179,7 @@ class Judged:
     def _told_of_steps(self) -> Iterator[tuple[str, float, float]]:
         told = self.measures.get("estimated_error", {})
         for name, error in told.get("responses", {}).items():
-            if VALUES < error < 1 and 0 < self.values.get(name, 0.0) < 1:
+            if VALUE_LIMIT < error < 1 and 0 < self.values.get(name, 0.0) < 1:
                 yield "steps", error, self.values[name]
         for name, errors_by in told.get("gradients", {}).items():
             for x, error in errors_by.items():

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import HANGING_DESIGN, hanging_skin
-from toolkit.equations.equations import TOGETHER, Plan, add_up, allocate_terms, allocate_work, design_sums, evaluate_all, gather
+from toolkit.equations.equations import (
+    STEPS_SUMMED_AT_ONCE,
+    Plan,
+    add_up,
+    allocate_terms,
+    allocate_work,
+    design_sums,
+    evaluate_all,
+    gather,
+)
 from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import plain
 from toolkit.solvers.transient.scheme import scheme_of
@@ -16,7 +25,7 @@ from toolkit.system.system import System, compile_scene, plain_formulas_of
 
 ROUND_OFF = 1e-12
 """Some ten thousand products are summed up in another order."""
-STEPS, RESPONSES = TOGETHER + 3, 3
+STEPS, RESPONSES = STEPS_SUMMED_AT_ONCE + 3, 3
 
 
 def with_bent_shapes(system: System, rng: np.random.Generator) -> System:

@@ -45,7 +45,7 @@ def test_round_off_of_a_fine_skin_stays_below_the_tolerance(fine):
 def test_statics_does_not_take_round_off_for_a_limit_point(monkeypatch):
     """Where it keeps Newton from the tolerance, nothing is said of a snap or of buckling."""
     monkeypatch.setattr("toolkit.bodies.flexible.chain_strains", lambda *_: no_strains())
-    monkeypatch.setattr(pattern, "FELT", 2.0)  # all products are summed as usual
+    monkeypatch.setattr(pattern, "COMPENSATED_PART", 2.0)  # all products are summed as usual
     model = ffrf.compile(ffrf.read_scene(WING, {"solver.tolerance": "1e-13"}))
     with pytest.raises(
         ConvergenceError, match=r"round-off keeps statics from an equilibrium .* Nothing is critical there"

@@ -81,7 +81,7 @@ def test_sparse_factors_of_many_frames_find_what_dense_ones_do(tmp_path, monkeyp
     force = (0.0, EI) if stable else (-3.0 * EI, 1e-3 * EI)
     nodes = np.column_stack([np.linspace(0, 1, 49), np.zeros(49)])
     system = prepare(cantilever(tmp_path, nodes, 48, in_space(force)), ["t"])
-    assert system.n >= direct_solve.MANY
+    assert system.n >= direct_solve.SPARSE_FROM_UNKNOWNS
     found: list[object] = []
     sparse_factors = static_matrix.sparse_factors
     monkeypatch.setattr(static_matrix, "sparse_factors", lambda *given: found.append(sparse_factors(*given)) or found[-1])
@@ -89,7 +89,7 @@ def test_sparse_factors_of_many_frames_find_what_dense_ones_do(tmp_path, monkeyp
     assert any(each is not None for each in found)
     assert stable == all(each is not None for each in found)
     for module in (direct_solve, static_matrix):
-        monkeypatch.setattr(module, "MANY", 10**6)
+        monkeypatch.setattr(module, "SPARSE_FROM_UNKNOWNS", 10**6)
     dense = solve(system, "static")
     np.testing.assert_allclose(
         sparse.q, dense.q, atol=1e-9

@@ -9,7 +9,7 @@ import pytest
 
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare
-from toolkit.system.system import SHORT
+from toolkit.system.system import LOOPED_PRODUCT_TERMS
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"
 
@@ -20,6 +20,6 @@ def test_products_are_those_with_the_whole_matrix(columns):
     random = np.random.default_rng(1)
     values, block = random.normal(size=len(system.plan.indices)), random.normal(size=(system.n, columns))
     wanted = system.dense(values) @ block
-    assert (len(values) * columns > SHORT) == (columns == 200)  # both ways of the product are met
+    assert (len(values) * columns > LOOPED_PRODUCT_TERMS) == (columns == 200)  # both ways of the product are met
     assert np.allclose(system.times(values, block), wanted, rtol=0, atol=1e-12)  # of some ten terms of size 1
     assert np.allclose(system.times(values, block, system.n_q), wanted[system.n_q :], rtol=0, atol=1e-12)

@@ -57,9 +57,9 @@ def fine(tmp_path_factory):
 @pytest.fixture
 def every_array_is_thin(monkeypatch):
     """The paths of large arrays, for small ones."""
-    monkeypatch.setattr(dependence, "LARGE", 1)
-    monkeypatch.setattr(dependence, "SPARSE", 1.1)
-    monkeypatch.setattr("toolkit.responses.stress.LARGE", 1)
+    monkeypatch.setattr(dependence, "SEARCHED_ARRAY_SIZE", 1)
+    monkeypatch.setattr(dependence, "SPARSE_PART", 1.1)
+    monkeypatch.setattr("toolkit.responses.stress.SEARCHED_ARRAY_SIZE", 1)
 
 
 def stored(model) -> int:

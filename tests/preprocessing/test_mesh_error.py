@@ -24,7 +24,7 @@ from toolkit.api.model import compile_model
 from toolkit.command_line.cli import app as runtime
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.questions import COARSE, TOO_STIFF, mesh_questions, told_mesh
+from toolkit.reduced_model.questions import COARSE_ENERGY_ERROR, COARSE_STRESS_ERROR, mesh_questions, told_mesh
 from toolkit.scene_file.reader import read_scene
 from toolkit.validity.scene_cautions import cautions_of_scene
 
@@ -146,10 +146,10 @@ def test_a_coarse_mesh_is_told_by_the_command_by_the_file_and_by_scenes_that_ask
     assert judged["measure"] in told
     assert judged["told"] in told
     assert set(model.stress_errors) == {*(f"interface shape {k}" for k in (1, 2, 3)), "mode 1", "mode 2"}
-    assert max(model.stress_errors.values()) > COARSE
+    assert max(model.stress_errors.values()) > COARSE_STRESS_ERROR
     for response, limit in (
-        ("s = { type = 'max-stress', body = 'beam' }", COARSE),
-        ("e = { type = 'strain-energy' }", TOO_STIFF),
+        ("s = { type = 'max-stress', body = 'beam' }", COARSE_STRESS_ERROR),
+        ("e = { type = 'strain-energy' }", COARSE_ENERGY_ERROR),
     ):
         (tmp_path / "scene.toml").write_text(SCENE.replace("RESPONSE", response))
         codes = [each.code for each in cautions_of_scene(read_scene(tmp_path / "scene.toml")) if each.doubt]
@@ -162,7 +162,7 @@ def test_a_coarse_mesh_is_told_by_the_command_by_the_file_and_by_scenes_that_ask
 def test_modes_are_not_doubted_for_the_stress_of_a_response(tmp_path):
     path = write_body(tmp_path, rectangle("triangle6", (6, 2), 1.0, 0.2), 'kind = "craig-bampton"\ncount = 2', tie="rigid")
     CliRunner().invoke(app, [str(path)])
-    assert COARSE < max(load(tmp_path / "body.h5").stress_errors.values()) < TOO_STIFF
+    assert COARSE_STRESS_ERROR < max(load(tmp_path / "body.h5").stress_errors.values()) < COARSE_ENERGY_ERROR
     (tmp_path / "scene.toml").write_text(SCENE.replace("RESPONSE", "s = { type = 'max-stress', body = 'beam' }"))
     model = compile_model(read_scene(tmp_path / "scene.toml"))
     assert "coarse-mesh" in model.statics().verdict.codes
@@ -192,7 +192,7 @@ def load_built(folder: Path, kind: str) -> ReducedModel:
 def test_a_body_with_all_coordinates_is_judged_under_its_weight_and_a_fine_one_is_not_questioned(tmp_path):
     model = cantilever(tmp_path, rectangle("quad8", (16, 4), 1.0, 0.2))
     assert set(model.stress_errors) == {"weight along x", "weight along y"}
-    assert max(model.stress_errors.values()) < COARSE
+    assert max(model.stress_errors.values()) < COARSE_STRESS_ERROR
     save(model, tmp_path / "body.h5")
     assert load(tmp_path / "body.h5").stress_errors == model.stress_errors
 
@@ -201,6 +201,6 @@ def test_a_body_with_all_coordinates_is_judged_under_its_weight_and_a_fine_one_i
 def test_meshes_that_are_shipped_have_an_error_that_is_stated(name):
     folder = Path(__file__).parents[2] / "models" / name
     worst = max(load(folder / "body.h5", ()).stress_errors.values())
-    assert 0 < worst < COARSE
+    assert 0 < worst < COARSE_STRESS_ERROR
     (stated,) = re.findall(r"worst\s+estimate\s+is\s+([\d.]+)\s+%\s+in\s+the\s+energy\s+norm", (folder / "README.md").read_text())
     assert float(stated) == float(f"{100 * worst:.2g}")

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from preprocessing import build
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.projects.new_linkage import METRES, STIFFNESS, new_linkage
-from preprocessing.projects.new_solid import WEIGHT, new_solid, size_question, volume
+from preprocessing.projects.new_solid import TIP_MASS_PART, new_solid, size_question, volume
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save
@@ -62,7 +62,7 @@ def test_a_new_solid_of_a_mesh_of_ones_own_runs(tmp_path):
     written = tomllib.loads((tmp_path / "solid" / "scene.toml").read_text())
     save(model := build(tmp_path / "solid" / "body.toml"), tmp_path / "solid" / "body.h5")
     # the weight is half the body: the mesh is cut into straight pieces, the finite elements are curved by a thousandth of its area
-    assert written["bodies"]["weight"]["mass"] == pytest.approx(WEIGHT * float(model.invariants.mass), rel=1e-3)
+    assert written["bodies"]["weight"]["mass"] == pytest.approx(TIP_MASS_PART * float(model.invariants.mass), rel=1e-3)
     scene = read_scene(tmp_path / "solid" / "scene.toml", {"solver.end_time": 0.004, "joints.motor.curve.height": 0.001})
     found = direct(scene, list(scene.design), "static").values
     assert 0 < found["stress"] < 1.0  # MPa: 18 g bend an arm of 12 cm

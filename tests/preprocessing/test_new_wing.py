@@ -18,7 +18,7 @@ from preprocessing.airfoil.contour import Contour
 from preprocessing.airfoil.skin import Skin
 from preprocessing.builders.build_model import read_recipe
 from preprocessing.builders.skin_geometry import drooped, read_geometry
-from preprocessing.projects.new_wing import DROOP, new_wing
+from preprocessing.projects.new_wing import DROOP_DEPTH, new_wing
 from toolkit.api.model import compile_model
 from toolkit.command_line.cli import app
 from toolkit.reduced_model.file import save
@@ -161,7 +161,7 @@ def test_the_command_says_what_it_wrote_and_what_comes_next(tmp_path):
     ]
     assert (folder / "airfoil.dat").read_bytes() == (AIRFOILS / "e171.dat").read_bytes()
     assert "skin.toml, then ffrf statics" in done.stdout
-    assert f"{DROOP:.1%}" in (folder / "README.md").read_text()
+    assert f"{DROOP_DEPTH:.1%}" in (folder / "README.md").read_text()
     assert f"ffrf-preprocess '{folder}'/skin.toml" in (folder / "README.md").read_text()
 
 

@@ -8,7 +8,7 @@ from preprocessing.reduction.constrained_pencil import ConstrainedPencil, rigid_
 from preprocessing.reduction.normal_modes import cluster, count_by_frequency, count_by_static_error, normal_modes, static_errors
 from tests.models.frames import SECTION, cantilever, relative, ring, square, varied, wing
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.near_ties import EQUAL, told_apart
+from toolkit.foundation.near_ties import EQUAL_EIGENVALUES, told_apart
 
 FREE = {"ring": ring(24, 100.0), "square": square(6), "beam": cantilever(12, angle=0.4), "skin": wing()}
 
@@ -90,7 +90,7 @@ def test_all_modes_of_the_mesh_are_orthonormal_and_solve_the_eigenvalue_problem(
     pencil = frame.pencil(clamp(frame) if held else None)
     modes = normal_modes(pencil)
     assert modes.count == len(pencil.mass) - 3
-    assert np.all(np.diff(modes.eigenvalues) > -EQUAL * modes.eigenvalues[1:])
+    assert np.all(np.diff(modes.eigenvalues) > -EQUAL_EIGENVALUES * modes.eigenvalues[1:])
     np.testing.assert_allclose(modes.shapes.T @ pencil.mass @ modes.shapes, np.eye(modes.count), atol=1e-12)  # round-off
     energy = modes.shapes.T @ pencil.stiffness @ modes.shapes
     root = np.sqrt(modes.eigenvalues)

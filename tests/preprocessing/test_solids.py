@@ -216,7 +216,7 @@ def test_lanczos_and_dense_modes_give_the_same_body(basis, boundary, tmp_path, m
         path.write_text(text[: text.index("[clamp]")] + text[text.index("[interface_points.hub]") :])
     models = []
     for small in (10_000, 0):
-        monkeypatch.setattr(sparse_modes, "SMALL", small)
+        monkeypatch.setattr(sparse_modes, "DENSE_BELOW", small)
         models.append(build(path))
     for item in ("inertia", "gyroscopic", "stiffness", "stress_operator"):
         dense, sparse = (getattr(model.invariants, item) for model in models)

@@ -93,7 +93,7 @@ def test_a_small_body_is_factored_by_superlu_whatever_is_installed(stand_in, bod
 
 def test_a_large_body_is_factored_by_pardiso_where_it_is_installed_and_the_model_tells(stand_in, body, monkeypatch):
     small = body()
-    monkeypatch.setattr(solid_systems, "LARGE", 100)
+    monkeypatch.setattr(solid_systems, "PARDISO_FROM", 100)
     large = body()
     assert large.writers["MKL Pardiso"] == "pypardiso 7, mkl 8"
     assert "SuperLU" not in large.writers
@@ -101,7 +101,7 @@ def test_a_large_body_is_factored_by_pardiso_where_it_is_installed_and_the_model
 
 
 def test_a_large_body_is_factored_by_superlu_where_pardiso_is_missing_and_the_model_tells(without_pardiso, body, monkeypatch):
-    monkeypatch.setattr(solid_systems, "LARGE", 100)
+    monkeypatch.setattr(solid_systems, "PARDISO_FROM", 100)
     assert body().writers["SuperLU"].startswith("scipy ")
     assert pardiso_factors(stiffness(5)) is None
     assert isinstance(solid_systems.factored(stiffness(200), None), SuperLUFactors)
@@ -123,7 +123,7 @@ def test_pardiso_itself_and_superlu_agree(body, monkeypatch):
     """With what is installed; the tests above hold without."""
     pytest.importorskip("pypardiso", reason="the extra `solids` is not installed")
     small = body()
-    monkeypatch.setattr(solid_systems, "LARGE", 100)
+    monkeypatch.setattr(solid_systems, "PARDISO_FROM", 100)
     large = body()
     assert "MKL Pardiso" in large.writers
     close(large, small)

@@ -257,7 +257,7 @@ def test_lanczos_and_dense_modes_give_the_same_body(basis, tmp_path, monkeypatch
     path = body_file(tmp_path, box("hexahedron20", (4, 1, 1), (1.0, 0.2, 0.3)), basis)
     models = []
     for small in (10_000, 0):
-        monkeypatch.setattr(sparse_modes, "SMALL", small)
+        monkeypatch.setattr(sparse_modes, "DENSE_BELOW", small)
         models.append(build(path))
     for item in ("second_moment", "stiffness", "stress_operator"):
         dense, sparse = (getattr(model.invariants, item) for model in models)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.reduced_model.dependence import SMALL
+from toolkit.reduced_model.dependence import ENTRIES_AT_ONCE
 from toolkit.reduced_model.design_point import DesignPoint, elastic_matrices
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
@@ -49,7 +49,7 @@ def test_polynomials_that_are_large_together_are_evaluated_apart(model):
         for item in ITEMS:
             design.value(item)
     together = one.told[designs[0].kind, False]
-    assert 0 < len(together.polynomial.entry) <= SMALL
+    assert 0 < len(together.polynomial.entry) <= ENTRIES_AT_ONCE
     assert sum(len(one.affine[item].entry) for item in together.places) == len(together.polynomial.entry)
 
 

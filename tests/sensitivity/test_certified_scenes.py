@@ -62,8 +62,8 @@ def certified(scene: Scene, design: list[str], kind: Kind = "transient") -> None
 
 CRANK, ROD, START = 0.15, 0.4, np.radians(50)
 CRANK_PIN = (CRANK * np.cos(START), CRANK * np.sin(START))
-TILT = -np.arcsin(CRANK_PIN[1] / ROD)
-PISTON = CRANK_PIN[0] + ROD * np.cos(TILT)
+AXIS_ANGLE = -np.arcsin(CRANK_PIN[1] / ROD)
+PISTON = CRANK_PIN[0] + ROD * np.cos(AXIS_ANGLE)
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +91,7 @@ def flexible_slider_crank(folder, **solver: Any) -> Scene:
         },
         bodies={
             "crank": Rod(between=("O", "A"), area=4e-4, density=7850.0),
-            "rod": Flexible(model="rod.h5", frame="moving", position=CRANK_PIN, angle=TILT),
+            "rod": Flexible(model="rod.h5", frame="moving", position=CRANK_PIN, angle=AXIS_ANGLE),
             "piston": Rigid(mass=0.5, inertia=1e-3, center="B"),
         },
         joints={

@@ -144,7 +144,7 @@ def test_all_variables_that_break_joints_at_the_start_are_told_however_many_are_
     )
     design = ["joints.other.length", "points.P.x", "bodies.one.density", "joints.one.length"]
     for together in (64, 2, 1):
-        monkeypatch.setattr(initial_conditions, "SEVERAL", together)
+        monkeypatch.setattr(initial_conditions, "VARIABLES_AT_ONCE", together)
         with pytest.raises(NoDerivativeError, match=r"'joints.one.length' would violate distance of joint 'one'") as caught:
             direct(scene, design, "transient")
         assert caught.value.variables == ("joints.other.length", "joints.one.length")

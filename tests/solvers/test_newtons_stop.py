@@ -28,7 +28,17 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.solvers.transient.newton import SINGULAR
 from toolkit.solvers.transient.run import Integration, allocate_history, failure_of_step, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha
-from toolkit.solvers.transient.step_memory import AWAY, EXPECTED, HIGHEST, ITERATIONS, LAST, ORDER, fit_trend, guess, learn_trend
+from toolkit.solvers.transient.step_memory import (
+    AWAY,
+    EXPECTED,
+    HIGHEST_ORDER,
+    ITERATIONS,
+    LAST,
+    ORDER,
+    fit_trend,
+    guess,
+    learn_trend,
+)
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 
@@ -128,7 +138,7 @@ def test_a_complex_step_never_stops_after_its_first_correction():
 def learnt_from(values: list[float], h: float = 1e-3) -> SimpleNamespace:
     """Memory after steps through these accelerations of one coordinate, in the model size."""
     memory, plan = (
-        SimpleNamespace(trend=np.zeros((HIGHEST, 1)), guess=np.zeros(1), learnt=np.zeros(10)),
+        SimpleNamespace(trend=np.zeros((HIGHEST_ORDER, 1)), guess=np.zeros(1), learnt=np.zeros(10)),
         SimpleNamespace(n=1, n_q=1),
     )
     for before, after in pairwise(values):
@@ -143,7 +153,7 @@ def guessed(memory: SimpleNamespace, last: float, ratio: float = 1.0) -> float:
     return float(out[0])
 
 
-@pytest.mark.parametrize("degree", range(2, HIGHEST + 1))
+@pytest.mark.parametrize("degree", range(2, HIGHEST_ORDER + 1))
 def test_the_first_guess_continues_a_polynomial(degree):
     values = [float(3 + 2 * n - 0.5 * n**degree) for n in range(3 * degree + 1)]  # whole numbers and halves: no round-off
     memory = learnt_from(values[:-1], h=1e-7)
@@ -161,17 +171,17 @@ def fitted_to(values: list[np.ndarray]) -> SimpleNamespace:
     """Memory after a fit through accelerations (n,) of the last steps."""
     n = len(values[0])
     memory = SimpleNamespace(
-        trend=np.zeros((HIGHEST, n)),
-        fitted=np.zeros(HIGHEST),
-        fit_sums=np.zeros((HIGHEST, LANES)),
+        trend=np.zeros((HIGHEST_ORDER, n)),
+        fitted=np.zeros(HIGHEST_ORDER),
+        fit_sums=np.zeros((HIGHEST_ORDER, LANES)),
         fit_rows=np.zeros((n, LANES)),
-        fit_columns=np.zeros((HIGHEST, n)),
-        fit_root=np.zeros((HIGHEST, HIGHEST)),
+        fit_columns=np.zeros((HIGHEST_ORDER, n)),
+        fit_root=np.zeros((HIGHEST_ORDER, HIGHEST_ORDER)),
     )
     for before, after in pairwise(values):
         change = after - before
         memory.missed = plain(fit_trend)(n, 1.0, np.ones(n), change, memory)
-        for k in range(HIGHEST):
+        for k in range(HIGHEST_ORDER):
             memory.trend[k], change = change, change - memory.trend[k]
     return memory
 
@@ -186,7 +196,7 @@ def test_fitted_differences_continue_vibrations_that_no_polynomial_does():
     memory = fitted_to(values[:-1])
     missed = values[-1] - values[-2] - memory.fitted @ memory.trend
     assert np.abs(missed).max() < 1e-5
-    by_order = np.abs(np.diff(values[-1 - HIGHEST :], axis=0)[-1]).max()
+    by_order = np.abs(np.diff(values[-1 - HIGHEST_ORDER :], axis=0)[-1]).max()
     assert np.abs(missed).max() < 1e-4 * by_order
 
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import toolkit as ffrf
-from toolkit.api.outcome import KEPT
+from toolkit.api.outcome import MOST_KEPT_RUNS
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.studies.carried_verdicts import (
-    FARTHEST,
-    SAME,
+    LARGEST_CARRYING_DISTANCE,
+    ONE_VERDICT_DISTANCE,
     CarriedVerdicts,
     DesignAnswers,
     Indicators,
@@ -89,7 +89,7 @@ def test_doubts_are_those_that_measures_of_the_fourth_power_make(spread):
     for k, source in carried.items():
         ratio = shares[k] / shares[source["design"]]
         assert np.all(np.maximum(ratio, 1 / ratio) <= growth(source["distance"]) * (1 + 1e-6))
-        assert source["distance"] <= FARTHEST
+        assert source["distance"] <= LARGEST_CARRYING_DISTANCE
 
 
 def test_a_measure_that_is_not_known_is_silent_only_close_to_its_limit():
@@ -99,7 +99,7 @@ def test_a_measure_that_is_not_known_is_silent_only_close_to_its_limit():
     verdicts, found = map_by(designs, shares, np.zeros((len(designs), 0)))
     told = np.array([not verdict.trusted for verdict in found])
     missed = shares[told != (shares[:, 0] > 1)]
-    assert np.all(np.maximum(missed, 1 / missed) < growth(SAME))
+    assert np.all(np.maximum(missed, 1 / missed) < growth(ONE_VERDICT_DISTANCE))
     assert len(verdicts.measured) < len(designs) / 4
 
 
@@ -165,9 +165,9 @@ def test_verdicts_are_the_same_wherever_and_however_often_designs_are_solved(can
     designs = [{"F": force} for force in np.geomspace(500.0, 600.0, 8)]
     found = [each.verdict for each in cantilever.map(designs, "static")]
     assert [each.verdict for each in cantilever.map(designs, "static", threads=3)] == found
-    monkeypatch.setattr("toolkit.api.outcome.KEPT", 0)
+    monkeypatch.setattr("toolkit.api.outcome.MOST_KEPT_RUNS", 0)
     assert [each.verdict for each in cantilever.map(designs, "static")] == found
-    assert len(designs) < KEPT
+    assert len(designs) < MOST_KEPT_RUNS
 
 
 def test_numbers_that_nobody_has_make_a_design_fail_and_are_near_nothing(cantilever):

@@ -55,7 +55,7 @@ def test_places_that_cannot_be_meant_are_refused(tmp_path):
 
 
 def test_nobody_at_the_address_of_a_scheduler_is_an_error_in_words(monkeypatch):
-    monkeypatch.setattr("toolkit.studies.executor.PATIENCE", 1)
+    monkeypatch.setattr("toolkit.studies.executor.STARTING_SECONDS", 1)
     with pytest.raises(InputError, match=r"no Dask scheduler answers at 'tcp://127.0.0.1:9'.*dask scheduler"):
         list(completed(Executor(dask="tcp://127.0.0.1:9"), str, {1: 2}))
 

@@ -7,10 +7,10 @@ import pytest
 
 from tests.models.closed_searches import search_of, searched
 from toolkit.studies.optimization import program
-from toolkit.studies.optimization.explored import LONGEST, Cuts
+from toolkit.studies.optimization.explored import LONGEST_FIRST_STEP, Cuts
 from toolkit.studies.optimization.methods import METHODS
 from toolkit.studies.optimization.program import Optimality, Values, promised
-from toolkit.studies.optimization.search import LITTLE, MANY, REACHES, EndRule, Renewal
+from toolkit.studies.optimization.search import MOST_TRANSFORMED_VARIABLES, REACHES, UNIMPORTANT_GAIN, EndRule, Renewal
 from toolkit.studies.study_file import Search as SearchOptions
 
 
@@ -159,8 +159,8 @@ MET, FAR = left(1e-4), left(1e-1)
     [
         (False, [(1.0, MET), (0.5, MET)], [False, True]),  # met again
         (True, [(1.0, MET), (0.5, MET), (0.5, MET)], [False, False, True]),  # of mean squares, not while something is gained
-        (True, [(1.0, MET), (1.0 - 0.5 * LITTLE, FAR)], [False, True]),
-        (True, [(1.0, MET), (1.0 - 2.0 * LITTLE, FAR)], [False, False]),
+        (True, [(1.0, MET), (1.0 - 0.5 * UNIMPORTANT_GAIN, FAR)], [False, True]),
+        (True, [(1.0, MET), (1.0 - 2.0 * UNIMPORTANT_GAIN, FAR)], [False, False]),
         (True, [(1.0, MET), (0.5, FAR), (0.5, FAR)], [False, False, False]),  # a saddle was left
         (True, [(1.0, FAR), (1.0, FAR)], [False, False]),
         (True, [(1.0, MET), (1.0, left(1e-4, violation=1.0)), (1.0, MET)], [False, False, True]),  # beyond a limit nothing counts
@@ -186,7 +186,7 @@ def test_the_first_step_is_halved_where_one_was_too_long_and_doubled_where_none_
     reaches = []
     for used in (2, 3, 4, 1, 1, 1, 1):  # one more than is renewed with is as it was
         renewal.adapt(method, used)
-        reaches.append(renewal.reach / LONGEST)
+        reaches.append(renewal.reach / LONGEST_FIRST_STEP)
     assert reaches == [1.0, 0.5, 0.25, 0.5, 1.0, 2.0, 2.0]
     for _ in range(20):
         renewal.adapt(method, 9)
@@ -196,6 +196,6 @@ def test_the_first_step_is_halved_where_one_was_too_long_and_doubled_where_none_
 def test_learned_curvature_goes_as_far_as_ever_and_many_variables_are_never_renewed():
     learned = Renewal(False, np.ones(3))
     learned.adapt(METHODS["slsqp"], 99)
-    assert learned.reach == LONGEST
+    assert learned.reach == LONGEST_FIRST_STEP
     assert (learned.every(METHODS["slsqp"]), learned.every(METHODS["mma"])) == (10, None)
-    assert Renewal(True, np.ones(MANY + 1)).every(METHODS["slsqp"]) is None
+    assert Renewal(True, np.ones(MOST_TRANSFORMED_VARIABLES + 1)).every(METHODS["slsqp"]) is None

@@ -7,7 +7,7 @@ import pytest
 
 from tests.benchmarks.chain import chain
 from toolkit.description.design import Point
-from toolkit.solvers.direct_solve import MANY
+from toolkit.solvers.direct_solve import SPARSE_FROM_UNKNOWNS
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.system import compile_scene
 from toolkit.validity.snap_through import balancing_forces, balancing_forces_of
@@ -20,7 +20,7 @@ def found(angle: float) -> tuple[np.ndarray, np.ndarray]:
     """Forces in the joints of a chain, rows of x and y, and those of dense least squares."""
     points = {f"P{k}": Point(x=k * np.sin(angle), y=-k * np.cos(angle)) for k in range(RODS + 1)}
     system = compile_scene(chain(RODS).model_copy(update={"points": points}))
-    assert system.n >= MANY
+    assert system.n >= SPARSE_FROM_UNKNOWNS
     (q, v, *_), rest = system.start(), np.zeros(system.n)
     terms = system.evaluate(system.inputs(0.0, LEVELS), q, v, rest)
     weights = system.weights[: system.n_q]

@@ -176,7 +176,7 @@ def test_sparse_matrices_of_many_coordinates_say_what_dense_ones_do(held, n, par
     solution = at_rest(beams(tmp_path, held, -part * COLUMN / (4 if held == CLAMPED else 1) * AXIS, n=n))
     dense = compression(solution)
     for module in (static_matrix, geometric_stiffness):
-        monkeypatch.setattr(module, "MANY", 10)
+        monkeypatch.setattr(module, "SPARSE_FROM_UNKNOWNS", 10)
     monkeypatch.delattr(critical_load, "_of_few")
     sparse = compression(solution)
     assert sparse.body == dense.body

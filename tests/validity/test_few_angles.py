@@ -7,7 +7,7 @@ import pytest
 
 import ffrf
 from ffrf import plane
-from toolkit.responses.extremes import MISSED, TimeKS, TimeMax, missed_part
+from toolkit.responses.extremes import MISSED_PEAK, TimeKS, TimeMax, missed_part
 
 
 def wheel(per_turn: float, point: str = "P", **loads):
@@ -84,4 +84,4 @@ def test_unequal_steps_are_where_they_are():
     [[0, 0, 0, 1, 1, 1, 1], [1, 0, 1, 0, 1, 0, 1], [0, 0, 1, 0.99, 0.97, 0.9, 0.8], [0, 1, 2, 3, 2, 1, 0], [3, 3, 3, 3, 3, 3, 3]],
 )
 def test_jumps_corners_noise_and_constants_are_no_missed_peaks(values):
-    assert missed_part(np.arange(7.0), np.array([values], float)) < MISSED
+    assert missed_part(np.arange(7.0), np.array([values], float)) < MISSED_PEAK

@@ -26,7 +26,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.run import Run
-from toolkit.validity.curve_checks import LOST, loss_of
+from toolkit.validity.curve_checks import LOST_VARIATION, loss_of
 
 MODELS = Path(__file__).parents[2] / "models"
 SLED = """
@@ -218,7 +218,7 @@ def test_what_is_lost_of_a_sine_is_that_of_its_chords(samples):
     """The area below half a sine is P / pi, that below its chords h cot(pi / n), n = P / h."""
     exact = 1 - np.pi / samples / np.tan(np.pi / samples)
     assert part(Sine(frequency=500 / samples), STEPS) == pytest.approx(exact, rel=0.03, abs=1e-3)
-    assert (exact > LOST) == (samples <= 4)
+    assert (exact > LOST_VARIATION) == (samples <= 4)
 
 
 def test_a_sine_with_whole_periods_in_a_step_is_lost_though_no_impulse_is():
@@ -229,8 +229,8 @@ def test_a_sine_with_whole_periods_in_a_step_is_lost_though_no_impulse_is():
 @pytest.mark.parametrize("phase", [0.0, 0.7, 1.5, 2.4])
 @pytest.mark.parametrize("samples", [8.0, 8.3, 11.7])
 def test_eight_samples_in_a_period_are_enough(samples, phase):
-    assert part(Sine(frequency=500 / samples, phase=phase)) < LOST / 2
-    assert part(Sine(frequency=500 / samples, phase=phase), has_zero=False) < LOST / 2
+    assert part(Sine(frequency=500 / samples, phase=phase)) < LOST_VARIATION / 2
+    assert part(Sine(frequency=500 / samples, phase=phase), has_zero=False) < LOST_VARIATION / 2
 
 
 @pytest.mark.parametrize("start", [0.0, 0.0003, 0.2501, 0.5003, 0.9])
@@ -250,7 +250,7 @@ def test_a_ripple_counts_beside_a_constant_unless_it_is_tiny():
     """The constant may be in balance. A thousandth of it changes a load by as much, but all that a driver does."""
     ripple = [Sum(terms=(Constant(value=5.0), Sine(amplitude=5 * each, frequency=1000.0))) for each in (0.1, 0.001)]
     assert part(ripple[0]) == pytest.approx(1, rel=0.02)
-    assert part(ripple[1]) < LOST / 2
+    assert part(ripple[1]) < LOST_VARIATION / 2
     assert part(ripple[1], has_zero=False) == pytest.approx(1, rel=0.02)
 
 
@@ -278,7 +278,7 @@ def test_few_steps_may_lose_more_each_where_nothing_hides_in_them():
     loss = loss_of(table, np.linspace(0, 0.2489, 5))
     assert loss is not None
     assert loss.in_one == 0
-    assert 0.05 < loss.part < LOST
+    assert 0.05 < loss.part < LOST_VARIATION
 
 
 def test_sums_are_judged_whole():
@@ -288,7 +288,7 @@ def test_sums_are_judged_whole():
     assert part(Sum(terms=(up, down))) == pytest.approx(1, rel=0.02)
     slow = SmoothStep(duration=1.0)
     fast = [part(Sum(terms=(slow, Sine(amplitude=each, frequency=1000.0)))) for each in (0.01, 1.0)]
-    assert fast[0] < LOST / 2 < LOST < fast[1]
+    assert fast[0] < LOST_VARIATION / 2 < LOST_VARIATION < fast[1]
 
 
 def test_an_aliased_sine_in_a_sum_with_a_long_table_has_its_advice():
@@ -296,7 +296,7 @@ def test_an_aliased_sine_in_a_sum_with_a_long_table_has_its_advice():
     table = Table(times=tuple(rows), values=tuple(np.sin(rows)), interpolation="linear")
     loss = loss_of(Sum(terms=(table, Sine(frequency=3000.0))), STEPS)
     assert loss is not None
-    assert loss.part > LOST
+    assert loss.part > LOST_VARIATION
     assert len(loss.corners) == 399
     assert loss.shortest == pytest.approx(1 / 400)
 

@@ -21,7 +21,7 @@ from scipy.linalg import lu_factor, lu_solve
 from toolkit.air.contour import chord_and_quarter, nose_of, refuse
 from toolkit.air.influence import Integral, Panels, by_nodes, panels_between, source_integral, vortex_integrals
 
-SHARP = 1e-4
+SHARP_TAIL_GAP = 1e-4
 """Gap between both sides at the tail, in chords, up to which it is closed by no panel of its own (as in XFOIL)."""
 STEP = 1e-30
 """Imaginary part of a complex step: its square is nothing."""
@@ -219,7 +219,7 @@ class PanelFlow:
     @cached_property
     def _is_blunt(self) -> bool:
         gap = np.hypot(*(self.contour[0] - self.contour[-1]).real)
-        return bool(gap > SHARP * np.real(self.chord))
+        return bool(gap > SHARP_TAIL_GAP * np.real(self.chord))
 
     @cached_property
     def _nose(self) -> int:

@@ -15,7 +15,7 @@ from toolkit.responses.flutter import unstable_vibrations
 from toolkit.solvers.direct_solve import check_dense
 from toolkit.solvers.free_motions import (
     ROUND_OFF,
-    VIBRATES,
+    VIBRATING_PART,
     all_roots,
     count_of_zeros,
     counts,
@@ -58,7 +58,7 @@ class Modes(NamedTuple):
         return f"<Modes: {', '.join(f'{each:.6g}' for each in self.frequencies)} per unit of time>"
 
 
-DAMPED = 1e-6
+NEGLIGIBLE_DAMPING = 1e-6
 """Real part of a root, in parts of its size, below which it is round-off: of two roots that are nearly one it is the root of it."""
 
 
@@ -137,7 +137,7 @@ def spinning_modes(solution: Solution, count: int | None = None) -> Modes:
     order = np.argsort([frequency_of(s) for s in roots], kind="stable")
     frequencies = np.array([frequency_of(roots[k]) for k in order])
     ratios = np.array([-roots[k].real / abs(roots[k]) for k in order])
-    ratios[np.abs(ratios) < DAMPED] = 0.0
+    ratios[np.abs(ratios) < NEGLIGIBLE_DAMPING] = 0.0
     place = int(np.searchsorted(frequencies, 0.0))
     frequencies, ratios = np.insert(frequencies, place, [0.0] * zeros), np.insert(ratios, place, [0.0] * zeros)
     columns = [_scaled(shapes[k], system.weights[:n_q]) for k in order]
@@ -153,11 +153,11 @@ def _scaled(shape: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 
 def _cautions(roots: np.ndarray) -> list[Caution]:
-    growing = roots[roots.real > DAMPED * np.abs(roots)]
+    growing = roots[roots.real > NEGLIGIBLE_DAMPING * np.abs(roots)]
     if not len(growing):
         return []
     worst = growing[np.argmax(growing.real)]
-    what = f"vibrates with {worst.imag / (2 * np.pi):.4g} Hz and" if worst.imag > VIBRATES * abs(worst) else "runs away and"
+    what = f"vibrates with {worst.imag / (2 * np.pi):.4g} Hz and" if worst.imag > VIBRATING_PART * abs(worst) else "runs away and"
     return [
         Caution(
             "unstable",
@@ -268,7 +268,7 @@ def undeformed(system: System) -> Solution:
     return Solution.from_padded(system, np.zeros(1), states, options=options, judge=judge)
 
 
-MOST = 10_000
+MOST_SPEEDS = 10_000
 """Speeds of one diagram."""
 
 
@@ -280,8 +280,8 @@ def refuse_too_many(count: int) -> None:
     InputError
         There are more than a diagram has.
     """
-    if count > MOST:
-        raise InputError(f"{SHORT.repr(count)} speeds are more than the {MOST} of one diagram. Ask for fewer.")
+    if count > MOST_SPEEDS:
+        raise InputError(f"{SHORT.repr(count)} speeds are more than the {MOST_SPEEDS} of one diagram. Ask for fewer.")
 
 
 class Campbell(NamedTuple):
@@ -324,8 +324,8 @@ def campbell(
     """
     refuse_too_many(len(speeds) if isinstance(speeds, Sized) else 0)
     wanted = np.asarray(speeds, float)
-    if wanted.ndim != 1 or not 1 <= len(wanted) <= MOST or not np.all(np.isfinite(wanted)) or np.any(wanted < 0):
-        raise InputError(f"speeds are a list of 1 to {MOST} numbers in rad per unit of time, none of them negative.")
+    if wanted.ndim != 1 or not 1 <= len(wanted) <= MOST_SPEEDS or not np.all(np.isfinite(wanted)) or np.any(wanted < 0):
+        raise InputError(f"speeds are a list of 1 to {MOST_SPEEDS} numbers in rad per unit of time, none of them negative.")
     options = system.scene.solver.model_copy(update={"equilibrium": "spinning"})
     count = min(count, 2 * system.n)
     frequencies, damping = np.full((2, len(wanted), count), np.nan)

@@ -20,7 +20,7 @@ from toolkit.foundation.processes import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.solvers.direct_solve import check_dense
 from toolkit.solvers.half_turns import half_turn
-from toolkit.solvers.static.continuation import NEAR, to_full_load
+from toolkit.solvers.static.continuation import FULL_LOAD_MOVE, to_full_load
 from toolkit.solvers.static.critical_state import is_stable, refuse_gradients_of_critical
 from toolkit.solvers.static.equilibrium import (
     Equilibrium,
@@ -41,9 +41,9 @@ from toolkit.validity.judge import judge
 Progress = Callable[[int, int], None]
 
 
-BEFORE = 0.9
+LOAD_PART_BEFORE_BIFURCATION = 0.9
 """Part of the load of a bifurcation at which its reason is looked for."""
-CLOSE = 0.05
+DIRECT_NEWTON_DISTANCE = 0.05
 """Part of the model size (or rad) that an equilibrium may be off that of another design from which Newton goes straight to it."""
 
 
@@ -113,7 +113,7 @@ def solve_statics(
 def _explained(system: System, options: RunOptions, state: Equilibrium, error: BifurcationError) -> BifurcationError:
     """Error of a path that began without loads, with its reason where that is no buckling."""
     try:
-        before, _ = find_equilibrium(system, options, BEFORE * error.load_factor, state.q, state.acc)
+        before, _ = find_equilibrium(system, options, LOAD_PART_BEFORE_BIFURCATION * error.load_factor, state.q, state.acc)
     except (ConvergenceError, SingularSystemError):
         return error
     rest, none = np.zeros_like(before.q)[None], np.zeros((1, system.n, 0))
@@ -147,7 +147,7 @@ def equilibrium_beside(system: System, known: Solution) -> Solution:
     q: np.ndarray = np.zeros(system.n, system.dtype)
     acc: np.ndarray = np.zeros(system.n, system.dtype)
     q[: system.n_q], acc[: system.n_q], acc[system.n_q :] = known.q[-1], known.a[-1], known.multipliers[-1]
-    state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
+    state, count = find_equilibrium(system, options, 1.0, q, acc, FULL_LOAD_MOVE)
     return _with_sensitivities(system, options, state, count, path=known.path)
 
 
@@ -158,7 +158,7 @@ def _equilibrium_near(system: System, options: RunOptions, known: Solution) -> t
     free = np.zeros(system.n - system.n_q)
     try:
         q, acc = np.append(known.q[-1], free), np.append(np.zeros(system.n_q), known.multipliers[-1])
-        state, count = find_equilibrium(system, options, 1.0, q, acc, CLOSE)
+        state, count = find_equilibrium(system, options, 1.0, q, acc, DIRECT_NEWTON_DISTANCE)
     except (ConvergenceError, SingularSystemError):
         return None
     values = inputs_at(system, options, 1.0).curves
@@ -232,7 +232,7 @@ def _with_sensitivities(
     )
 
 
-FAR = 0.1
+DRAWN_DISTANCE = 0.1
 """Distance that a motion is drawn by, in parts of the model size or rad."""
 
 
@@ -256,7 +256,7 @@ def free_motion_states(system: System, frames: int = 1) -> Solution:
         raise InputError("nothing can move freely: joints and stiffness hold every body. Leave --free-motions out.")
     weights = system.weights[: system.n_b]
     shapes = told_apart(np.zeros(count), motions, weights)
-    shapes = FAR * shapes / (weights[:, None] * np.abs(shapes)).max(axis=0)
+    shapes = DRAWN_DISTANCE * shapes / (weights[:, None] * np.abs(shapes)).max(axis=0)
     swing = np.sin(2 * np.pi * np.arange(1, frames + 1) / frames) if frames > 1 else np.ones(1)
     q = np.tile(np.real(system.undeformed()[0][:n_q]), (1 + count * frames, 1))
     q[1:, : system.n_b] += np.kron(shapes.T, swing[:, None])

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.analyses.run_start import accelerated_start, run_motion
-from toolkit.description.run_options import DAMPED_CHANGING, STEEPEST, RunOptions, step_lengths
+from toolkit.description.run_options import LARGEST_RHO_CHANGING_STEPS, STEEPEST_STEP_CHANGE, RunOptions, step_lengths
 from toolkit.foundation.errors import ConvergenceError, LimitPositionError, SingularSystemError, retold
 from toolkit.foundation.processes import one_thread
 from toolkit.solvers.half_turns import refuse_half_turns
@@ -22,7 +22,7 @@ from toolkit.solvers.start.initial_conditions import ConsistentMotion, State
 from toolkit.solvers.static.passed_limits import refuse_passed_limits
 from toolkit.solvers.transient.newton import CONVERGED, NOT_CONVERGED, NOT_FINITE, SINGULAR
 from toolkit.solvers.transient.run import (
-    MOST,
+    STEPS_PER_CHOICE,
     Integration,
     advance_adaptively,
     allocate_history,
@@ -34,7 +34,7 @@ from toolkit.solvers.transient.run import (
     prepare_run,
     take_steps,
 )
-from toolkit.solvers.transient.scheme import STEEP, relaxed
+from toolkit.solvers.transient.scheme import STEEPEST_GROWTH, relaxed
 from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, ITERATIONS, LARGEST, STATUS, STEP, History, Memory
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -47,7 +47,7 @@ from toolkit.validity.undisturbed import told_loads
 
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 
-THROWN_OPEN = 0.05
+JOINT_VIOLATION_OF_JUMP = 0.05
 """Violation of a joint, a part of the model size (or rad), that is no error of long steps: Newton has found another solution there."""
 
 
@@ -106,12 +106,12 @@ def check_drift(run: Integration, q: np.ndarray, first: int) -> float:
     return float(found[0])
 
 
-FEW, PART, MOST_IN_ALL = 6, 0.15, 200
+HALVED_STEPS, HALVED_PART, MOST_HALVINGS = 6, 0.15, 200
 """Steps of a run that may be halved, at most, or this part of all of them, and all halvings: of a run that needs more the steps are too
 long everywhere. A pendulum that turns by half a turn in a step got through with six of ten steps halved, and nothing of it was right."""
-THROWN = 0.05
+LOCAL_ERROR_OF_JUMP = 0.05
 """Local error, a part of the model size (or rad), above which a halved step is halved again: Newton may have found another solution."""
-BEFORE = 3
+STEPS_HALVED_BEFORE = 3
 """Steps before the one that fails which are halved, too, where its own halves do not help: what they have left may be why."""
 
 States = tuple[np.ndarray, ...]
@@ -133,17 +133,17 @@ def most_halvings(options: RunOptions) -> int:
     if (
         options.quasi_static
         or options.local_error is not None
-        or (options.formulation == "index-3" and options.rho_inf > DAMPED_CHANGING)
+        or (options.formulation == "index-3" and options.rho_inf > LARGEST_RHO_CHANGING_STEPS)
     ):
         return 0
-    return options.halvings if options.formulation == "index-1" else min(options.halvings, int(np.log2(STEEPEST)))
+    return options.halvings if options.formulation == "index-1" else min(options.halvings, int(np.log2(STEEPEST_STEP_CHANGE)))
 
 
 def can_be_halved(run: Integration) -> bool:
     """Whether the step at which a run stopped may be tried in halves."""
     status, step, iterations = (int(run.outcome.counts[place]) for place in (STATUS, STEP, ITERATIONS))
     thrown_out = status == SINGULAR and (step > 0 or iterations > 1)
-    forgotten = step > 0 and run.lengths[step] > STEEP * run.lengths[step - 1]  # see `step_ratio`
+    forgotten = step > 0 and run.lengths[step] > STEEPEST_GROWTH * run.lengths[step - 1]  # see `step_ratio`
     return most_halvings(run.options) > 0 and (status in (NOT_CONVERGED, NOT_FINITE) or thrown_out) and not forgotten
 
 
@@ -164,9 +164,9 @@ def advance_in_halves(
     """
     thrown = first_thrown(run, history, stopped)
     try:
-        return _in_halves(run, history, (thrown, min(thrown + BEFORE, stopped)), error, progress)
+        return _in_halves(run, history, (thrown, min(thrown + STEPS_HALVED_BEFORE, stopped)), error, progress)
     except (ConvergenceError, SingularSystemError) as again:
-        before = max(0, stopped - BEFORE)
+        before = max(0, stopped - STEPS_HALVED_BEFORE)
         if isinstance(again, LimitPositionError) or before >= thrown:
             raise
         return _in_halves(run, history, (before, stopped), error, progress)
@@ -206,11 +206,12 @@ def _in_halves(
 
 
 def first_thrown(run: Integration, history: History, stopped: int) -> int:
-    """First of the last `FEW` steps before one that were too long for their own errors, see `THROWN`; that one if none was."""
-    first, weights, n_q = max(0, stopped - FEW), run.system.weights, run.system.n_q
+    """First of the last `HALVED_STEPS` steps before one that were too long for their own errors, see `LOCAL_ERROR_OF_JUMP`; that
+    one if none was."""
+    first, weights, n_q = max(0, stopped - HALVED_STEPS), run.system.weights, run.system.n_q
     changes = weights[:n_q] * np.abs(np.diff(np.real(history.acc[first : stopped + 1, :n_q]), axis=0))
     errors = abs(run.scheme.error) * run.lengths[first:stopped] ** 2 * np.max(changes, axis=1, initial=0.0)
-    return first + int(np.argmax(errors > THROWN)) if np.any(errors > THROWN) else stopped
+    return first + int(np.argmax(errors > LOCAL_ERROR_OF_JUMP)) if np.any(errors > LOCAL_ERROR_OF_JUMP) else stopped
 
 
 def _halves(begin: float, step: Ahead) -> list[Ahead]:
@@ -221,7 +222,7 @@ def _halves(begin: float, step: Ahead) -> list[Ahead]:
 def _too_many(halvings: list[Ahead], step: Ahead, steps: int) -> bool:
     """Whether too many steps of a run were halved for another one."""
     begun = sum(each.depth == 0 for each in [*halvings, step])
-    return begun > max(FEW, PART * steps) or len(halvings) >= MOST_IN_ALL
+    return begun > max(HALVED_STEPS, HALVED_PART * steps) or len(halvings) >= MOST_HALVINGS
 
 
 class Way(NamedTuple):
@@ -241,14 +242,14 @@ def _go_on(run: Integration, state: States, time: float, ahead: list[Ahead]) -> 
     """Next step to take, or the next ones that are equally long and were never halved."""
     count = 1
     if ahead[-1].depth == 0:
-        lengths = step_lengths(np.array([time, *(each.time for each in ahead[: -MOST - 1 : -1])]))
+        lengths = step_lengths(np.array([time, *(each.time for each in ahead[: -STEPS_PER_CHOICE - 1 : -1])]))
         count = len(lengths) if np.all(lengths == lengths[0]) else 1
     times = np.array([time, *(each.time for each in ahead[: -count - 1 : -1])])
     memory = run.memory
     inherited = memory.aux, memory.daux, memory.span, memory.carried, memory.dcarried
     kept = [array.copy() for array in inherited]
     limited = 0 < ahead[-1].depth < most_halvings(run.options)
-    run = run._replace(control=run.control._replace(largest_error=THROWN if limited else np.inf))
+    run = run._replace(control=run.control._replace(largest_error=LOCAL_ERROR_OF_JUMP if limited else np.inf))
     done, piece, states = attempt(run, state, times, step_lengths(times))
     closed = _closed(run, times[1 : done + 1], states[0])
     if closed < done or done == 0:  # the step that failed has scaled some of it to its own length
@@ -291,7 +292,7 @@ def _joined(run: Integration, times: list[float], chunks: list[States]) -> tuple
     return run, History(*states, *(array.reshape(len(found), -1) for array in states[3:]))
 
 
-PIECE, MANY = 200, 1_000_000
+STEPS_PER_REPORT, UNKNOWNS_PER_REPORT = 200, 1_000_000
 """Least number of steps between two reports of progress, and of unknowns at all of them: some tenths of a second, beside which a report
 costs nothing, and that all memory is handed over anew for the next steps."""
 
@@ -408,7 +409,7 @@ def _thrown_open(run: Integration, history: History) -> int | None:
 
     Also a step counts that has opened the joints and followed upon one that was thrown out itself.
     """
-    if (step := first_opened(run, history.q, THROWN_OPEN)) is not None:
+    if (step := first_opened(run, history.q, JOINT_VIOLATION_OF_JUMP)) is not None:
         return step
     step = first_opened(run, history.q, run.options.drift_tolerance)
     return None if step is None or first_thrown(run, history, step + 1) > step else step
@@ -441,7 +442,7 @@ def advance(run: Integration, history: History, first: int, progress: Callable[[
     part = slice(first, first + count)
     run = run._replace(times=run.times[first : first + count + 1], lengths=run.lengths[part], relaxation=run.relaxation[part])
     curves = run.system.curves(run.times)
-    piece = max(PIECE, MANY // run.system.n)
+    piece = max(STEPS_PER_REPORT, UNKNOWNS_PER_REPORT // run.system.n)
     for low in range(0, count, piece):
         high = min(low + piece, count)
         take_steps(run, history, curves, first + low == 0, low, high)

@@ -134,7 +134,7 @@ class Outcome:
         return bool(self.error)
 
 
-KEPT, SMALL = 200, 100_000
+MOST_KEPT_RUNS, LARGEST_KEPT_RUN = 200, 100_000
 """So many runs wait for their verdict in memory, of at most so many coordinates and derivatives of these at all times: some 1 to 3 MB
 each. Others are solved again where it is to be measured."""
 
@@ -186,7 +186,11 @@ class Designs:
             if self.judged is not True:
                 return Solved(Outcome(numbers, run.values, run.gradients, run.verdict if self.judged else None))
             judged = measured(run, task.alone) if task.judged else None
-            if judged is None and len(self.runs) < KEPT and run.solution.dq.size + run.solution.q.size < SMALL:
+            if (
+                judged is None
+                and len(self.runs) < MOST_KEPT_RUNS
+                and run.solution.dq.size + run.solution.q.size < LARGEST_KEPT_RUN
+            ):
                 self.runs[task.number] = run
             return Solved(Outcome(numbers, run.values, run.gradients), answers(run, judged is not None), judged)
         except ToolkitError as error:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 PER_NODE = 3
-SAME = 2e-14
+FACTOR_ROUND_OFF = 2e-14
 """Largest difference between an entry of a stiffness and what its factors make of it, in parts of the root of the product of both diagonal
 entries: some roundings, 2e-15 in skins of 600 elements. Whatever else stiffens a body, a soft spring too, is no part of its factors. Of
 an imaginary step, in parts of the largest entry of that, and for every node: derivatives by the shape are differences of neighbours."""
@@ -111,5 +111,5 @@ def _same(one: np.ndarray, other: np.ndarray, rows: np.ndarray, columns: np.ndar
     by_row, by_column = (np.sqrt(np.abs(np.real(np.diagonal(each, axis1=1, axis2=2)))) for each in (rows, columns))
     size = by_row[:, :, None] * by_column[:, None, :]
     apart, largest = one - other, (np.abs(np.imag(one)) / size).max()
-    steps = np.abs(np.imag(apart)) <= SAME * len(one) * largest * size
-    return bool(np.all(np.abs(np.real(apart)) <= SAME * size) and np.all(steps))
+    steps = np.abs(np.imag(apart)) <= FACTOR_ROUND_OFF * len(one) * largest * size
+    return bool(np.all(np.abs(np.real(apart)) <= FACTOR_ROUND_OFF * size) and np.all(steps))

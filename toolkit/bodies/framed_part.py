@@ -20,7 +20,7 @@ from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.parts import SURFACE_POSITION, Elements, SpatialElements
 
-MANY = 1000
+REMEMBERED_PARTS = 1000
 """Parts whose shapes are remembered: every complex step asks for them again."""
 NODE = "(node {})"
 """Name in place of an interface point: a node of the reduced model by its number there."""
@@ -154,7 +154,7 @@ class FramedPart(ModelBody):
         return ChainPlace(self.first + number, 0.0) if number < last else ChainPlace(self.last - 1, 1.0)
 
 
-@lru_cache(maxsize=MANY)
+@lru_cache(maxsize=REMEMBERED_PARTS)
 def _shapes(
     nominal: Itself[Elements] | Itself[SpatialElements],
     assembled: Callable[..., ChainPart],

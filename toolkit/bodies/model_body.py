@@ -25,11 +25,11 @@ from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
 from toolkit.reduced_model.parts import SPIN_STIFFENING
 
 AXES = "xyz"
-STILL = 1e-12
+UNMOVED_FLEXIBILITY = 1e-12
 """Flexibility, a part of the largest of the written displacements, below which no deformation moves a point that way."""
-INDEPENDENT = 1e-9
+INDEPENDENT_FLEXIBILITY = 1e-9
 """Least eigenvalue of the flexibility, scaled to a unit diagonal, of displacements that can be chosen each on its own."""
-TAKES_PART = 1e-6
+NAMED_PART = 1e-6
 """Square of a displacement's part in those that cannot, from which it is named."""
 
 
@@ -54,7 +54,7 @@ def start_shape(stiffness: np.ndarray, points: dict[str, tuple[np.ndarray, np.nd
     flexible = scale[:, None] * _solved(scale[:, None] * stiffness * scale, scale[:, None] * Z.T, where)
     compliance = Z @ flexible
     size = np.real(np.diag(compliance))
-    moves = size > STILL * size.max(initial=0)
+    moves = size > UNMOVED_FLEXIBILITY * size.max(initial=0)
     for (point, axis), wish, free in zip(names, u, moves, strict=True):
         if not free and wish != 0:
             raise InputError(
@@ -83,9 +83,11 @@ def _refuse_dependent(compliance: np.ndarray, names: list[str], where: str) -> N
     """Refuse displacements of which some follow from others."""
     size = np.sqrt(np.diag(compliance))
     squares, vectors = np.linalg.eigh(compliance / np.outer(size, size))
-    if len(squares) and squares[0] < INDEPENDENT:
-        shares = (vectors[:, squares < INDEPENDENT] ** 2).sum(axis=1)  # whatever vectors of equal ones the processor finds
-        tied = [name for name, share in zip(names, shares, strict=True) if share > TAKES_PART]
+    if len(squares) and squares[0] < INDEPENDENT_FLEXIBILITY:
+        shares = (vectors[:, squares < INDEPENDENT_FLEXIBILITY] ** 2).sum(
+            axis=1
+        )  # whatever vectors of equal ones the processor finds
+        tied = [name for name, share in zip(names, shares, strict=True) if share > NAMED_PART]
         raise InputError(
             f"{where} writes displacements that the body's shapes do not allow each on its own: {', '.join(tied)}. Leave one of the points "
             "out, or give the reduced model more shapes."

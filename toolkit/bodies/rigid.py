@@ -155,7 +155,7 @@ class Rod(UniformRod, RigidBody):
 
 INERTIA = ("xx", "yy", "zz", "yz", "xz", "xy")
 """Order of moments of inertia."""
-PHYSICAL = 1e-9
+NEGATIVE_MOMENT_TOLERANCE = 1e-9
 """Relative negative moment of second order that is round-off of the given inertia."""
 
 
@@ -233,7 +233,7 @@ class SpatialRigid(GivenMass, SpatialRigidBody):
     @classmethod
     def _physical(cls, inertia: tuple) -> tuple:
         moments = second_moments(np.array(inertia))
-        if np.linalg.eigvalsh(moments)[0] < -PHYSICAL * np.trace(moments) or not np.trace(moments) > 0:
+        if np.linalg.eigvalsh(moments)[0] < -NEGATIVE_MOMENT_TOLERANCE * np.trace(moments) or not np.trace(moments) > 0:
             raise ValueError(
                 "no body has these moments of inertia: each principal one is positive and at most the sum of the other two; "
                 "fix a digit, or the signs of yz, xz, xy"

@@ -28,7 +28,7 @@ from toolkit.command_line.commands.tradeoff import tradeoff
 from toolkit.command_line.commands.uncertainty_command import uncertainty
 from toolkit.command_line.commands.warm_up import warm_up
 from toolkit.command_line.keeping import (
-    SWING,
+    FRAMES_OF_FREE_MOTION,
     Models,
     Output,
     SceneOrResults,
@@ -210,7 +210,7 @@ def render(
     view = View(perspective, triads, kind)
     solve = motion_of(file, changes, models, quiet, lambda scene: refuse_what_cannot_be_drawn(scene, view, film), static)
     if free_motions:
-        frames = SWING if animate else 1
+        frames = FRAMES_OF_FREE_MOTION if animate else 1
         solve, times = free_motions_of(file, changes, times, frames), None
     refuse_foreign(output, file_names(kind, animate, film))
     folder = prepare_folder(output)

@@ -119,7 +119,7 @@ def refuse_contrary(static: bool, free_motions: bool, animate: bool, film: bool,
         raise InputError("--free-motions are drawn one by one: leave --film out.")
 
 
-SWING = 20
+FRAMES_OF_FREE_MOTION = 20
 """Frames of a free motion that is animated."""
 
 

@@ -18,7 +18,7 @@ from toolkit.foundation.terminal import print_json
 from toolkit.foundation.verdict import PAGE, Verdict
 from toolkit.report.answer import Answer, AnswerTable, write
 
-WIDE = 1000
+OUTPUT_COLUMNS = 1000
 """Columns of the output: a number that the terminal wraps is better than one that is cut."""
 LEFT = ("unit", "by", "why")
 """Columns of words."""
@@ -67,7 +67,7 @@ def print_tables(answer: Answer) -> None:
         if isinstance(part, str):
             typer.echo(part)
         elif not part.name:
-            Console(width=WIDE, highlight=False).print(rich_table(part))
+            Console(width=OUTPUT_COLUMNS, highlight=False).print(rich_table(part))
 
 
 def rich_table(content: AnswerTable) -> RichTable:

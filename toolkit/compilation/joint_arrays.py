@@ -12,7 +12,7 @@ from toolkit.compilation.numbering import Numbering, felt, grips_of, ints, start
 from toolkit.compilation.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.joints.joint import Joint, check_rows
-from toolkit.joints.kernels.laws import ANGLE, PLAIN, PROFILE, angle_law
+from toolkit.joints.kernels.laws import ANGLE_LAW, PLAIN_LAW, PROFILE_LAW, angle_law
 from toolkit.joints.kernels.profile import profile_law
 from toolkit.joints.kernels.records import (
     CURVE,
@@ -267,6 +267,6 @@ def _laws(joints: list[Joint], rows: list[tuple[Row, ...]], most: int) -> np.nda
     found: np.ndarray = np.zeros((len(rows), most, 2), np.int64)
     for j, each in enumerate(rows):
         for i, row in enumerate(each):
-            own = {None: PLAIN, angle_law: ANGLE, profile_law: PROFILE}
+            own = {None: PLAIN_LAW, angle_law: ANGLE_LAW, profile_law: PROFILE_LAW}
             found[j, i] = own[row.law] if row.law in own else known.index(row.law), len(row.forms)
     return found.reshape(len(rows), 2 * most)

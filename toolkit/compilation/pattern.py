@@ -151,7 +151,7 @@ def moving_unknowns(numbering: Numbering, values: Quantities, felt: np.ndarray) 
     return moving
 
 
-FELT = 1e-8
+COMPENSATED_PART = 1e-8
 """Part of the largest comparable entry from which an entry is summed in twice the precision. What is smaller leaves a round-off that is
 smaller by as much, while the softest motion of a skin of 600 elements is 1e12 times softer than the stiffest. (With 1e-2, which leaves
 out what couples displacements with rotations, corrections from 300 elements on never fell below 1e-10.)"""
@@ -179,7 +179,7 @@ def stiff_entries(
     size = np.abs(np.real(stiffness)) / (weights[row] * weights[column])
     largest = np.zeros(bodies)
     np.maximum.at(largest, body, size)
-    chosen = np.flatnonzero((size > 0) & (size >= FELT * largest[body]))
+    chosen = np.flatnonzero((size > 0) & (size >= COMPENSATED_PART * largest[body]))
     chosen = chosen[np.argsort(row[chosen], kind="stable")]
     stiff_row, start = np.unique(row[chosen], return_index=True)
     soft, stiff = stiffness.copy(), stiffness[chosen]

@@ -13,12 +13,12 @@ from toolkit.foundation.errors import SingularSystemError, quoted
 from toolkit.reduced_model.model import MEAN_AXES
 from toolkit.scene.scene import Scene
 
-REPEATS, ALMOST = 1e-9, 1e-5
+REPEATED_ROW, NEARLY_REPEATED_ROW = 1e-9, 1e-5
 """Part of a row, of length one, that is independent of the rows before it, below which it repeats them, and below which it nearly does:
 such a joint jams, because points or axes do not fit."""
-FIRST = 1e3
+QUATERNION_PRIORITY = 1e3
 """Factor by which the lengths of quaternions come first: they are never dropped."""
-LONG = 0.63
+LONG_ROW_PART = 0.63
 """Part of the longest row that is left from which a row is long enough to be taken. Rows of mechanisms are often equally long:
 the first of them in the order of the scene is taken, so that a joint repeats those before it, and the same one on every
 processor. No ratio of lengths that people choose."""
@@ -40,15 +40,15 @@ def independent_rows(jacobian: np.ndarray, weights: np.ndarray, first: np.ndarra
     """
     rows = np.real(jacobian) / weights
     rows = rows / np.sqrt(np.sum(rows * rows, axis=1, keepdims=True)).clip(np.finfo(float).tiny)
-    rows[first] *= FIRST
+    rows[first] *= QUATERNION_PRIORITY
     numbers, kept, almost = np.arange(len(rows)), list[int](), list[int]()
     while len(rows):
         size = np.sqrt(np.sum(rows * rows, axis=1))
-        if size.max() <= REPEATS:
+        if size.max() <= REPEATED_ROW:
             break
-        place = int(np.argmax(size >= LONG * size.max()))
+        place = int(np.argmax(size >= LONG_ROW_PART * size.max()))
         kept.append(int(numbers[place]))
-        if size[place] <= ALMOST:
+        if size[place] <= NEARLY_REPEATED_ROW:
             almost.append(int(numbers[place]))
         unit, others = rows[place] / size[place], np.arange(len(rows)) != place
         numbers, rows = numbers[others], rows[others]

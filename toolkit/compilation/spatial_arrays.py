@@ -17,7 +17,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.kinematics.orientation import Frames
 from toolkit.loads.kernels.pressure_kernel import Pressures
 from toolkit.markers.component import Component
-from toolkit.markers.spatial import POSE, SpatialMarkers
+from toolkit.markers.spatial import POSE_NUMBERS, SpatialMarkers
 from toolkit.scene.resolution import ResolvedScene
 
 
@@ -126,12 +126,12 @@ def spatial_marker_arrays(
     return SpatialMarkers(
         plane=None,
         frames=frames,
-        pose=tuple(range(POSE)),
+        pose=tuple(range(POSE_NUMBERS)),
         frame=ints([[number.get(piece, len(number)) for piece in pieces]]),
         moves=ints([[body.moves for body in bodies]]),
         turns=ints([[body.turns for body in bodies]]),
         bends=ints([[int(np.any(part.shape[:, 3:] != 0)) if m in full else 0 for m, part in enumerate(parts)]]),
-        size=ints([[POSE if m in full else 3 for m in range(len(parts))]]),
+        size=ints([[POSE_NUMBERS if m in full else 3 for m in range(len(parts))]]),
         point=np.array([part.point for part in parts], dtype).reshape(-1, 15),
         start=starts([len(c) for c in columns]),
         coordinate=ints(columns),

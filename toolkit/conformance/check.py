@@ -223,12 +223,12 @@ def _names(system: System, state: str) -> tuple[str, ...]:
     return system.numbering.names[n_q:] if state == "multipliers" else system.numbering.names[:n_q]
 
 
-WIDTHS = 0.02 / 2.0 ** np.arange(5)
+DIFFERENCE_STEPS = 0.02 / 2.0 ** np.arange(5)
 """Steps of the differences that are extrapolated, as parts of the number, or of the times."""
-DOUBT = 1e-6
+DIFFERENCE_TOLERANCE = 1e-6
 """Part of the largest derivative by a number by which a complex step and extrapolated differences may differ: the round-off of
 differences is 1e-11, and that of the last extrapolation still smaller; a formula that drops an imaginary part is wrong by all of it."""
-CLEAR = 0.05
+DISTANCE_FROM_CORNERS = 0.05
 """Distance of the times from corners, as a part of the interval: differences look a fraction of it to both sides."""
 
 
@@ -266,7 +266,7 @@ def _times(curve: Curve, interval: tuple[float, float], rng: np.random.Generator
     low, high = interval
     corners = np.real(np.array(curve.corners(), complex))
     times = np.sort(rng.uniform(low, high, 60))
-    near = np.abs(times[:, None] - corners).min(axis=1, initial=np.inf) < CLEAR * (high - low)
+    near = np.abs(times[:, None] - corners).min(axis=1, initial=np.inf) < DISTANCE_FROM_CORNERS * (high - low)
     if near.all():
         raise ConformanceError(
             f"the time curve {curve.kind!r} has a corner near every time from {low:g} to {high:g}: give another `interval`."
@@ -293,13 +293,13 @@ def _compare_with_differences(
     curve: Curve, path: str, value: float, exact: np.ndarray, times: np.ndarray, interval: tuple[float, float]
 ) -> None:
     size = abs(value) or 1.0
-    by_time = CLEAR * (interval[1] - interval[0])
+    by_time = DISTANCE_FROM_CORNERS * (interval[1] - interval[0])
     step = min(size, by_time) if size > by_time else size
-    differences = extrapolated(lambda h: np.real(curve.with_number(path, value + h).evaluate(times)), step * WIDTHS)
+    differences = extrapolated(lambda h: np.real(curve.with_number(path, value + h).evaluate(times)), step * DIFFERENCE_STEPS)
     for k, name in enumerate(("f", "f'", "f''")):
         largest = max(float(np.abs(differences[:, k]).max()), float(np.abs(curve.evaluate(times)[:, k]).max()) / size)
         wrong = np.abs(exact[:, k] - differences[:, k])
-        if wrong.max() > DOUBT * largest:
+        if wrong.max() > DIFFERENCE_TOLERANCE * largest:
             n = int(np.argmax(wrong))
             raise ConformanceError(
                 f"the derivative of {name} of the time curve {curve.kind!r} by {path} is wrong at t = {times[n]:.4g}: a complex step "

@@ -67,7 +67,7 @@ def compare(what: str, ours: np.ndarray, exact: np.ndarray, names: Sequence[Sequ
 LEVELS = np.array([1.0, 0.7, 0.3])
 """Weights of acceleration, velocity and position of the constraint rows: all three count, none like another."""
 
-SMALL = 1e-4
+CANCELLATION_TOLERANCE = 1e-4
 """Part of the residual below which what a number changes may be round-off of what cancels to zero."""
 DESIGN_TERMS = {"inertial": "I_x", "applied": "A_x"}
 """Group of the residual -> its derivatives by the numbers, in `Terms`."""
@@ -105,7 +105,7 @@ def check_design_derivatives(scene: Scene, seed: int = 0) -> None:
     for x, path in enumerate(paths):
         other = compile_scene(scene.with_number(path, scene.number(path) + 1j * STEP))
         reference = plain_terms(other, inputs(other), *state)
-        least = SMALL * whole[x]  # entries that cancel to zero leave round-off
+        least = CANCELLATION_TOLERANCE * whole[x]  # entries that cancel to zero leave round-off
         pairs = (("inertial", terms.I_x, reference.inertial), ("applied", terms.A_x, reference.applied))
         for group, ours, exact in pairs:
             compare(f"d {group} / d {path}", ours[:, x], exact.imag / STEP, [system.numbering.names], least)
@@ -117,7 +117,7 @@ def _numbers_agree(scene: Scene, paths: list[str], state: tuple, group: str, our
     Entries that cancel to zero leave round-off, so that a number without effect moves by what would change the `whole` residual.
     """
     largest = np.abs(ours).max(axis=0, initial=0)
-    sizes = np.where(largest > SMALL * whole, largest, whole)
+    sizes = np.where(largest > CANCELLATION_TOLERANCE * whole, largest, whole)
     factors = direction(len(paths)) / np.where(sizes > 0, sizes, 1.0)
     moved = compile_scene(scene.moved(DesignVariable(group, 1.0, tuple(paths), tuple(factors.tolist())), 1j * STEP))
     return agree(ours @ factors, getattr(plain_terms(moved, inputs(moved), *state), group).imag / STEP, 1.0)

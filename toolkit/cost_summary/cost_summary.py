@@ -34,10 +34,10 @@ from toolkit.scene.scene import Scene, forget_models
 from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import System
 
-FIRST, LONG = 16, 0.05
+LEAST_MEASURED_STEPS, LONGEST_MEASURED_STEPS = 16, 0.05
 """Least steps of a measured run, and the time that the dearest one shall take, in s."""
 
-REPEATS, PATIENCE = 9, 3.0
+MEASURED_ROUNDS, MEASURING_SECONDS = 9, 3.0
 """Rounds of all runs, as long as they have taken less than this, in s."""
 
 
@@ -108,8 +108,8 @@ def _step_times(systems: dict[str, System], options: RunOptions) -> tuple[dict[s
         few = max(1, count // 10)
         long, short = (_until(times, n, options) for n in (count, few))
         begun = clock.perf_counter()
-        for repeat in range(REPEATS):
-            if repeat and clock.perf_counter() - begun > PATIENCE:
+        for repeat in range(MEASURED_ROUNDS):
+            if repeat and clock.perf_counter() - begun > MEASURING_SECONDS:
                 break
             for what, system in systems.items():
                 found[what].append((_seconds(system, long) - _seconds(system, short)) / (count - few))
@@ -121,8 +121,8 @@ def _step_times(systems: dict[str, System], options: RunOptions) -> tuple[dict[s
 
 def _enough_steps(dearest: System, times: np.ndarray, options: RunOptions) -> int:
     """Number of steps that take long enough to be measured, or of all."""
-    count = min(FIRST, len(times) - 1)
-    while count < len(times) - 1 and _seconds(dearest, _until(times, count, options)) < LONG:
+    count = min(LEAST_MEASURED_STEPS, len(times) - 1)
+    while count < len(times) - 1 and _seconds(dearest, _until(times, count, options)) < LONGEST_MEASURED_STEPS:
         count = min(2 * count, len(times) - 1)
     return count
 

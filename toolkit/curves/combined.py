@@ -97,11 +97,11 @@ class Product(Curve):
         return CurvePart("curve", self.curve), *(CurvePart(f"factors.{n}", factor) for n, factor in enumerate(self.factors))
 
 
-MEETS = 1e-9
+JOINED_SLOPE_TOLERANCE = 1e-9
 """Part of the largest slope by which two curves may differ where one follows the other: that is round-off of what a person writes."""
 
 
-DEEPEST = 3
+DEEPEST_SEQUENCE = 3
 """Sequences that may stand in each other: each takes four times as long as the one inside."""
 
 
@@ -134,9 +134,9 @@ class Sequence(Curve):
             )
         if np.any(np.diff(np.real(self.times)) <= 0):
             raise ValueError("times must increase from curve to curve")
-        if _depth(self) > DEEPEST:
+        if _depth(self) > DEEPEST_SEQUENCE:
             raise ValueError(
-                f"sequences stand in each other more than {DEEPEST} deep; write one with all its curves one after the other"
+                f"sequences stand in each other more than {DEEPEST_SEQUENCE} deep; write one with all its curves one after the other"
             )
         return self
 
@@ -174,8 +174,8 @@ class Sequence(Curve):
         left, right = (np.real(self.evaluate(np.nextafter(times, side))[:, 1]) for side in (-np.inf, np.inf))
         spans = np.linspace(min(0.0, times[0]), times[-1] + np.ptp(np.append(times, 0.0)), 401)
         largest = np.abs(np.concatenate([left, right, np.real(self.evaluate(spans)[:, 1])])).max()
-        left, right = (np.where(np.abs(each) > MEETS * largest, each, 0.0) for each in (left, right))
-        for k in np.flatnonzero(np.abs(right - left) > MEETS * largest):
+        left, right = (np.where(np.abs(each) > JOINED_SLOPE_TOLERANCE * largest, each, 0.0) for each in (left, right))
+        for k in np.flatnonzero(np.abs(right - left) > JOINED_SLOPE_TOLERANCE * largest):
             return (
                 f"a sequence has none where the slope jumps, from {left[k]:g} to {right[k]:g} at t = {times[k]:g}, where its curve "
                 f"{k + 1} takes over from curve {k}: let both have the same slope there, such as none"

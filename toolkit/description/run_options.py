@@ -13,11 +13,11 @@ from toolkit.description.description import Description, NotNegative, Positive, 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import file_name
 
-DAMPED, DAMPED_CHANGING = 0.8, 0.5
+LARGEST_RHO_INDEX_3, LARGEST_RHO_CHANGING_STEPS = 0.8, 0.5
 """Largest rho_inf of index 3, and with steps of changing length. Nothing but the scheme damps errors of joint forces there, and curved
 paths feed them: they grow from step to step unless a turn has 14, 19, 26, 42, 88 steps at rho_inf = 0.5, 0.6, 0.7, 0.8, 0.9, and with 1
 always. What has grown is told by `validity.noisy_forces`."""
-STEEPEST = 100.0
+STEEPEST_STEP_CHANGE = 100.0
 """Shrinking from step to step up to which index 3 and stabilised index 2 are right."""
 
 STARTS, RESULTS = ("given", "equilibrium"), ".h5"
@@ -66,7 +66,7 @@ def contradictions(options: RunOptions) -> Iterator[str]:
             'redundant = "refuse"'
         )
     changing = options.times is not None or options.local_error is not None
-    most = DAMPED_CHANGING if changing else DAMPED
+    most = LARGEST_RHO_CHANGING_STEPS if changing else LARGEST_RHO_INDEX_3
     if options.formulation == "index-3" and options.rho_inf > most:
         yield (
             f'formulation = "index-3"{" with steps of changing length" * changing} needs rho_inf of at most {most:g}: nothing else '
@@ -79,9 +79,10 @@ def _of_times(options: RunOptions, times: tuple[float, ...]) -> Iterator[str]:
     lengths = [b - a for a, b in pairwise(times)]
     if min(lengths) <= 0 or times[0] != 0 or times[-1] != options.end_time:
         yield f"times must increase from 0 to end_time = {options.end_time:g}; fix them, or leave times out"
-    elif options.formulation != "index-1" and any(a > STEEPEST * b for a, b in pairwise(lengths)):
+    elif options.formulation != "index-1" and any(a > STEEPEST_STEP_CHANGE * b for a, b in pairwise(lengths)):
         yield (
-            f"times hold a step that is more than {STEEPEST:g} times shorter than the one before: what that left of the joints' "
+            f"times hold a step that is more than {STEEPEST_STEP_CHANGE:g} times shorter than the one before: what that left "
+            "of the joints' "
             "velocities would be a blow; let steps shrink gradually, or take index-1"
         )
     if options.local_error is not None:
@@ -223,7 +224,7 @@ class RunOptions(Description):
 
 
 MOST_STEPS = 100_000_000
-EQUAL = 1e-9
+EQUAL_STEPS_TOLERANCE = 1e-9
 """Relative difference of step lengths that is round-off of the times."""
 
 
@@ -257,4 +258,8 @@ def time_grid(options: RunOptions) -> np.ndarray:
 def step_lengths(times: np.ndarray) -> np.ndarray:
     """Lengths of all steps, (n_t - 1,); exactly the same ones if they differ by round-off only."""
     lengths = np.diff(times)
-    return np.full_like(lengths, lengths[0]) if np.all(np.abs(lengths - lengths[0]) <= EQUAL * lengths[0]) else lengths
+    return (
+        np.full_like(lengths, lengths[0])
+        if np.all(np.abs(lengths - lengths[0]) <= EQUAL_STEPS_TOLERANCE * lengths[0])
+        else lengths
+    )

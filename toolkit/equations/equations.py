@@ -4,7 +4,8 @@ Sums of what the design changes in the steps of a backward run, over many steps 
 
 With the multiplier mu of a step its gradient grows by mu^T (f_I I_x + f_A A_x). Some of that changes by the design, and not with time:
 
-    matrices   mu^T (f_I dM a + f_A (dD v + dK q)), row by row, for TOGETHER steps at once: their states and multipliers are kept until then
+    matrices   mu^T (f_I dM a + f_A (dD v + dK q)), row by row, for STEPS_SUMMED_AT_ONCE steps at once: their states and
+    multipliers are kept until then
     points     of pins, z0 and Z of `markers.planar`: mu^T (...) is linear in their derivatives, and what it multiplies them by is summed
                over all steps, whatever the number of variables that move the point
 
@@ -48,7 +49,7 @@ from toolkit.markers.planar import Markers
 from toolkit.markers.poses import set_frames, update_pose_designs, update_poses
 from toolkit.markers.spatial import SpatialMarkers
 
-TOGETHER = 16
+STEPS_SUMMED_AT_ONCE = 16
 """Steps whose changes of matrices are summed up at once: two vectors of numbers."""
 
 
@@ -71,12 +72,12 @@ class DesignSums(NamedTuple):
     gradient: np.ndarray  # (n_x, n_r filled up) what matrices have added
     points: np.ndarray  # (n_m, 2, n_r) of z0
     shapes: np.ndarray  # (n_columns, 2, n_r) of the rows of Z
-    inertial: np.ndarray  # (n, TOGETHER) f_I a of the last steps
+    inertial: np.ndarray  # (n, STEPS_SUMMED_AT_ONCE) f_I a of the last steps
     rate: np.ndarray  # f_A v
     place: np.ndarray  # f_A q
-    multipliers: np.ndarray  # (n TOGETHER, n_r filled up) mu of the last steps
-    number: np.ndarray  # (n, TOGETHER) rows of `multipliers` that belong to an unknown
-    total: np.ndarray  # (TOGETHER,) scratch memory
+    multipliers: np.ndarray  # (n STEPS_SUMMED_AT_ONCE, n_r filled up) mu of the last steps
+    number: np.ndarray  # (n, STEPS_SUMMED_AT_ONCE) rows of `multipliers` that belong to an unknown
+    total: np.ndarray  # (STEPS_SUMMED_AT_ONCE,) scratch memory
     steps: np.ndarray  # (1,) how many these are
 
 
@@ -87,10 +88,10 @@ def design_sums(plan: GatheredPlan, n_x: int, n: int, n_m: int, n_columns: int, 
         gradient=np.zeros((n_x, filled_up(n_r))),
         points=np.zeros((n_m, 2, n_r)),
         shapes=np.zeros((n_columns, 2, n_r)),
-        **{name: np.zeros((n, TOGETHER)) for name in ("inertial", "rate", "place")},
-        multipliers=np.zeros((n * TOGETHER, filled_up(n_r))),
-        number=np.arange(n * TOGETHER).reshape(n, TOGETHER),
-        total=np.zeros(TOGETHER),
+        **{name: np.zeros((n, STEPS_SUMMED_AT_ONCE)) for name in ("inertial", "rate", "place")},
+        multipliers=np.zeros((n * STEPS_SUMMED_AT_ONCE, filled_up(n_r))),
+        number=np.arange(n * STEPS_SUMMED_AT_ONCE).reshape(n, STEPS_SUMMED_AT_ONCE),
+        total=np.zeros(STEPS_SUMMED_AT_ONCE),
         steps=np.zeros(1, np.int64),
     )
 
@@ -104,7 +105,7 @@ def gather(plan, sums, scheme, levels, state, factor_i, factor_a, q, v, acc, blo
     for i in sums.plan.row:
         copy(block[i], sums.multipliers[sums.number[i, at]])
     sums.steps[0] += 1
-    if sums.steps[0] == TOGETHER:
+    if sums.steps[0] == STEPS_SUMMED_AT_ONCE:
         add_up(sums)
     pull_points(plan.markers.plane, plan, sums, levels, state, factor_i, factor_a, q, v, acc, block)
 
@@ -124,7 +125,7 @@ def pull_points(plane, plan, sums, levels, state, factor_i, factor_a, q, v, acc,
 def add_up(sums):
     """Add the share of the matrices in the last steps to the sums."""
     for k in sums.plan.column:
-        for at in range(sums.steps[0], TOGETHER):
+        for at in range(sums.steps[0], STEPS_SUMMED_AT_ONCE):
             sums.inertial[k, at], sums.rate[k, at], sums.place[k, at] = 0.0, 0.0, 0.0
     add_changes_of(sums.plan.mass, sums.inertial, sums)
     add_changes_of(sums.plan.damping, sums.rate, sums)
@@ -134,12 +135,12 @@ def add_up(sums):
 
 @inner
 def add_changes_of(changes, states, sums):
-    """gradient += the changes of a matrix, times states (n, TOGETHER), times the multipliers."""
+    """gradient += the changes of a matrix, times states (n, STEPS_SUMMED_AT_ONCE), times the multipliers."""
     for run in range(len(changes.row)):
         sums.total[:] = 0
         add_rows(sums.total, 1.0, 1.0, changes.value, changes.column, changes.start[run], changes.start[run + 1], states)
         row = sums.gradient[changes.variable[run]]
-        add_rows(row, 1.0, 1.0, sums.total, sums.number[changes.row[run]], 0, TOGETHER, sums.multipliers)
+        add_rows(row, 1.0, 1.0, sums.total, sums.number[changes.row[run]], 0, STEPS_SUMMED_AT_ONCE, sums.multipliers)
 
 
 class Plan(NamedTuple):

@@ -125,7 +125,7 @@ class ConformanceError(ToolkitError, ArithmeticError):
     """A component states a derivative that is not the derivative of its own law."""
 
 
-ALIKE = 0.6
+SIMILAR_NAMES = 0.6
 """Likeness of two names, by difflib's measure, from which one is taken for the other."""
 NUMBERED = re.compile(r"(.*?)(\d+)$")
 SHORT = Repr()
@@ -144,7 +144,7 @@ def listed(names: Iterable[str]) -> str:
 
 def meant(name: str, names: Iterable[str]) -> str:
     """Part of a sentence with the probable meaning of a name that is none of these; empty if nothing is like it."""
-    close = get_close_matches(name, list(names), n=1, cutoff=ALIKE)
+    close = get_close_matches(name, list(names), n=1, cutoff=SIMILAR_NAMES)
     return f", did you mean {close[0]!r}" if close else ""
 
 

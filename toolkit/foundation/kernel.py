@@ -80,7 +80,7 @@ def _compiled(function: Callable, **options: bool) -> Callable:
     return dispatcher
 
 
-SLOTS = 8
+MOST_FAMILIES = 8
 """Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene."""
 
 
@@ -99,12 +99,12 @@ def slots(functions: list[Callable], signature: Signature) -> tuple[Formula | Ca
     InputError
         More functions than slots.
     """
-    if len(functions) > SLOTS:
+    if len(functions) > MOST_FAMILIES:
         raise InputError(
-            f"the scene uses {len(functions)} different kinds of joints or of loads, at most {SLOTS} are possible. "
+            f"the scene uses {len(functions)} different kinds of joints or of loads, at most {MOST_FAMILIES} are possible. "
             "Unite kinds that differ only in a parameter."
         )
-    return tuple(([first_class(function, signature) for function in functions] * SLOTS)[:SLOTS])
+    return tuple(([first_class(function, signature) for function in functions] * MOST_FAMILIES)[:MOST_FAMILIES])
 
 
 @cache

@@ -15,14 +15,14 @@ from itertools import pairwise
 
 import numpy as np
 
-BAND = 1e-6
+TIE_BAND = 1e-6
 """Part of the largest by which sizes that mean the same may differ: round-off of a mechanism's state is far below, a difference
 that a reader would see far above."""
-SAME = 1e-9
+RESULT_TIE_BAND = 1e-9
 """Band for values of which one is the result: what stiff bodies leave of their digits."""
 
 
-def first_largest(sizes: np.ndarray, band: float = BAND) -> int:
+def first_largest(sizes: np.ndarray, band: float = TIE_BAND) -> int:
     """Number of the first size (n,) that is the largest but for a part `band` of it.
 
     Where a size is not a number, it is that of the first such one.
@@ -34,15 +34,15 @@ def first_largest(sizes: np.ndarray, band: float = BAND) -> int:
     return int(np.argmax(sizes >= largest - band * abs(largest)))
 
 
-def first_smallest(sizes: np.ndarray, band: float = BAND) -> int:
+def first_smallest(sizes: np.ndarray, band: float = TIE_BAND) -> int:
     """Number of the first size (n,), not negative, that is the smallest but for a part `band` of the largest."""
     return int(np.argmax(sizes <= sizes.min() + band * sizes.max()))
 
 
-EQUAL = 1e-6
+EQUAL_EIGENVALUES = 1e-6
 """Relative distance below which two eigenvalues count as equal. The round-off of the stiffness matrix moves the eigenvalues of
 the wing's skin by 1e-10 (30 elements) to 1e-8 (200); at this distance it turns single vectors by 1e-4 to 1e-2, which then mean nothing."""
-STRONG = 0.45
+STRONG_COORDINATE = 0.45
 """Part of the strongest motion from which a coordinate counts as strong, and the first such one is taken: not 1/2, which regular
 meshes meet exactly."""
 
@@ -50,7 +50,7 @@ meshes meet exactly."""
 def clusters(eigenvalues: np.ndarray) -> Iterator[tuple[int, int]]:
     """First mode, and first mode behind, of all runs of equal eigenvalues, which are in order."""
     below, above = np.abs(eigenvalues[:-1]), np.abs(eigenvalues[1:])
-    apart = np.diff(eigenvalues) > EQUAL * np.maximum(below, above)
+    apart = np.diff(eigenvalues) > EQUAL_EIGENVALUES * np.maximum(below, above)
     borders = [0, *(np.flatnonzero(apart) + 1).tolist(), len(eigenvalues)]
     yield from pairwise(borders)
 
@@ -72,7 +72,7 @@ def _turned(shapes: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     left, found = shapes, []
     while left.shape[1]:
         moves = sizes * np.linalg.norm(left, axis=1)
-        place = int(np.argmax(moves > STRONG * moves.max()))
+        place = int(np.argmax(moves > STRONG_COORDINATE * moves.max()))
         along = left[place] / np.linalg.norm(left[place])
         found.append(left @ along)
         left = left @ _perpendicular(along)

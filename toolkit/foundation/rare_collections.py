@@ -6,7 +6,7 @@ import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-OBJECTS = 500_000
+OBJECTS_PER_COLLECTION = 500_000
 """New objects after which Python looks for garbage again: some hundred megabytes."""
 
 
@@ -17,7 +17,7 @@ def rare_collections() -> Iterator[None]:
     Measured, an eighth of a command, and of the time to compile the step loop, goes into that.
     """
     before = gc.get_threshold()
-    gc.set_threshold(OBJECTS, *before[1:])
+    gc.set_threshold(OBJECTS_PER_COLLECTION, *before[1:])
     try:
         yield
     finally:

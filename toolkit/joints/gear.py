@@ -15,7 +15,7 @@ from toolkit.joints.kernels.laws import teeth_law, turn_law
 from toolkit.joints.rows import Row
 from toolkit.markers.component import AboutAxis, Skeleton
 
-FITS = 1e-3
+RADIUS_TOLERANCE = 1e-3
 """Part of the distance of the centres by which radii may miss it: that is a rounded number, not another gear."""
 Teeth = Annotated[int, Field(strict=True, ge=-100_000, le=100_000)]
 
@@ -42,7 +42,7 @@ class Wheels(AtPoints, Joint):
 
 def rolling(distance: float, ratio: float) -> list[tuple[int, float]]:
     """Pitch circles of two wheels, (number of the point, radius); none of two equal ones that would not touch."""
-    if abs(1 + ratio) < FITS:
+    if abs(1 + ratio) < RADIUS_TOLERANCE:
         return []
     first = distance / abs(1 + ratio)
     return [(0, first), (1, first * abs(ratio))]
@@ -112,7 +112,7 @@ class Gear(Wheels, PlanarJoint):
             )
         if self.radii is not None:
             reach, distance = abs(np.real(sum(self.radii))), np.sqrt(np.real(square))
-            if abs(reach - distance) > FITS * distance:
+            if abs(reach - distance) > RADIUS_TOLERANCE * distance:
                 raise InputError(
                     f"radii of a gear between points {self.points[0]!r} and {self.points[1]!r} add up to {reach:g}, but the centres "
                     f"are {distance:g} apart. Fix one, give a ring a negative radius, or write `ratio` for wheels that do not touch."
@@ -161,7 +161,7 @@ class SpatialGear(AboutAxis, Wheels, SpatialJoint):
         d = -self.apart(scene)
         line = d @ self.axes[:, :2]
         square = line @ line
-        if not np.real(square) > FITS**2 * np.real(d @ d):
+        if not np.real(square) > RADIUS_TOLERANCE**2 * np.real(d @ d):
             raise InputError(
                 f"a gear between points {self.points[0]!r} and {self.points[1]!r} has both centres on one axis. Move one of them aside."
             )

@@ -11,7 +11,7 @@ from pydantic import model_validator
 
 from toolkit.description.description import Description, Positive, Quantity, Scalar
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.laws import FORMS
+from toolkit.joints.kernels.laws import MOST_FORMS
 from toolkit.joints.poses import PLANE, SPACE, PlanePoses, Poses, SpacePoses, plane_poses
 from toolkit.joints.rows import BETWEEN, Row, RowQuantity, forms_of, row_numbers
 from toolkit.kinematics.orientation import unit_vector
@@ -291,8 +291,8 @@ def _check_size(joint: Joint, row: Row) -> None:
         raise InputError(
             f"row {row.name!r} of a {joint.kind!r} joint has {count} forms and no law: a row is one form, or a law of forms."
         )
-    if not 1 <= count <= FORMS:
-        raise InputError(f"row {row.name!r} of a {joint.kind!r} joint has {count} forms, a law takes 1 to {FORMS}.")
+    if not 1 <= count <= MOST_FORMS:
+        raise InputError(f"row {row.name!r} of a {joint.kind!r} joint has {count} forms, a law takes 1 to {MOST_FORMS}.")
 
 
 def _structure(row: Row) -> tuple:

@@ -16,20 +16,20 @@ from toolkit.joints.kernels.profile import DEGREE, PIECE
 from toolkit.joints.rows import Form
 
 R = TypeVar("R")
-TURN = 2 * np.pi
-WIDEST, OF_PERIOD = TURN / 16, 1 / 16
+FULL_TURN = 2 * np.pi
+WIDEST_PIECE, PIECE_PER_PERIOD = FULL_TURN / 16, 1 / 16
 """Longest piece, and longest as a part of a period of the curve."""
-ERROR = 1e-13
+PIECE_ERROR = 1e-13
 """Largest error of a piece, as a part of the largest value; what misses it is cut into shorter ones."""
-CLOSE = 1e-9
+CLOSED_TOLERANCE = 1e-9
 """Distance of corners in rad that are one; and part of the largest value or slope by which a curve may miss itself after one turn."""
-MOST = 2000
+MOST_PIECES = 2000
 """Pieces of a profile."""
 NODES = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
 BETWEEN = np.append((NODES[:-1] + NODES[1:]) / 2, [-1 + 1e-6, 1 - 1e-6])
 """Places where polynomials meet a piece, and where their error is looked at, from -1 to 1."""
 _AT_NODES, _AT_BETWEEN = (np.vander(places, DEGREE + 1, increasing=True) for places in (NODES, BETWEEN))
-KEPT = 64
+REMEMBERED_CURVES = 64
 """Curves of which it is remembered what was found: a scene asks its cams again and again, and a curve never changes."""
 
 
@@ -47,7 +47,7 @@ class _Same:
 
 
 def _remembered(function: Callable[[Curve], R]) -> Callable[[Curve], R]:
-    known = lru_cache(KEPT)(lambda same: function(same.curve))
+    known = lru_cache(REMEMBERED_CURVES)(lambda same: function(same.curve))
 
     @wraps(function)
     def remembering(curve: Curve) -> R:
@@ -66,14 +66,16 @@ def profile_form(curve: Curve) -> Form:
         The curve changes too often.
     """
     start = curve.evaluate(np.zeros(1))[0, 0]
-    largest = np.abs(np.real(curve.evaluate(np.linspace(0, TURN, 721))[:, 0] - start)).max()
-    widest, numbers = min((WIDEST, *(OF_PERIOD * period for period in curve.periods()))), list[Scalar]()
+    largest = np.abs(np.real(curve.evaluate(np.linspace(0, FULL_TURN, 721))[:, 0] - start)).max()
+    widest, numbers = min((WIDEST_PIECE, *(PIECE_PER_PERIOD * period for period in curve.periods()))), list[Scalar]()
     for begin, end in pairwise(_bounds(curve)):
-        count = max(1, int(np.ceil(np.real(end - begin) / widest - CLOSE)))
-        while (found := _pieces(curve, start, begin, end, count))[1] > ERROR * largest:
+        count = max(1, int(np.ceil(np.real(end - begin) / widest - CLOSED_TOLERANCE)))
+        while (found := _pieces(curve, start, begin, end, count))[1] > PIECE_ERROR * largest:
             count *= 2
-            if count > MOST:
-                raise InputError(f"the curve of a cam changes too often within one turn: it takes more than {MOST} polynomials.")
+            if count > MOST_PIECES:
+                raise InputError(
+                    f"the curve of a cam changes too often within one turn: it takes more than {MOST_PIECES} polynomials."
+                )
         numbers += found[0]
     assert len(numbers) % PIECE == 0
     return Form(linear=tuple((0, number) for number in numbers))
@@ -102,25 +104,25 @@ def check_turn(curve: Curve, owner: str) -> None:
     """
     ends, largest = _turn(curve)
     for k, what in enumerate(("value", "slope")):
-        if abs(ends[1, k] - ends[0, k]) > CLOSE * largest[k]:
+        if abs(ends[1, k] - ends[0, k]) > CLOSED_TOLERANCE * largest[k]:
             raise InputError(
                 f"the curve of {owner} has the {what} {ends[0, k]:.9g} at the angle 0 and {ends[1, k]:.9g} after a turn, at 2 pi = "
-                f"{TURN:.9g}: a cam's follower would jump there. Let it end as it begins; its argument is the angle in rad."
+                f"{FULL_TURN:.9g}: a cam's follower would jump there. Let it end as it begins; its argument is the angle in rad."
             )
 
 
 @_remembered
 def _turn(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
     """Values, slopes and more at both ends of one turn, (2, 3), and the largest value and slope inside of it, (2,)."""
-    largest = np.abs(np.real(curve.evaluate(np.linspace(0, TURN, 721)[1:-1]))[:, :2]).max(axis=0)
-    return np.real(curve.evaluate(np.array([0.0, TURN]))), largest
+    largest = np.abs(np.real(curve.evaluate(np.linspace(0, FULL_TURN, 721)[1:-1]))[:, :2]).max(axis=0)
+    return np.real(curve.evaluate(np.array([0.0, FULL_TURN]))), largest
 
 
 def _bounds(curve: Curve) -> list[Scalar]:
     """Beginning and end of one turn, and corners of the curve between them."""
-    corners = sorted((c for c in curve.corners() if CLOSE < np.real(c) < TURN - CLOSE), key=np.real)
+    corners = sorted((c for c in curve.corners() if CLOSED_TOLERANCE < np.real(c) < FULL_TURN - CLOSED_TOLERANCE), key=np.real)
     bounds: list[Scalar] = [0.0]
     for corner in corners:
-        if np.real(corner - bounds[-1]) > CLOSE:
+        if np.real(corner - bounds[-1]) > CLOSED_TOLERANCE:
             bounds.append(corner)
-    return [*bounds, TURN]
+    return [*bounds, FULL_TURN]

@@ -12,7 +12,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import AtPoints, Directed, Joint, SpatialJoint
 from toolkit.joints.kernels.laws import turn_law
 from toolkit.joints.rows import Row
-from toolkit.joints.universal import SQUARE
+from toolkit.joints.universal import LARGEST_COSINE
 from toolkit.markers.component import AboutAxis, Skeleton
 
 
@@ -108,7 +108,7 @@ class SpatialRack(AboutAxis, OnRack, SpatialJoint):
     @model_validator(mode="after")
     def _crossed(self) -> Self:
         axis, along = np.array(self.axis), np.array(self.along)
-        if not any(along) or abs(axis @ along) > SQUARE * np.sqrt((axis @ axis) * (along @ along)):
+        if not any(along) or abs(axis @ along) > LARGEST_COSINE * np.sqrt((axis @ axis) * (along @ along)):
             raise ValueError("a rack runs perpendicular to the axis of its pinion: give `along` such a direction")
         return self
 

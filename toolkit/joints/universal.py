@@ -12,7 +12,7 @@ from toolkit.joints.joint import SpatialPointJoint
 from toolkit.joints.rows import Row
 from toolkit.markers.component import Skeleton
 
-SQUARE = 1e-9
+LARGEST_COSINE = 1e-9
 """Largest cosine between axes that are perpendicular but for round-off of the input."""
 
 
@@ -35,7 +35,7 @@ class Universal(SpatialPointJoint):
         first, second = (np.array(axis) for axis in self.axes_of_cross)
         if not (any(first) and any(second)):
             raise ValueError("both axes of a universal joint need a direction, for example [[1, 0, 0], [0, 1, 0]]")
-        if abs(first @ second) > SQUARE * np.sqrt((first @ first) * (second @ second)):
+        if abs(first @ second) > LARGEST_COSINE * np.sqrt((first @ first) * (second @ second)):
             raise ValueError("the axes of a universal joint are perpendicular to each other")
         return self
 

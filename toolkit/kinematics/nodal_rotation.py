@@ -12,16 +12,16 @@ import numpy as np
 
 from toolkit.foundation.kernel import inner
 
-TERMS = 20
+SERIES_TERMS = 20
 """Number of terms of the series: they leave round-off up to a full turn."""
 
 
 def _series() -> np.ndarray:
-    """Coefficients of s_1 and s_2 and of their first three derivatives by x, (2, 4, TERMS)."""
-    found = np.zeros((2, 4, TERMS))
+    """Coefficients of s_1 and s_2 and of their first three derivatives by x, (2, 4, SERIES_TERMS)."""
+    found = np.zeros((2, 4, SERIES_TERMS))
     for which in range(2):
         for order in range(4):
-            for n in range(order, TERMS + order):
+            for n in range(order, SERIES_TERMS + order):
                 found[which, order, n - order] = (-1) ** n * perm(n, order) / factorial(2 * n + 1 + which)
     return found
 
@@ -49,7 +49,7 @@ def turned_vector(dtype: type) -> TurnedVector:
 def series(which, order, x):
     """s_1 (which = 0) or s_2 (1), differentiated by x."""
     total = 0 * x
-    for n in range(TERMS - 1, -1, -1):
+    for n in range(SERIES_TERMS - 1, -1, -1):
         total = total * x + SERIES[which, order, n]
     return total
 

@@ -23,7 +23,7 @@ from toolkit.foundation.kernel import copy, inner, kernel
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.linear.sparse_lu import StillPivots, factor, multiply, solve, still_pivots
 
-SWEEPS = 5
+SCALING_SWEEPS = 5
 """Each sweep takes the square root of what the largest entries differ from 1: five leave a factor 4 of 1e18."""
 
 
@@ -84,7 +84,7 @@ def equilibrate(a, scale):
     row_scale, column_scale, column_largest = scale[0], scale[1], scale[2]
     row_scale[:] = 1.0
     column_scale[:] = 1.0
-    for _ in range(SWEEPS):
+    for _ in range(SCALING_SWEEPS):
         column_largest[:] = 0.0
         for i in range(n):
             largest = 0.0
@@ -237,11 +237,11 @@ def solve_block(plan, lu, rhs, work):
 
 SPARSE_TOLERANCE, DENSE_TOLERANCE = 1e-12, 1e-14
 """Smallest pivots, relative to the terms they are made of; recommended where they are tested."""
-TRUSTED_REFINEMENT, MENDED = 1e-6, 1e-4
+ONE_REFINEMENT_ENOUGH, TWO_REFINEMENTS_ENOUGH = 1e-6, 1e-4
 """Refinement of a solution, relative to it, above which one is not enough, as the square of that is left after it; and above which two are
 not, so that sparse factors are given up. Light rods that hold a stiff part of a skin leave 1e-6 to 1e-5."""
 
-UNREFINED = 1e-12
+NO_REFINEMENT_NEEDED = 1e-12
 """Refinement of a vector, relative to it, below which blocks are not refined. Gradients by the thickness of a thin skin lose some 80 times
 what a step leaves: the wing's are off by 8e-10 on some processors with ten times this bound and by 7e-11 with it, for 3 % of their time."""
 
@@ -283,7 +283,7 @@ def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> L
         np.zeros(n, np.int64),
         np.zeros((3, n)),
         np.zeros(1, np.int64),
-        np.full(1, TRUSTED_REFINEMENT),
+        np.full(1, ONE_REFINEMENT_ENOUGH),
         updates_of(plan),
     )
 
@@ -294,7 +294,7 @@ def cleared(solver: LinearSolver, weights: np.ndarray) -> None:
         memory.fill(0)
     for block in (solver.work_block, solver.residual_block, solver.solution_block):
         block.fill(0)
-    solver.quality.fill(TRUSTED_REFINEMENT)
+    solver.quality.fill(ONE_REFINEMENT_ENOUGH)
     solver.weights[:] = weights
 
 
@@ -370,7 +370,7 @@ def refine(solver, indptr, indices, values, rhs, solution):
             size = max(size, solver.weights[i] * abs(solution[i].real))
             change = max(change, solver.weights[i] * abs(solver.residual[i].real))
     solver.quality[0] = change / size if size > 0 else 1.0
-    return change <= TRUSTED_REFINEMENT * size
+    return change <= ONE_REFINEMENT_ENOUGH * size
 
 
 @inner
@@ -381,7 +381,7 @@ def solve_checked(solver, indptr, indices, values, rhs, solution):
     if refine(solver, indptr, indices, values, rhs, solution) or solver.mode[0] == 1:
         return -1
     first = solver.quality[0]
-    if first <= MENDED:
+    if first <= TWO_REFINEMENTS_ENOUGH:
         refine(solver, indptr, indices, values, rhs, solution)
         solver.quality[0] = first
         return -1
@@ -402,8 +402,8 @@ def solve_refined_block(solver, indptr, indices, values, factored, factor, fresh
     found, rest = solver.solution_block, solver.residual_block
     copy_columns(block, found)
     apply_inverse_block(solver, found)
-    times = 0 if fresh and solver.quality[0] <= UNREFINED else 1
-    if solver.mode[0] == 0 and solver.quality[0] > TRUSTED_REFINEMENT:
+    times = 0 if fresh and solver.quality[0] <= NO_REFINEMENT_NEEDED else 1
+    if solver.mode[0] == 0 and solver.quality[0] > ONE_REFINEMENT_ENOUGH:
         times = 2
     for _ in range(times):
         copy_columns(block, rest)

@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 
-WAITING, MOVING = 1 << 40, 1 << 39
+WAITING_MULTIPLIER_DEGREE, CHANGING_UNKNOWN_DEGREE = 1 << 40, 1 << 39
 """Added to the degree of a multiplier whose coordinates are not all gone, and of an unknown whose equation changes."""
 
 
@@ -31,12 +31,12 @@ def minimum_degree(
     neighbours = [set(number[indices[indptr[each[0]] : indptr[each[0] + 1]]].tolist()) - {s} for s, each in enumerate(members)]
     degree = [weight[s] - 1 + sum(weight[t] for t in each) for s, each in enumerate(neighbours)]
     coordinate = [bool(each[0] < n_q) for each in members]
-    late = [MOVING if moving[each[0]] else 0 for each in members]
+    late = [CHANGING_UNKNOWN_DEGREE if moving[each[0]] else 0 for each in members]
     waits = [0 if coordinate[s] else sum(coordinate[t] for t in each) for s, each in enumerate(neighbours)]
     ties = [[t for t in each if not coordinate[t]] if coordinate[s] else [] for s, each in enumerate(neighbours)]
 
     def key(s: int) -> tuple[int, int, int]:
-        return degree[s] + late[s] + (WAITING if waits[s] else 0), int(members[s][0]), s
+        return degree[s] + late[s] + (WAITING_MULTIPLIER_DEGREE if waits[s] else 0), int(members[s][0]), s
 
     queue, gone = [key(s) for s in range(len(members))], [False] * len(members)
     heapify(queue)
@@ -78,7 +78,7 @@ def _coupled_alike(indptr: np.ndarray, indices: np.ndarray, n_q: int, moving: np
 
 SHORTEST_RUN = 4
 """Length from which a run of neighbouring entries is updated as a slice, not entry by entry (measured on a beam)."""
-TOGETHER = 4
+PIVOTS_AT_ONCE = 4
 """Pivots that are eliminated together where they couple to the same unknowns: every entry behind them is then read and written once, not
 four times, which halves the time of dense bodies."""
 
@@ -101,7 +101,7 @@ class LUPlan(NamedTuple):
     run: np.ndarray  # (n,) how many entries of U right behind the diagonal have adjacent columns, 0 if too few
     together: (
         np.ndarray
-    )  # (n,) at the first of TOGETHER pivots the number of runs of adjacent columns behind the last of them, otherwise 0
+    )  # (n,) at the first of PIVOTS_AT_ONCE pivots the number of runs of adjacent columns behind the last of them, otherwise 0
     run_first: np.ndarray  # of each such run the place of its first entry among those behind the last of the pivots
     run_length: np.ndarray
     destination: np.ndarray  # place in `lu` that each update hits, in the order of `factor`; of a run only the first
@@ -211,14 +211,14 @@ def _updates(upper: list[np.ndarray], still: int) -> _Updates:
     while k < n:
         if k == still:
             of_still = sum(map(len, updated)), sum(map(len, first))
-        if _alike(upper, k) and not k < still < k + TOGETHER:
-            behind = upper[k + TOGETHER - 1]
+        if _alike(upper, k) and not k < still < k + PIVOTS_AT_ONCE:
+            behind = upper[k + PIVOTS_AT_ONCE - 1]
             starts = np.flatnonzero(np.diff(behind, prepend=-1) != 1)
             together[k] = len(starts)
             first.append(starts)
             length.append(np.diff(starts, append=len(behind)))
             updated.append(np.add.outer(behind * n, behind[starts]).ravel())
-            k += TOGETHER
+            k += PIVOTS_AT_ONCE
         else:
             run[k] = _run_length(k, upper[k])
             updated.append(np.add.outer(upper[k] * n, _first_of_run(upper[k], run[k])).ravel())
@@ -228,7 +228,7 @@ def _updates(upper: list[np.ndarray], still: int) -> _Updates:
 
 def _alike(upper: list[np.ndarray], pivot: int) -> bool:
     """Whether a pivot and those after it couple to each other and to the same unknowns, of which there are some."""
-    last = pivot + TOGETHER - 1
+    last = pivot + PIVOTS_AT_ONCE - 1
     if last >= len(upper) or len(upper[last]) == 0:
         return False
     return all(len(upper[k]) == len(upper[last]) + last - k and upper[k][0] == k + 1 for k in range(pivot, last))

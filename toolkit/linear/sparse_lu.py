@@ -28,7 +28,7 @@ import numpy as np
 
 from toolkit.foundation.compiled.rows import subtract_multiples
 from toolkit.foundation.kernel import inlined, inner, kernel
-from toolkit.linear.sparse_analysis import TOGETHER, LUPlan
+from toolkit.linear.sparse_analysis import PIVOTS_AT_ONCE, LUPlan
 
 
 class StillPivots(NamedTuple):
@@ -144,10 +144,10 @@ def _eliminate(plan, lu, work, tolerance, first, last, update, run):
             if refused >= 0:
                 return plan.order[refused]
             _eliminate_together(plan, lu, work, k, update, run)
-            end = plan.diagonal[k + TOGETHER - 1]
-            update += plan.together[k] * (plan.row_start[k + TOGETHER] - end - 1)
+            end = plan.diagonal[k + PIVOTS_AT_ONCE - 1]
+            update += plan.together[k] * (plan.row_start[k + PIVOTS_AT_ONCE] - end - 1)
             run += plan.together[k]
-            k += TOGETHER
+            k += PIVOTS_AT_ONCE
             continue
         diagonal, end, length = plan.diagonal[k], plan.row_start[k + 1], plan.run[k]
         if not abs(lu[diagonal].real) > tolerance * work[k].real:  # also true of a NaN; real parts, as they only decide
@@ -169,13 +169,13 @@ def _eliminate(plan, lu, work, tolerance, first, last, update, run):
 
 @inlined
 def _factor_together(plan, lu, work, tolerance, first):
-    """Factor the rows of TOGETHER pivots, whose columns are the same; -1, or the pivot that is refused."""
-    for k in range(first, first + TOGETHER):
+    """Factor the rows of PIVOTS_AT_ONCE pivots, whose columns are the same; -1, or the pivot that is refused."""
+    for k in range(first, first + PIVOTS_AT_ONCE):
         diagonal = plan.diagonal[k]
         if not abs(lu[diagonal].real) > tolerance * work[k].real:
             return k
         lu[diagonal] = 1.0 / lu[diagonal]
-        for row in range(k + 1, first + TOGETHER):
+        for row in range(k + 1, first + PIVOTS_AT_ONCE):
             at = plan.diagonal[row] - (row - k)
             multiple = lu[at] * lu[diagonal]
             lu[at] = multiple
@@ -186,7 +186,7 @@ def _factor_together(plan, lu, work, tolerance, first):
 
 @inlined
 def _eliminate_together(plan, lu, work, first, update, run):
-    """Update all later rows by TOGETHER pivots, two rows at a time.
+    """Update all later rows by PIVOTS_AT_ONCE pivots, two rows at a time.
 
     `update` and `run` count what the pivots before them have used.
     """

@@ -10,7 +10,15 @@ from toolkit.foundation.kernel import kernel
 from toolkit.joints.rows import RowQuantity
 from toolkit.loads.kernels.along import control_along
 from toolkit.loads.kernels.load_kernel import SPATIAL_CURVE
-from toolkit.loads.kernels.measured import TILT, distance, plane_angle, plane_offset, space_angle, space_offset, turn_next_to
+from toolkit.loads.kernels.measured import (
+    AXIS_ANGLE,
+    distance,
+    plane_angle,
+    plane_offset,
+    space_angle,
+    space_offset,
+    turn_next_to,
+)
 from toolkit.loads.load import Acting, AlongAxisLoad, BetweenBodies, BetweenPoints, PlanarLoad, SpatialLoad
 from toolkit.markers.component import AboutAxis, Skeleton
 
@@ -117,7 +125,7 @@ def position_controller(z, w, force, force_z, force_w):
     """u = k_p (s - g) + k_i x - k_d g' along g = e . (r_a - r_b); the angle of the axis e acts like that of body b."""
     control_along(6, plane_offset(z, force, force_z), z, w, force, force_z, force_w)
     for i in range(7):
-        force_z[i, TILT] = force_z[i, 5]
+        force_z[i, AXIS_ANGLE] = force_z[i, 5]
 
 
 @kernel

@@ -10,7 +10,7 @@ from toolkit.curves.polynomial import Constant
 from toolkit.description.description import NotNegative, Positive, Quantity, Scalar
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.kernels.along import friction_along
-from toolkit.loads.kernels.measured import TILT, plane_angle, plane_offset, space_angle, space_offset
+from toolkit.loads.kernels.measured import AXIS_ANGLE, plane_angle, plane_offset, space_angle, space_offset
 from toolkit.loads.load import AlongAxisLoad, BetweenBodies, PlanarLoad, SpatialLoad
 from toolkit.markers.component import AboutAxis, Skeleton
 
@@ -102,7 +102,7 @@ def sliding_friction(z, w, force, force_z, force_w):
     plane_offset(z, force, force_z)
     friction_along(6, z, w, force, force_z, force_w)
     for i in range(6):
-        force_z[i, TILT] = force_z[i, 5]
+        force_z[i, AXIS_ANGLE] = force_z[i, 5]
 
 
 class PlanarTurningFriction(TurningFriction, PlanarLoad):

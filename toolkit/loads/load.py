@@ -11,7 +11,7 @@ from toolkit.foundation.kernel import plain
 from toolkit.joints.joint import AtPoint
 from toolkit.joints.kernels.laws import angle_of
 from toolkit.joints.rows import RowQuantity
-from toolkit.loads.kernels.measured import TILT
+from toolkit.loads.kernels.measured import AXIS_ANGLE
 from toolkit.markers.component import AlongAxis, Component
 
 
@@ -69,7 +69,7 @@ class AlongAxisLoad(AlongAxis, PlanarLoad):
     def with_axis(self, found: list[Scalar]) -> list[Scalar]:
         """Parameters of the law, followed by the angle of the axis."""
         x, y = self.axis
-        return [*found, *[0.0] * (TILT - 6 - len(found)), plain(angle_of)(y, x)]
+        return [*found, *[0.0] * (AXIS_ANGLE - 6 - len(found)), plain(angle_of)(y, x)]
 
 
 class AnySpatialLoad(AnyLoad):

@@ -32,7 +32,7 @@ from toolkit.foundation.kernel import inlined, inner
 from toolkit.kinematics.nodal_rotation import TurnedVector, turn, turned_vector
 from toolkit.kinematics.orientation import Frames, FrameState, frame_state, second_products
 
-POSE = 12
+POSE_NUMBERS = 12
 """Numbers of a pose: four vectors of three components."""
 
 
@@ -64,12 +64,14 @@ class SpatialMarkers(NamedTuple):
         """Memory for the state of the markers."""
         n_m, n_c, n_d = len(self.frame), len(self.coordinate), len(self.design_variable)
         rows = (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 5 + (n_m,) + (n_c,)
-        whole: np.ndarray = np.zeros((sum(rows), POSE), dtype)  # in one piece, of which a processor keeps track in larger pages
+        whole: np.ndarray = np.zeros(
+            (sum(rows), POSE_NUMBERS), dtype
+        )  # in one piece, of which a processor keeps track in larger pages
         numbers: list[Any] = np.split(whole, np.cumsum(rows)[:-1])
         numbers += [
-            np.zeros((n_m, 6, POSE), dtype), np.zeros((4, 4), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
-            np.zeros((12, POSE), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
-            np.zeros((len(self.design_shape), POSE), dtype), turned_vector(dtype), frame_state(self.frames, dtype),
+            np.zeros((n_m, 6, POSE_NUMBERS), dtype), np.zeros((4, 4), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE_NUMBERS), dtype),
+            np.zeros((12, POSE_NUMBERS), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE_NUMBERS), dtype),
+            np.zeros((len(self.design_shape), POSE_NUMBERS), dtype), turned_vector(dtype), frame_state(self.frames, dtype),
         ]  # fmt: skip
         return SpatialMarkerState(*numbers)
 

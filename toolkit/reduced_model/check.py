@@ -14,9 +14,9 @@ from toolkit.reduced_model.dependence import is_thin, listed, places, sparing
 from toolkit.reduced_model.frozen_basis import richer_model
 from toolkit.reduced_model.model import Invariants, ReducedModel, dependence_group, generalized_mass
 from toolkit.reduced_model.parts import (
-    LOCAL,
+    ELEMENT_COORDINATES,
     PAIRS,
-    SPATIAL_LOCAL,
+    SPATIAL_ELEMENT_COORDINATES,
     SPIN_STIFFENING,
     SURFACE_POSITION,
     BeamSections,
@@ -57,7 +57,7 @@ def _pivots_are_positive(matrix: np.ndarray) -> bool:
     return bool(np.array_equal(found.perm_r, found.perm_c) and np.all(found.U.diagonal() > 0))
 
 
-RIGID = 1e-13
+SMALLEST_MASS_EIGENVALUE = 1e-13
 """Smallest eigenvalue of the mass matrix, scaled to a unit diagonal, that is more than round-off; the wing's skin has 1e-7, and with 2000
 elements 4e-13."""
 
@@ -84,7 +84,7 @@ def check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
         entry, difference = listed(abs(sparing(matrix) - sign * sparing(matrix).T))
         if np.any(difference > ROUND_OFF * scales[name].at(entry)):
             refuse(path, f"invariants/{name}", "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
-    if not positive_definite(mass - RIGID * np.eye(len(mass))):
+    if not positive_definite(mass - SMALLEST_MASS_EIGENVALUE * np.eye(len(mass))):
         refuse(
             path,
             f"invariants/{place}",
@@ -149,7 +149,7 @@ def largest(array: np.ndarray) -> EntryScale:
     )
 
 
-PARALLEL = 1e-6
+PARALLEL_SINE = 1e-6
 """Sine of the angle between an element and the axis of its section below which they are parallel."""
 
 
@@ -219,7 +219,7 @@ def _check_beams(model: ReducedModel, path: Path) -> None:
     sides = np.zeros((len(sections.axis), 3))
     sides[:, : model.dimension] = beams.nodes[beams.connectivity[:, 1]] - beams.nodes[beams.connectivity[:, 0]]
     sizes = np.linalg.norm(sides, axis=1) * np.linalg.norm(sections.axis, axis=1)
-    if np.any(np.linalg.norm(np.cross(sides, sections.axis), axis=1) <= PARALLEL * sizes):
+    if np.any(np.linalg.norm(np.cross(sides, sections.axis), axis=1) <= PARALLEL_SINE * sizes):
         refuse(path, "sections/axis", "runs along an element, across which it should lie")
 
 
@@ -321,7 +321,16 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
         It names the file and the group, dataset or attribute.
     """
     check_attributes(model, path)
-    sizes: Sizes = {"2": 2, "3": 3, "4": 4, "6": 6, "u": LOCAL, "w": 1 + LOCAL, "v": SPATIAL_LOCAL, "y": 1 + SPATIAL_LOCAL}
+    sizes: Sizes = {
+        "2": 2,
+        "3": 3,
+        "4": 4,
+        "6": 6,
+        "u": ELEMENT_COORDINATES,
+        "w": 1 + ELEMENT_COORDINATES,
+        "v": SPATIAL_ELEMENT_COORDINATES,
+        "y": 1 + SPATIAL_ELEMENT_COORDINATES,
+    }
     fit_all(path, "invariants", model.invariants, sizes)
     if "invariants" not in before:
         check_matrices(model.invariants, path)

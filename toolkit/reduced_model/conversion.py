@@ -42,7 +42,7 @@ ITEMS: dict[str, Dimension] = {
     "force": LENGTH.power(2), "moment": LENGTH.power(3),
 }  # fmt: skip
 """Dimension of every array, for elastic coordinates that are numbers; rows of `recovery` are lengths and angles in turn."""
-CANCELLED = 1e-9
+CANCELLED_SUM = 1e-9
 """Sum of motions in parts of their magnitudes that round-off leaves of a sum that is zero."""
 POLYNOMIALS = ("position", "rotation")
 """Arrays of an interface point whose first axis counts powers of the arc length."""
@@ -190,7 +190,7 @@ def _moving(model: ReducedModel) -> np.ndarray:
 def _shifting(moved: np.ndarray) -> np.ndarray:
     """Which elastic coordinates of spatial beams move nodes and do not only turn them, (n_points, 3, n_f) -> (n_f,)."""
     whole = np.abs(moved).sum(axis=(0, 1))
-    return np.abs(moved.sum(axis=0)).max(axis=0) > CANCELLED * whole
+    return np.abs(moved.sum(axis=0)).max(axis=0) > CANCELLED_SUM * whole
 
 
 def _derivatives(found: Derivatives, scale: np.ndarray, parameter: np.ndarray) -> Derivatives:

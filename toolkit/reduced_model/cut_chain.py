@@ -26,7 +26,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import clusters, told_apart
 from toolkit.reduced_model.parts import Elements, SpatialElements
 
-ON_NODE = 1e-9
+NODE_DISTANCE = 1e-9
 """A point closer to a node than this part of its element is on the node."""
 
 
@@ -97,9 +97,9 @@ def place_of(elements: Elements | SpatialElements, position: np.ndarray, what: s
     inside = np.clip(np.real(ratio), 0.0, 1.0)
     away = np.real(position - ends[:, 0]) - inside[:, None] * np.real(side)
     distance = np.sum(away * away, axis=1) / np.real(square)
-    near = np.flatnonzero(distance <= distance.min() + ON_NODE)
+    near = np.flatnonzero(distance <= distance.min() + NODE_DISTANCE)
     nodes = elements.connectivity[near, np.round(inside[near]).astype(int)]
-    at_node = np.abs(inside[near] - np.round(inside[near])) <= ON_NODE
+    at_node = np.abs(inside[near] - np.round(inside[near])) <= NODE_DISTANCE
     if len(near) > 1 and not (np.all(at_node) and np.all(nodes == nodes[0])):
         raise InputError(
             f"{what} lies on elements {near[0]} and {near[-1]} of the body at once, so that nobody knows which of its parts holds the "
@@ -107,10 +107,10 @@ def place_of(elements: Elements | SpatialElements, position: np.ndarray, what: s
         )
     element = int(near[0])
     end = round(float(inside[element]))
-    if abs(inside[element] - end) > ON_NODE:
+    if abs(inside[element] - end) > NODE_DISTANCE:
         return ChainPlace(element, ratio[element])
     moved = max(np.abs(np.imag(position)).max(), np.abs(np.imag(ends[element])).max()) / np.sqrt(np.real(square[element]))
-    if abs(np.imag(ratio[element])) > ON_NODE * moved:
+    if abs(np.imag(ratio[element])) > NODE_DISTANCE * moved:
         raise InputError(
             f"{what} lies at a node of the body, between elements: with several floating frames its place along the body has no derivative "
             "there. Move the point off the node, or leave `frames` out."
@@ -118,7 +118,7 @@ def place_of(elements: Elements | SpatialElements, position: np.ndarray, what: s
     return ChainPlace(element, float(end))
 
 
-NONE = 1e-9
+UNMOVED_PART = 1e-9
 """Part of the strongest motion of a mode below which that of a coordinate is round-off: beams that bend do not stretch."""
 
 
@@ -181,13 +181,13 @@ def _inner_shapes(stiffness: np.ndarray, mass: np.ndarray, weights: np.ndarray, 
     shapes, sizes = _modes(stiffness, mass, count), np.sqrt(np.diag(mass))
     n_modes = shapes.shape[1]
     for bent in _solved(stiffness, weights).T:
-        known = NONE**2 * (bent @ mass @ bent)
+        known = UNMOVED_PART**2 * (bent @ mass @ bent)
         for _ in range(2):  # once leaves round-off of the part that is taken out
             bent = bent - shapes @ (shapes.T @ (mass @ bent))
         if (square := bent @ mass @ bent) > known:
             shapes = np.column_stack([shapes, bent / np.sqrt(square)])
     moves = sizes[:, None] * np.abs(shapes)
-    return np.where(moves > NONE * moves.max(axis=0, initial=0.0), shapes, 0.0), shapes.shape[1] - n_modes
+    return np.where(moves > UNMOVED_PART * moves.max(axis=0, initial=0.0), shapes, 0.0), shapes.shape[1] - n_modes
 
 
 def _modes(stiffness: np.ndarray, mass: np.ndarray, count: int) -> np.ndarray:

@@ -53,9 +53,9 @@ from toolkit.reduced_model.parts import (
 if TYPE_CHECKING:
     from toolkit.foundation.value_types import Matrix, Scalar
 
-SHORT = 1e-3
+SHORTEST_CHORD = 1e-3
 """Distance of the ends of a part in parts of its length, below which no chord leads from one to the other."""
-WORTH = 10_000
+SEARCHED_MATRIX_SIZE = 10_000
 """Numbers of a matrix C that is worth the search for those that are not zero: it stands on both sides of many sums."""
 
 
@@ -151,11 +151,11 @@ class Sums:
 
     def moment(self, blocks: np.ndarray) -> np.ndarray:
         """Sum of blocks (n_e, 1 + 2 per_node, ..) on the undeformed shape and the elastic coordinates."""
-        return _between(sparing(self.z, WORTH), blocks[self.own], self.whole)
+        return _between(sparing(self.z, SEARCHED_MATRIX_SIZE), blocks[self.own], self.whole)
 
     def square(self, blocks: np.ndarray) -> np.ndarray:
         """Sum of symmetric blocks (n_e, 2 per_node, ..) on the elastic coordinates, symmetric."""
-        return symmetric(_between(sparing(self.psi, WORTH), blocks[self.own], self.where))
+        return symmetric(_between(sparing(self.psi, SEARCHED_MATRIX_SIZE), blocks[self.own], self.where))
 
     def first_moment(self, blocks: np.ndarray) -> np.ndarray:
         """Sum of blocks (n_e, d, 1 + 2 per_node) on the undeformed shape and the elastic coordinates."""
@@ -185,7 +185,7 @@ def chord_of_part(nodes: np.ndarray, first: int, last: int) -> np.ndarray:
     """
     chord, sides = nodes[-1] - nodes[0], np.real(np.diff(nodes, axis=0))
     length = np.sqrt(chord @ chord)
-    if np.real(length) <= SHORT * np.sqrt((sides * sides).sum(axis=1)).sum():
+    if np.real(length) <= SHORTEST_CHORD * np.sqrt((sides * sides).sum(axis=1)).sum():
         raise InputError(
             f"the part of a flexible body from node {first} to node {last} begins where it ends, so that its frame has no chord to "
             "turn with. Write other `frames`."

@@ -13,15 +13,17 @@ import scipy
 if TYPE_CHECKING:
     from toolkit.foundation.value_types import Matrix
 
-LARGE = 1_000_000
+SEARCHED_ARRAY_SIZE = 1_000_000
 """Numbers of an array that is worth the search for those that are not zero."""
-SPARSE = 0.05
+SPARSE_PART = 0.05
 """Part of them that is not zero, below which an array is thin."""
 
 
 def is_thin(array: np.ndarray, large: int | None = None) -> bool:
     """Whether an array is large, with at least `large` numbers, and zero nearly everywhere."""
-    return array.size >= (LARGE if large is None else large) and bool(np.count_nonzero(array) < SPARSE * array.size)
+    return array.size >= (SEARCHED_ARRAY_SIZE if large is None else large) and bool(
+        np.count_nonzero(array) < SPARSE_PART * array.size
+    )
 
 
 def sparing(array: np.ndarray, large: int | None = None) -> Matrix:
@@ -55,9 +57,9 @@ def places(array: np.ndarray, *others: np.ndarray) -> np.ndarray:
     return np.unique(np.concatenate([np.flatnonzero(array), *others]))
 
 
-FEW = 0.5
+SELECTED_PART = 0.5
 """Part of an array's places below which it is evaluated there alone."""
-SMALL = 10_000
+ENTRIES_AT_ONCE = 10_000
 """Entries of all polynomials that are evaluated at once: of more, what a call of numpy costs beside its work is nothing."""
 
 
@@ -196,7 +198,7 @@ def told_of(
     filled = [] if polynomial is None else [polynomial.entry]
     here = np.unique(np.concatenate([np.flatnonzero(nominal), *filled, *(entry for entry, _ in tangents.values())]))
     stepped = polynomial is not None and polynomial.depends_on_any(steps)
-    if len(here) > FEW * nominal.size:
+    if len(here) > SELECTED_PART * nominal.size:
         return Told(slice(None), nominal.ravel(), polynomial, dict(tangents), stepped)
     fewer = None if polynomial is None else polynomial.on(here)
     tangents = {k: (np.searchsorted(here, entry), value) for k, (entry, value) in tangents.items()}

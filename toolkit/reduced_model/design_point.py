@@ -12,7 +12,7 @@ import numpy as np
 from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.foundation.itself import Itself
 from toolkit.reduced_model.dependence import (
-    SMALL,
+    ENTRIES_AT_ONCE,
     Derivatives,
     Slopes,
     SparsePolynomial,
@@ -29,7 +29,7 @@ from toolkit.reduced_model.parts import BeamSections, SpatialInvariants
 if TYPE_CHECKING:
     from toolkit.foundation.value_types import Matrix, Scalar
 
-KEPT = 8
+REMEMBERED_DESIGN_POINTS = 8
 """Design points that are kept with what was evaluated there: complex steps in other numbers of a scene ask for the same ones again."""
 
 
@@ -244,7 +244,7 @@ class DesignPoint:
         """Joint polynomial of an item and others; of the item alone if all are too large together."""
         wanted = {} if others is None else {name: self.model.told[self.kind, name] for name in others.places}
         wanted[item] = told
-        if sum(0 if each.polynomial is None else len(each.polynomial.entry) for each in wanted.values()) > SMALL:
+        if sum(0 if each.polynomial is None else len(each.polynomial.entry) for each in wanted.values()) > ENTRIES_AT_ONCE:
             return Together.of({item: told})
         found = self.model.told[self.kind, told.complex] = Together.of(wanted)
         return found
@@ -305,7 +305,7 @@ def design_at(model: ReducedModel, values: Mapping[str, Scalar], first_order: bo
     return _design_at(Itself(model), tuple(values.items()), first_order)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=REMEMBERED_DESIGN_POINTS)
 def _design_at(same: Itself[ReducedModel], values: tuple[tuple[str, Scalar], ...], first_order: bool) -> DesignPoint:
     return DesignPoint(same.item, dict(values), first_order)
 

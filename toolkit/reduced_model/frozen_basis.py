@@ -24,9 +24,9 @@ RICHER_PARTS = (
     "richer_surface_loads",
 )
 """Parts of a reduced model that hold the body in more shapes."""
-SCALED = 1e-6
+PROPORTIONAL_TOLERANCE = 1e-6
 """Part of the derivative of a matrix that is not along the matrix itself, up to which the parameter scales it."""
-COUPLED = 1e-9
+UNCOUPLED_ENTRY = 1e-9
 """Entry of such a matrix, measured by those on its diagonal, up to which it is the round-off of none."""
 STEP = 1e-30
 """Imaginary step of a parameter, in parts of it."""
@@ -84,7 +84,7 @@ def _apart(matrices: list[np.ndarray]) -> np.ndarray:
     """Number of the group of each coordinate (n_f,); groups, such as stretching and bending, are not coupled."""
     from scipy.sparse.csgraph import connected_components  # which a run without frozen bases need not import
 
-    coupled = np.any([np.abs(_measured(matrix, matrix)) > COUPLED for matrix in matrices], axis=0)
+    coupled = np.any([np.abs(_measured(matrix, matrix)) > UNCOUPLED_ENTRY for matrix in matrices], axis=0)
     found: np.ndarray = connected_components(coupled)[1]
     return found
 
@@ -101,7 +101,7 @@ def _scaled(matrix: np.ndarray, change: np.ndarray, group: np.ndarray) -> bool:
     for each in np.unique(group):
         own = np.ix_(group == each, group == each)
         moved[own] -= np.sum(moved[own] * size[own]) / np.sum(size[own] ** 2) * size[own]
-    return bool(np.linalg.norm(moved) <= SCALED * np.linalg.norm(size))
+    return bool(np.linalg.norm(moved) <= PROPORTIONAL_TOLERANCE * np.linalg.norm(size))
 
 
 def _measured(matrix: np.ndarray, by: np.ndarray) -> np.ndarray:

@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import numpy as np
 
-LOCAL = 6
+ELEMENT_COORDINATES = 6
 """Coordinates of an element: displacements x, y and the rotation of its first node, then of its second, in the axes of the model."""
-SPATIAL_LOCAL = 12
+SPATIAL_ELEMENT_COORDINATES = 12
 """The same in space: displacements along and rotations about x, y and z of its first node, then of its second."""
-STILL = 1e-9
+UNMOVED_PART = 1e-9
 """Part of the largest movement of a node below which it is round-off: clamped nodes of computed shapes move by some."""
 
 
@@ -49,7 +49,7 @@ class Elements:
         if mesh is None:
             return np.zeros(0, int)
         moved: np.ndarray = mesh.recovery[:, 1:].reshape(len(mesh.nodes), -1)
-        return np.flatnonzero(np.abs(moved).max(axis=1, initial=0.0) <= STILL * np.abs(moved).max(initial=0.0))
+        return np.flatnonzero(np.abs(moved).max(axis=1, initial=0.0) <= UNMOVED_PART * np.abs(moved).max(initial=0.0))
 
     def shapes(self, mesh: Mesh | None) -> np.ndarray | None:
         """Nodal coordinates per elastic coordinate of the whole body, (3 n_nodes, n_f); None if they were not stored."""
@@ -79,7 +79,7 @@ class SpatialElements:
         if not len(self.held):
             return None
         count = len(self.nodes)
-        free = np.repeat(~np.isin(np.arange(count), self.held), SPATIAL_LOCAL // 2)
+        free = np.repeat(~np.isin(np.arange(count), self.held), SPATIAL_ELEMENT_COORDINATES // 2)
         found: np.ndarray = np.eye(len(free))[:, free]
         return found
 

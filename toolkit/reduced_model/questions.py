@@ -47,9 +47,9 @@ BANDS = {
 """Beginnings of the names of parameters, and what they can be."""
 IN_SI = {"mm-t-s": {"stress": 1e6, "density": 1e12}, "m-kg-s": {"stress": 1.0, "density": 1.0}}
 """Unit system -> quantity -> its unit in SI units."""
-BEYOND = 100.0
+IMPOSSIBLE_FACTOR = 100.0
 """How many times beyond all that is known a number is no material's at all."""
-STIFFEST = 1e9
+LARGEST_SPECIFIC_MODULUS = 1e9
 """Modulus over density, in m^2/s^2, that nothing exceeds: diamond has 3.3e8, where sound goes 18 km/s, carbon nanotubes 8e8."""
 SOFTEST = {2500.0: 1e9, 1600.0: 5e5}
 """Density in kg/m^3 above which no material is softer than that many Pa: metals, stones and ceramics (lead has 1.6e10), filled rubbers."""
@@ -95,7 +95,7 @@ def _within(band: Band, value: float, units: str) -> bool:
 
 def _beyond(band: Band, value: float, units: str) -> bool:
     low, high = band.extreme
-    return not low / BEYOND <= value * IN_SI[units][band.quantity] <= high * BEYOND
+    return not low / IMPOSSIBLE_FACTOR <= value * IN_SI[units][band.quantity] <= high * IMPOSSIBLE_FACTOR
 
 
 def _is_metal(kind: str, name: str, values: Mapping[str, float], units: str) -> bool:
@@ -134,7 +134,7 @@ def _pairs(values: Mapping[str, float], units: str, where: str) -> Iterator[Caut
             continue
         E_si, rho_si = value * IN_SI[units]["stress"], rho * IN_SI[units]["density"]
         told = f"{where}.{name} = {value:g} {unit(units, 'stress')} with a density of {rho:g} {unit(units, 'density')}"
-        if E_si > STIFFEST * rho_si:
+        if E_si > LARGEST_SPECIFIC_MODULUS * rho_si:
             why = f"stiffer for its weight than any material. {_reading(density, rho, units)}"
             yield Caution("unit-of-density", f"{told}: {why}")
             return
@@ -154,14 +154,14 @@ def misread_metal(modulus: float, density: float) -> str | None:
     return None
 
 
-COARSE = 0.15
+COARSE_STRESS_ERROR = 0.15
 """Error in the energy norm above which a mesh is questioned.
 
 Where the exact stress is known, with quadratic elements, the largest stress is then off by a tenth or more; estimates of meshes with few
 linear elements are too small by up to a half."""
 
 
-TOO_STIFF = 0.25
+COARSE_ENERGY_ERROR = 0.25
 """The same above which displacements and frequencies are questioned too: the energy is off by its square, a twentieth and more."""
 
 
@@ -198,7 +198,7 @@ def mesh_record(model: ReducedModel) -> Record | None:
     }
 
 
-def mesh_questions(model: ReducedModel, where: str, doubt: bool = False, limit: float = COARSE) -> Iterator[Caution]:
+def mesh_questions(model: ReducedModel, where: str, doubt: bool = False, limit: float = COARSE_STRESS_ERROR) -> Iterator[Caution]:
     """Caution about a mesh that is too coarse, for its stress or by another limit."""
     worst = worst_case(model)
     if worst is not None and worst[1] > limit:
@@ -224,7 +224,7 @@ def _place(model: ReducedModel) -> str:
 
 EXTREMES = ("least", "largest")
 """Names among `ReducedModel.face_errors` of those under any forces and moments at once; all others are of one force or moment each."""
-LIMIT = 0.05
+LOCKING_ERROR = 0.05
 """Error of displacements above which faces are questioned."""
 
 
@@ -254,10 +254,11 @@ def face_record(model: ReducedModel) -> Record | None:
 
 def face_questions(model: ReducedModel, where: str, doubt: bool = False) -> Iterator[Caution]:
     """Caution about faces between pieces whose error is too large."""
-    if max((abs(error) for error in model.face_errors.values()), default=0.0) > LIMIT:
+    if max((abs(error) for error in model.face_errors.values()), default=0.0) > LOCKING_ERROR:
         yield Caution(
             "faces-of-pieces",
-            f"{where}: {told_faces(model)}: more than {LIMIT:.0%}. Cut it into fewer or longer pieces; those with averaged and with rigid "
+            f"{where}: {told_faces(model)}: more than {LOCKING_ERROR:.0%}. Cut it into fewer or longer pieces; those with "
+            "averaged and with rigid "
             "faces have the truth between them.",
             doubt,
         )
@@ -269,7 +270,7 @@ LEAST = {
     "diameter": TINY, "wall": TINY, "area": TINY, "I_y": TINY, "I_z": TINY, "I_p": TINY, "J": TINY,
 }  # fmt: skip
 """Least value of parameters of reduced models by the beginnings of their names; others, such as the height of a bump, have none."""
-SWAPPED = 1.2
+SWAPPED_SIDES_RATIO = 1.2
 """Ratio of the sides of a rectangle up to which the formula for its torsion, which knows the shorter one at the nominal design, is right
 to 0.4 % where this one has become the longer."""
 
@@ -307,7 +308,7 @@ def check_parameters(values: Mapping[str, Scalar], nominal: Mapping[str, float],
             )
     for thickness, width in _mates(real, here, "thickness", "width") if dimension == 3 else ():
         sides, built = (each[thickness] / each[width] for each in (here, {**here, **nominal}))
-        if (sides if built <= 1 else 1 / sides) > SWAPPED:
+        if (sides if built <= 1 else 1 / sides) > SWAPPED_SIDES_RATIO:
             raise InputError(
                 f"{where}: with {thickness} = {here[thickness]:g} and {width} = {here[width]:g} the side is the longer one that was "
                 f"the shorter when the reduced model was built ({nominal[thickness]:g} and {nominal[width]:g}); its formula for torsion "

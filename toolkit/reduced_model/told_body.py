@@ -60,9 +60,9 @@ NAMES = {
     "pyramid": ("pyramid", "pyramids"),
 }
 """Beginning of a kind of elements -> what one and what several are called."""
-NOWHERE_ELSE = 1e-5
+ZERO_COORDINATE = 1e-5
 """Part of the body's radius of gyration below which a coordinate is told as zero."""
-POINTS_IN_LINE = 4
+MOST_NAMED_POINTS = 4
 """Interface points that the one line names; the others are counted."""
 
 
@@ -124,11 +124,11 @@ def _kind(kind: str, number: int) -> str:
 
 def _points_in_line(summary: BodySummary) -> Iterator[str]:
     points = list(summary["interface_points"].items())
-    for name, point in points[:POINTS_IN_LINE]:
+    for name, point in points[:MOST_NAMED_POINTS]:
         nodes = "" if point["nodes"] is None else f", {_count(point['nodes'])}"
         yield f"{name} at {told_place(point['position'], summary)}{nodes}"
-    if len(points) > POINTS_IN_LINE:
-        yield f"and {len(points) - POINTS_IN_LINE} more interface points"
+    if len(points) > MOST_NAMED_POINTS:
+        yield f"and {len(points) - MOST_NAMED_POINTS} more interface points"
 
 
 def _told_nodes(each: NodesRecord | PointRecord, summary: BodySummary) -> str:
@@ -153,5 +153,5 @@ def told_place(position: Sequence[float], summary: BodySummary, digits: int = 6)
     """Coordinates in words, such as "(4, 0.5, 0.25)"; those far below the size of the body are 0."""
     inertia = summary["inertia"]
     moment = sum(inertia[k][k] for k in range(3)) / 2 if isinstance(inertia, list) else inertia
-    least = NOWHERE_ELSE * sqrt(max(moment, 0.0) / summary["mass"])
+    least = ZERO_COORDINATE * sqrt(max(moment, 0.0) / summary["mass"])
     return f"({', '.join(f'{x if abs(x) > least else 0.0:.{digits}g}' for x in position)})"

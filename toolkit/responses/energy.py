@@ -96,7 +96,7 @@ def _add_changes_of_strains(
     np.add.at(design, changes.variable, np.real(change))
 
 
-INSTANTS, FEW = 40, 3
+INSTANTS, DEFORMED_INSTANTS = 40, 3
 """A quantity is looked at in so many instants, evenly spread over the motion; forces of what is deformed in few."""
 
 
@@ -138,7 +138,7 @@ def _elastic(solution: Solution) -> float:
         return 0.0
     if _elastic not in solution.known:
         law, weights = StrainEnergy(), solution.system.weights[: solution.system.n_q]
-        found = [law.at(solution, step).q for step in spread(len(solution.times) - 1, FEW)]
+        found = [law.at(solution, step).q for step in spread(len(solution.times) - 1, DEFORMED_INSTANTS)]
         forces = [np.real(each) / weights for each in found if each is not None]
         solution.known[_elastic] = float(np.abs(forces).max(initial=0.0))
     largest: float = solution.known[_elastic]

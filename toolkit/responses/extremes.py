@@ -25,7 +25,7 @@ import numpy as np
 
 from toolkit.description.description import OF_OWNER, Positive, Quantity
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.near_ties import SAME, first_largest
+from toolkit.foundation.near_ties import RESULT_TIE_BAND, first_largest
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.local_stress import stress_places
 from toolkit.responses.over_time import OfTable, over_all_steps
@@ -144,13 +144,13 @@ class TimeKS(Extreme):
 
 def _first(values: np.ndarray) -> tuple[Scalar, np.ndarray]:
     """The largest value, of equal ones the first, and weight one at its place."""
-    place = first_largest(np.real(values), SAME)
+    place = first_largest(np.real(values), RESULT_TIE_BAND)
     return values[place], (np.arange(len(values)) == place).astype(float)
 
 
-TIED = 1e-6
+TIED_PEAKS = 1e-6
 """Part of the largest magnitude by which peaks may differ and still be one value: what steps leave of peaks that are equal, about."""
-JUMP = 0.1
+DERIVATIVE_JUMP = 0.1
 """Part of the larger derivative by which derivatives of tied peaks may differ without a word, as of other errors of gradients."""
 
 
@@ -172,7 +172,7 @@ def _tied_extreme(name: str, response: TimeMax | TimeMin, solution: Solution) ->
         return
     signs = np.sign(values[tied]) if absolute else np.ones(len(tied))
     slopes = np.array([sign * slope_at(look(int(step)), solution, int(step)) for sign, step in zip(signs, tied, strict=True)])
-    jumps = np.ptp(slopes, axis=0) > JUMP * np.abs(slopes).max(axis=0)
+    jumps = np.ptp(slopes, axis=0) > DERIVATIVE_JUMP * np.abs(slopes).max(axis=0)
     for x, variable in enumerate(solution.system.design.names):
         if jumps[x]:
             first, other = (int(k) for k in (0, np.argmax(np.abs(slopes[:, x] - slopes[0, x]))))
@@ -187,13 +187,13 @@ def _tied_extreme(name: str, response: TimeMax | TimeMin, solution: Solution) ->
 def tied_peaks(height: np.ndarray) -> np.ndarray:
     """Numbers of the highest values (n_t,), of those that lie beside each other the first."""
     size = np.abs(height).max(initial=0.0)
-    tops = np.flatnonzero(height >= height.max(initial=-np.inf) - TIED * size)
-    low = height.max() - 10 * TIED * size
+    tops = np.flatnonzero(height >= height.max(initial=-np.inf) - TIED_PEAKS * size)
+    low = height.max() - 10 * TIED_PEAKS * size
     apart = np.array([True, *(height[a : b + 1].min() < low for a, b in pairwise(tops))])
     return tops[apart]
 
 
-LOOSE = 0.05
+SMOOTH_MAXIMUM_EXCESS = 0.05
 """Part of the largest value by which a smooth maximum may exceed it without a word, as of other errors of a response."""
 
 
@@ -207,8 +207,8 @@ def loose_maxima(solution: Solution) -> Iterator[Caution]:
         considered = _values(response, solution)
         largest = float(considered.max())
         above = float(np.log(np.sum(np.exp(response.sharpness * (considered - largest))))) / response.sharpness
-        if above > LOOSE * abs(largest):
-            sharp = np.log(considered.size) / (LOOSE / 5 * abs(largest)) if largest else np.inf
+        if above > SMOOTH_MAXIMUM_EXCESS * abs(largest):
+            sharp = np.log(considered.size) / (SMOOTH_MAXIMUM_EXCESS / 5 * abs(largest)) if largest else np.inf
             yield Caution(
                 "loose-maximum",
                 f"{name} is a smooth maximum of {considered.size} values, {largest + above:.4g}, and lies {above:.3g} above the largest of "
@@ -228,7 +228,7 @@ def _values(response: KSStress | TimeKS, solution: Solution) -> np.ndarray:
     return np.real(response.considered(over_all_steps(response.source, solution)))
 
 
-MISSED = 0.042
+MISSED_PEAK = 0.042
 """Part of the largest magnitude by which a peak may be missed without a word: the same as of other errors by the length of steps."""
 
 
@@ -238,7 +238,7 @@ def missed_peaks(solution: Solution) -> Iterator[Caution]:
         return
     for name, response in solution.system.scene.responses.items():
         missed = missed_part(solution.times, np.array(list(_curves(response, solution))))
-        if missed > MISSED:
+        if missed > MISSED_PEAK:
             yield Caution(
                 "missed-peak",
                 f"{name} is the largest (or least) of the values at the steps, and between them is one that is about {missed:.1%} beyond. "
@@ -267,7 +267,7 @@ def changes_at_peaks(solution: Solution) -> dict[str, dict[str, float]]:
     for name, response in solution.system.scene.responses.items():
         if isinstance(response, TimeMax | TimeMin) or (isinstance(response, MaxStress) and response.when == "all"):
             heights, slopes = _peaked(response, solution)
-            step = int(first_largest(heights, SAME))
+            step = int(first_largest(heights, RESULT_TIE_BAND))
             weights = _weights_at_vertex(solution.times[step - 1 : step + 2], heights[step - 1 : step + 2]) if step else None
             if weights is not None:
                 around = np.array([slopes(step + k) for k in (-1, 0, 1)])
@@ -286,13 +286,15 @@ def _peaked(response: TimeMax | TimeMin | MaxStress, solution: Solution) -> tupl
     """Curve (n_t,) whose largest value an extreme is, apart from its sign, and the derivatives (n_x,) of the extreme at a step."""
     if isinstance(response, MaxStress):
         components, stress = response.components(solution), np.real(response.considered(solution))
-        column = int(first_largest(stress.ravel(), SAME)) % stress.shape[1]
+        column = int(first_largest(stress.ravel(), RESULT_TIE_BAND)) % stress.shape[1]
         return stress[:, column], lambda step: _slope(response, solution, components, (step, column))
     look, values = response.source.instants(solution), np.real(over_all_steps(response.source, solution))
     if isinstance(response, TimeMin):
         return -values, lambda step: slope_at(look(step), solution, step)
     sign = (
-        np.sign(values[first_largest(response.considered(values), SAME) % len(values)]) if response.measure == "absolute" else 1.0
+        np.sign(values[first_largest(response.considered(values), RESULT_TIE_BAND) % len(values)])
+        if response.measure == "absolute"
+        else 1.0
     )
     return sign * values, lambda step: sign * slope_at(look(step), solution, step)
 
@@ -346,12 +348,12 @@ def _curves(response: object, solution: Solution) -> Iterator[np.ndarray]:
         yield considered[:, int(np.argmax(considered.max(axis=0)))]
 
 
-LOOKED_AT = 8
+MOST_PLACES = 8
 """Largest number of places of one stress that are looked at, as each asks for a derivative of its own."""
-NEAR, APART = 0.01, 0.1
+NEARLY_LARGEST, DISTANT_PLACE = 0.01, 0.1
 """Part of the stress by which a place, so far away in parts of the body's extent, may be stressed less without a remark: what a mesh or a
 basis leaves open of it, so that the largest may be there."""
-UNFELT = 1e-3
+UNIMPORTANT_EFFECT = 1e-3
 """Part of the stress by which a variable has to change it, if it changes by all of itself, for a jump to be worth a word."""
 
 
@@ -374,16 +376,17 @@ def _tied_stress(name: str, response: MaxStress, solution: Solution) -> Iterator
     words = [_where(response, solution, instant, column % components.shape[1]) for instant, column in places]
     for x, variable in enumerate(solution.system.design):
         size = abs(variable.value) or (solution.system.scene.size if variable.path.startswith("points.") else 1.0)
-        if np.ptp(slopes[:, x]) > max(JUMP * np.abs(slopes[:, x]).max(), UNFELT * stress.max() / size):
+        if np.ptp(slopes[:, x]) > max(DERIVATIVE_JUMP * np.abs(slopes[:, x]).max(), UNIMPORTANT_EFFECT * stress.max() / size):
             k = int(np.argmax(np.abs(slopes[:, x] - slopes[0, x])))
             below = 1 - stress[places[k]] / stress.max()
             yield Caution(
                 "tied-extreme",
-                f"the derivative of {name} by {variable.name} jumps {'here' if below <= TIED else 'near here'}, as the stress of "
-                f"{response.body} is {'the same' if below <= TIED else f'but {below:.1g} of itself larger'} {words[0]} "
-                f"{'as' if below <= TIED else 'than'} {words[k]}: {slopes[0, x]:.4g} by the first, {slopes[k, x]:.4g} by the other one. "
+                f"the derivative of {name} by {variable.name} jumps {'here' if below <= TIED_PEAKS else 'near here'}, as the stress of "
+                f"{response.body} is {'the same' if below <= TIED_PEAKS else f'but {below:.1g} of itself larger'} {words[0]} "
+                f"{'as' if below <= TIED_PEAKS else 'than'} {words[k]}: {slopes[0, x]:.4g} by the first, {slopes[k, x]:.4g} by "
+                "the other one. "
                 "Ask for the stress at one of these places (stress-at-point), or for a smooth maximum (ks-stress).",
-                doubt=bool(below <= TIED),
+                doubt=bool(below <= TIED_PEAKS),
             )
 
 
@@ -392,7 +395,7 @@ def _tied(stress: np.ndarray) -> list[tuple[int, int]]:
     largest = stress.max()
     if not largest > 0:
         return []
-    columns = np.flatnonzero(stress.max(axis=0) >= (1 - TIED) * largest)[:LOOKED_AT]
+    columns = np.flatnonzero(stress.max(axis=0) >= (1 - TIED_PEAKS) * largest)[:MOST_PLACES]
     return [(int(np.argmax(stress[:, column])), int(column)) for column in columns]
 
 
@@ -405,11 +408,11 @@ def _nearly_tied(response: MaxStress, solution: Solution, stress: np.ndarray) ->
         return []
     first = int(np.argmax(highest))
     places = np.resize(place, (len(highest), place.shape[1]))  # again, where the opposite sign counts too
-    far = np.linalg.norm(places - places[first], axis=1) > APART * np.ptp(place, axis=0).max()
+    far = np.linalg.norm(places - places[first], axis=1) > DISTANT_PLACE * np.ptp(place, axis=0).max()
     if not far.any():
         return []
     column = int(np.argmax(np.where(far, highest, -np.inf)))
-    near = (1 - NEAR) * highest[first] <= highest[column] < (1 - TIED) * highest[first]
+    near = (1 - NEARLY_LARGEST) * highest[first] <= highest[column] < (1 - TIED_PEAKS) * highest[first]
     return [(int(np.argmax(stress[:, column])), column)] if near else []
 
 

@@ -20,9 +20,9 @@ import numpy as np
 import scipy
 
 from toolkit.foundation.verdict import Caution
-from toolkit.responses.pencil import SAME, Pencil, find_vibration, free_pencil, pencil_of, real_pencil, spinning_pencil
+from toolkit.responses.pencil import REPEATED_ROOTS, Pencil, find_vibration, free_pencil, pencil_of, real_pencil, spinning_pencil
 from toolkit.responses.vibration import DampingRatio, Frequency, OfVibration, any_pencil_of, free_spin
-from toolkit.solvers.free_motions import ROUND_OFF, UNSYMMETRIC, all_roots, is_symmetric_everywhere, refined
+from toolkit.solvers.free_motions import ROUND_OFF, UNSYMMETRIC_PART, all_roots, is_symmetric_everywhere, refined
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.static.static_matrix import StaticArray, largest_entry, whole_array
 from toolkit.system.solution import Solution
@@ -35,12 +35,12 @@ if TYPE_CHECKING:
 
 UNSTABLE = "unstable-vibration"
 """Code of what is told."""
-GROWS = 1e-5
+LEAST_GROWTH = 1e-5
 """Growth, a part of |s|, below which a vibration counts as one that stays: it needs ten thousand cycles to become twice as large."""
-HOLDS = 0.01
+GROWTH_HELD_BY_DAMPING = 0.01
 """Growth, a part of |s|, up to which the damping of what is real holds a vibration of a scene that has none: a square shaft under any
 torque about a fixed axis flutters without damping (Nicolai), by 0.6 % where its shear stress is 60 MPa, and stands still in fact."""
-SLOWEST = 60
+SLOWEST_VIBRATIONS = 60
 """Number of undamped vibrations that are looked at: what flutters is slow, and the cost goes with the cube of the number."""
 
 
@@ -60,11 +60,11 @@ class Growth(NamedTuple):
     @property
     def doubtful(self) -> bool:
         """Whether a real structure would grow too: the scene has dampers, or the growth exceeds what small damping holds."""
-        return self.damped or self.part > HOLDS
+        return self.damped or self.part > GROWTH_HELD_BY_DAMPING
 
     def told(self, state: str) -> str:
         """Message about how the vibration or disturbance grows; `state` is what the message calls the state."""
-        if self.s.imag <= SAME * abs(self.s):
+        if self.s.imag <= REPEATED_ROOTS * abs(self.s):
             return f"a small disturbance of this {state} grows like exp({self.s.real:.4g} t), so that nothing comes to rest here."
         larger = np.exp(2 * np.pi * self.s.real / self.s.imag)
         held = "" if self.doubtful else f" The scene has no damping, and {self.part:.1%} of the critical one would hold it."
@@ -122,7 +122,7 @@ def _keeps_spinning(solution: Solution) -> bool:
     except np.linalg.LinAlgError:
         return False
     damping = (reduced.damping + reduced.damping.T) / 2
-    return bool(np.linalg.eigvalsh(damping).min(initial=0.0) >= -UNSYMMETRIC * np.abs(reduced.damping).max(initial=0.0))
+    return bool(np.linalg.eigvalsh(damping).min(initial=0.0) >= -UNSYMMETRIC_PART * np.abs(reduced.damping).max(initial=0.0))
 
 
 def _is_conservative(solution: Solution) -> bool:
@@ -148,7 +148,7 @@ def _takes_energy(damping: StaticArray) -> bool:
     if not isinstance(damping, np.ndarray):
         return True
     size = np.sqrt(np.maximum(damping.diagonal(), ROUND_OFF * largest))
-    return bool(np.linalg.eigvalsh(damping / np.outer(size, size))[0] > -UNSYMMETRIC)
+    return bool(np.linalg.eigvalsh(damping / np.outer(size, size))[0] > -UNSYMMETRIC_PART)
 
 
 def growth_of(solution: Solution, pencil: Pencil) -> Growth | None:
@@ -159,11 +159,11 @@ def growth_of(solution: Solution, pencil: Pencil) -> Growth | None:
     values, left, right = all_roots(*(basis.T @ each @ basis for each in reduced))
     sizes = Pencil(*(np.abs(each[: system.n_q, : system.n_q]) for each in pencil))
     growing, damped = [], bool(np.any(pencil.damping))
-    for k in np.flatnonzero((values.real > GROWS / 2 * np.abs(values)) & (values.imag >= 0)):
+    for k in np.flatnonzero((values.real > LEAST_GROWTH / 2 * np.abs(values)) & (values.imag >= 0)):
         with np.errstate(all="ignore"):
             s, u, w = refined(*reduced, values[k], basis @ right[:, k], basis @ left[:, k])
         scale = abs(w @ (2 * s * reduced.mass + reduced.damping) @ u)
-        if s.real * scale > max(GROWS * abs(s) * scale, _round_off(sizes, s, np.abs(Z @ u), np.abs(Z @ w))):
+        if s.real * scale > max(LEAST_GROWTH * abs(s) * scale, _round_off(sizes, s, np.abs(Z @ u), np.abs(Z @ w))):
             growing.append(Growth(complex(s.real, abs(s.imag)), Z @ u, Z @ w, damped))
     return max(growing, key=lambda each: each.part, default=None)
 
@@ -177,19 +177,19 @@ def _round_off(sizes: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> float
 def _slow_motions(states: np.ndarray, reduced: Pencil) -> np.ndarray:
     """Columns (n, m): the slowest vibrations of the symmetric part, with all states of loads (n_s, n), which have no mass."""
     n = len(reduced.mass)
-    if n <= SLOWEST:
+    if n <= SLOWEST_VIBRATIONS:
         return np.eye(n)
     rows = np.linalg.svd(states)[2] if len(states) else np.eye(n)
     massive = rows[len(states) :].T
     stiffness, mass = (massive.T @ (each + each.T) @ massive for each in (reduced.stiffness, reduced.mass))
     try:
-        slow = scipy.linalg.eigh(stiffness, mass, subset_by_index=[0, SLOWEST - 1])[1]
+        slow = scipy.linalg.eigh(stiffness, mass, subset_by_index=[0, SLOWEST_VIBRATIONS - 1])[1]
     except scipy.linalg.LinAlgError:
         return np.eye(n)
     return np.column_stack([massive @ slow, rows[: len(states)].T])
 
 
-SUSPECT = 1e-4
+GROWTH_TO_REFINE = 1e-4
 """Growth, a part of |s|, from which on a root is found again to all digits: what is below may be round-off of faster ones."""
 
 
@@ -232,8 +232,8 @@ def _fastest_growth(response: OfVibration, solution: Solution, pencil: Pencil, w
     """Root s of the counted vibration that grows fastest for its frequency; None if none grows."""
     counted = real_pencil(response.counting(solution, pencil))
     roots = response.vibrations(solution, pencil, weights)
-    suspects = [k + 1 for k, s in enumerate(roots) if s.real > SUSPECT * abs(s) and s.imag > SAME * abs(s)]
+    suspects = [k + 1 for k, s in enumerate(roots) if s.real > GROWTH_TO_REFINE * abs(s) and s.imag > REPEATED_ROOTS * abs(s)]
     idle = free_spin(solution) if suspects else None
     found = [find_vibration(weights, counted, number, response.slowness, idle).s for number in suspects]
-    growing = [s for s in found if s.real > SUSPECT * abs(s) and s.imag > SAME * abs(s)]
+    growing = [s for s in found if s.real > GROWTH_TO_REFINE * abs(s) and s.imag > REPEATED_ROOTS * abs(s)]
     return max(growing, key=lambda s: s.real / abs(s), default=None)

@@ -25,7 +25,7 @@ from toolkit.responses.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.static.continuation import to_full_load
-from toolkit.solvers.static.equilibrium import PART, Equilibrium, find_equilibrium, inputs_at, static_matrix
+from toolkit.solvers.static.equilibrium import DIRECTION_LOAD_PART, Equilibrium, find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.static.static_start import start_of_path
 from toolkit.system.solution import Solution, StaticPath
 from toolkit.system.system import System, compile_scene
@@ -91,11 +91,11 @@ def real_scene(scene: Scene) -> Scene:
     return scene
 
 
-BETWEEN = 2
+PARTS_PER_STEP = 2
 """Parts that every step of the path is cut into, where it is looked for."""
-NEAR, SHARP = 1e-3, 1e-8
+LOAD_FACTOR_TOLERANCE, SLOPE_TOLERANCE = 1e-3, 1e-8
 """How well its load factor is found by values, in parts of these; and by slopes, in parts of what is left."""
-STRAYS = 0.1
+STRAYING_DISTANCE = 0.1
 """Distance, in parts of the model size (or rad), of an equilibrium between two points of the path from the straight line."""
 FREQUENCY = Frequency()
 
@@ -116,7 +116,7 @@ class LoadWay(NamedTuple):
         q, lam = (each[k - 1] + part * (each[k] - each[k - 1]) for each in (known.q, known.multipliers))
         free = np.zeros(system.n - system.n_q)
         found, _ = find_equilibrium(
-            system, self.options, factor, np.append(q, free), np.append(np.zeros(system.n_q), lam), STRAYS
+            system, self.options, factor, np.append(q, free), np.append(np.zeros(system.n_q), lam), STRAYING_DISTANCE
         )
         return found
 
@@ -132,11 +132,13 @@ class LoadWay(NamedTuple):
         system, options = self.solution.system, self.options
         found = self.state(factor)
         there = _beside(self.solution, found)
-        here, further = (inputs_at(system, options, each) for each in (factor, factor + PART))
+        here, further = (inputs_at(system, options, each) for each in (factor, factor + DIRECTION_LOAD_PART))
         pencil = _undamped(pencil_of(there, here))
         s, u, w, scale, _ = softest_vibration(self._weights, pencil)
         by_z = pencil_change(there, s, u, w, damped=False, inputs=here)[0]
-        own = w @ (_undamped(pencil_of(there, further)).stiffness - pencil.stiffness) @ u / PART  # of loads that follow the body
+        own = (
+            w @ (_undamped(pencil_of(there, further)).stiffness - pencil.stiffness) @ u / DIRECTION_LOAD_PART
+        )  # of loads that follow the body
         return float(FREQUENCY.slope(s, -(by_z @ found.tangent + own) / scale) if scale else 0.0)
 
     def softest(self) -> float:
@@ -147,17 +149,22 @@ class LoadWay(NamedTuple):
         )  # for this response alone: they take longer to import than a wing to solve
 
         steps = pairwise(self.path.load_factors)
-        factors = [low + (high - low) * k / BETWEEN for low, high in steps for k in range(BETWEEN)] + [1.0]
+        factors = [low + (high - low) * k / PARTS_PER_STEP for low, high in steps for k in range(PARTS_PER_STEP)] + [1.0]
         found = [self.stiffness(each) for each in factors]
         k = int(np.argmin(found))
         low, high = factors[max(k - 1, 0)], factors[min(k + 1, len(factors) - 1)]
         best = float(
-            minimize_scalar(self.stiffness, bounds=(low, high), method="bounded", options={"xatol": NEAR * (high - low)}).x
+            minimize_scalar(
+                self.stiffness, bounds=(low, high), method="bounded", options={"xatol": LOAD_FACTOR_TOLERANCE * (high - low)}
+            ).x
         )
-        low, high = max(low, best - 10 * NEAR * (high - low)), min(high, best + 10 * NEAR * (high - low))
+        low, high = (
+            max(low, best - 10 * LOAD_FACTOR_TOLERANCE * (high - low)),
+            min(high, best + 10 * LOAD_FACTOR_TOLERANCE * (high - low)),
+        )
         if self.slope(low) >= 0 or self.slope(high) <= 0:
             return min((low, best, high), key=self.stiffness)  # at an end of the path, or where two vibrations change places
-        return float(brentq(self.slope, low, high, xtol=SHARP * (high - low)))
+        return float(brentq(self.slope, low, high, xtol=SLOPE_TOLERANCE * (high - low)))
 
     @property
     def _weights(self) -> np.ndarray:
@@ -183,7 +190,9 @@ def _undamped(pencil: Pencil) -> Pencil:
 def frequency_at(solution: Solution, options: RunOptions, factor: float, known: Equilibrium) -> Partials:
     """Least frequency at a load factor, near a known real equilibrium there, with its derivatives by the design."""
     system, inputs = solution.system, inputs_at(solution.system, options, factor)
-    found, _ = find_equilibrium(system, options, factor, known.q.astype(system.dtype), known.acc.astype(system.dtype), STRAYS)
+    found, _ = find_equilibrium(
+        system, options, factor, known.q.astype(system.dtype), known.acc.astype(system.dtype), STRAYING_DISTANCE
+    )
     there = _beside(solution, found)
     pencil = pencil_of(there, inputs)
     s, u, w, scale, alone = softest_vibration(system.weights[: system.n_q], _undamped(pencil))

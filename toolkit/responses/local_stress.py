@@ -11,7 +11,7 @@ from pydantic import model_validator
 
 from toolkit.description.description import Pair, Positive, Quantity, Triple
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.near_ties import SAME, first_largest, first_smallest
+from toolkit.foundation.near_ties import RESULT_TIE_BAND, first_largest, first_smallest
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.responses.response import Instant, Partials
 from toolkit.responses.stress import design_rates, kreisselmeier_steinhauser, point_slope, point_stress, stress_operator
@@ -21,7 +21,7 @@ from toolkit.system.solution import Solution, elastic_coordinates, flexible_body
 if TYPE_CHECKING:
     from toolkit.foundation.value_types import Scalar
 
-FAR = 0.25
+FARTHEST_STRESS_POINT = 0.25
 """Part of a body's extent that the nearest stress point may be away from the place that is asked for."""
 
 
@@ -54,7 +54,7 @@ class StressPlaces(NamedTuple):
         """
         found = self.nearest(place, fibre)
         away = np.sqrt(np.sum((self.place[found] - place) ** 2))
-        if away > FAR * np.ptp(self.place, axis=0).max():
+        if away > FARTHEST_STRESS_POINT * np.ptp(self.place, axis=0).max():
             nearest, there = (", ".join(f"{x:.6g}" for x in each) for each in (self.place[found], place))
             raise InputError(
                 f"there is no stress point near [{there}]; the nearest is at [{nearest}]. Places are those of the undeformed body in the "
@@ -224,7 +224,7 @@ class StressAlongLine(LocalStress):
             return kreisselmeier_steinhauser(stress, self.aggregation)
         if self.take == "mean":
             return stress.mean(), np.full(len(stress), 1 / len(stress))
-        place = first_largest(np.real(stress), SAME)
+        place = first_largest(np.real(stress), RESULT_TIE_BAND)
         return stress[place], (np.arange(len(stress)) == place).astype(float)
 
 

@@ -92,11 +92,11 @@ def plain_terms(solution: Solution, q: np.ndarray, v: np.ndarray, acc: np.ndarra
     return of_variables(system.plan, terms)
 
 
-SAME = 1e-6
+REPEATED_ROOTS = 1e-6
 """Part of the largest by which two vibrations that are one differ: then neither has a derivative of its own."""
 
 
-CLOSE = 0.01
+ROOT_UNCERTAINTY = 0.01
 """Part of a slow root by which Rayleigh's quotient moves it at most: the round-off of one of 1e-7 of the fastest is 5e-3 of it, while one
 that is round-off goes half the way to zero, or anywhere."""
 
@@ -143,7 +143,7 @@ def find_vibration(
         raise InputError(f"there are {len(order)} vibrations about this equilibrium; number = {number} is none of them.")
     k = order[number - 1]
     others = [abs(values[other] - values[k]) for other in order if other != k]
-    if values[k] == 0 or min(others, default=np.inf) <= SAME * abs(values[k]):
+    if values[k] == 0 or min(others, default=np.inf) <= REPEATED_ROOTS * abs(values[k]):
         return Vibration(values[k], Z @ right[:, k], Z @ left[:, k], 0.0, alone=False)
     return _whole(weights, pencil, Z, refined(*reduced, values[k], right[:, k], left[:, k]))
 
@@ -155,7 +155,7 @@ def softest_vibration(weights: np.ndarray, pencil: Pencil) -> Vibration:
     order = np.argsort(squares.real)
     k = order[0]
     s = complex(np.sqrt(-squares[k] + 0j))
-    if s == 0 or (len(order) > 1 and abs(squares[order[1]] - squares[k]) <= SAME * abs(squares[k])):
+    if s == 0 or (len(order) > 1 and abs(squares[order[1]] - squares[k]) <= REPEATED_ROOTS * abs(squares[k])):
         return Vibration(s, Z @ right[:, k], Z @ left[:, k], 0.0, alone=False)
     return _whole(weights, pencil, Z, refined(*reduced, s, right[:, k].astype(complex), left[:, k].conj().astype(complex)))
 
@@ -201,7 +201,7 @@ def _among(Z: np.ndarray, idle: Idle | None) -> Idle:
 def _stays(pencil: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> bool:
     with np.errstate(all="ignore"):
         found = refined(*pencil, s, u, w)[0]
-    return bool(abs(found - s) < CLOSE * abs(s))
+    return bool(abs(found - s) < ROOT_UNCERTAINTY * abs(s))
 
 
 def free_pencil(weights: np.ndarray, pencil: Pencil) -> tuple[np.ndarray, Pencil]:

@@ -140,7 +140,7 @@ def _normals(axis: Triple | None) -> tuple[np.ndarray, ...]:
     return tuple(np.kron(np.append(0, axes[:, k]), np.eye(3)) for k in range(2))
 
 
-LOOKED_AT = 500
+MOST_INSTANTS = 500
 """Instants, evenly spread over the motion."""
 
 
@@ -154,7 +154,7 @@ def folded_rotations(solution: Solution) -> Iterator[Caution]:
         looked = response.source if isinstance(response, OverTime) else response
         if isinstance(looked, Rotation) and looked.axis is not None:
             look = looked.instants(solution)
-            angles = np.array([float(np.real(look(step).value)) for step in spread(len(solution.times) - 1, LOOKED_AT)])
+            angles = np.array([float(np.real(look(step).value)) for step in spread(len(solution.times) - 1, MOST_INSTANTS)])
             if np.any(np.abs(np.diff(angles)) > np.pi):
                 what = f"the rotation that {name} is made of" if whole else name
                 yield Caution(

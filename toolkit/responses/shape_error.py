@@ -23,7 +23,7 @@ from toolkit.bodies.framed_part import elements_at, whole_design
 from toolkit.compilation.quantities import STEP
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
-from toolkit.foundation.near_ties import SAME, first_largest
+from toolkit.foundation.near_ties import RESULT_TIE_BAND, first_largest
 from toolkit.kinematics.orientation import rotation
 from toolkit.reduced_model.cut_chain import ChainPlace, chain_nodes
 from toolkit.reduced_model.dependence import scattered
@@ -159,7 +159,7 @@ def _axes(
     return _seen(ShapeRows(*(array[held] for array in rows)), q), rows.position[held[0], :, 0]
 
 
-KEPT = 64
+REMEMBERED_STEPS = 64
 """Steps whose gaps are remembered: more than `magnitude` looks at."""
 
 
@@ -222,7 +222,7 @@ def _gaps_at(solution: Solution, body: str, step: int) -> tuple[np.ndarray, np.n
     """Gap vectors at one step, as `gaps`; the last ones are stored, as several responses use the same shape."""
     kept: dict[int, tuple[np.ndarray, np.ndarray]] = solution.known.setdefault((gaps, body), {})
     if step not in kept:
-        if len(kept) >= KEPT:
+        if len(kept) >= REMEMBERED_STEPS:
             kept.clear()
         kept[step] = gaps(solution, body, slice(step, step + 1))
     return kept[step]
@@ -380,7 +380,7 @@ class ShapeMax(ShapeResponse):
 
     def weighted(self, gap: np.ndarray) -> tuple[complex, np.ndarray]:
         """Largest distance of a node to its target, and its derivatives by the gap vectors."""
-        k = first_largest(np.sum(gap * gap, axis=1).real, SAME)
+        k = first_largest(np.sum(gap * gap, axis=1).real, RESULT_TIE_BAND)
         distance = np.sqrt(gap[k] @ gap[k])
         weights = np.zeros(gap.shape, gap.dtype)
         weights[k] = gap[k] / distance if distance.real != 0 else np.nan

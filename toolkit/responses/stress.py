@@ -19,8 +19,8 @@ from toolkit.bodies.model_body import DEPENDENCE
 from toolkit.compilation.quantities import STEP
 from toolkit.description.description import Positive, Quantity
 from toolkit.description.design import BodyPoint
-from toolkit.foundation.near_ties import SAME, first_largest
-from toolkit.reduced_model.dependence import LARGE, Derivatives
+from toolkit.foundation.near_ties import RESULT_TIE_BAND, first_largest
+from toolkit.reduced_model.dependence import SEARCHED_ARRAY_SIZE, Derivatives
 from toolkit.reduced_model.design_point import NONE, rates_at
 from toolkit.reduced_model.model import place_parameter
 from toolkit.responses.response import Partials, Response, felt_steps
@@ -77,7 +77,7 @@ def point_slope(components: np.ndarray) -> np.ndarray:
     return np.divide(components @ V, stress, out=np.zeros(components.shape, components.dtype), where=stress != 0)
 
 
-KEPT = 1_000_000
+MOST_KEPT_STRESSES = 1_000_000
 """Components of stress up to which a solution keeps them for its next response."""
 
 
@@ -118,7 +118,7 @@ def by_instant(states: np.ndarray, matrix: Matrix) -> np.ndarray:
 
 def products(one: np.ndarray, other: np.ndarray, entry: np.ndarray) -> np.ndarray:
     """Entries of the flattened one^T other for one (n_t, m) and other (n_t, n): together, or of a large product one by one."""
-    if one.shape[1] * other.shape[1] < LARGE:
+    if one.shape[1] * other.shape[1] < SEARCHED_ARRAY_SIZE:
         return (one.T @ other).ravel()[entry]
     place, number = np.unique(entry, return_inverse=True)
     row, column = np.divmod(place, other.shape[1])
@@ -218,7 +218,7 @@ class StressResponse(Response):
             kept: np.ndarray = known[key]
             return kept
         found = self.signed(self.components(solution))
-        if found.size <= KEPT:
+        if found.size <= MOST_KEPT_STRESSES:
             known[key] = found
         return found
 
@@ -236,7 +236,7 @@ class StressResponse(Response):
         where = elastic_coordinates(solution, self.body)
         q = solution.q[:, where] if self.when == "all" else solution.q[-1:, where]
         found = stress_components(solution.system.scene, self.body, q)
-        if found.size <= KEPT:
+        if found.size <= MOST_KEPT_STRESSES:
             known[key] = found
         return found
 
@@ -314,6 +314,6 @@ class MaxStress(StressResponse):
         components = self.components(solution)
         stress = self.considered(solution)
         weights = np.zeros(stress.shape)
-        place = np.unravel_index(first_largest(stress.real.ravel(), SAME), stress.shape)
+        place = np.unravel_index(first_largest(stress.real.ravel(), RESULT_TIE_BAND), stress.shape)
         weights[place] = 1
         return self.chain(solution, components, stress[place], weights)

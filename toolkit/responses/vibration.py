@@ -19,7 +19,7 @@ from pydantic import Field
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import first_largest
 from toolkit.responses.pencil import (
-    SAME,
+    REPEATED_ROOTS,
     Idle,
     Pencil,
     all_vibrations,
@@ -36,10 +36,10 @@ from toolkit.solvers.spin_axis import Generator, angular_velocity, generator, re
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.solution import Solution
 
-LEAST, ALONG = 0.1, 0.99
+SPIN_ROOT_PART, SPIN_COSINE = 0.1, 0.99
 """Part of what a motion lacks to a steady spin that moves the square of a root by all of it, at most; and the cosine between its vector and
 the spin, from which on it is that."""
-ALLOWED = 1e-3
+VIBRATION_LEFT = 1e-3
 """Vibration left at a motion's end, in parts of the model size (or rad): frequencies change by about as much."""
 
 
@@ -62,7 +62,7 @@ def refuse_unsteady(solution: Solution, frequency: float) -> None:
     system, q = solution.system, np.real(solution.q[-1])
     omega, motion, off, growth = _beside_a_spin(solution)
     left = np.maximum(off / frequency, growth / frequency**2)
-    if left.max(initial=0) > ALLOWED:
+    if left.max(initial=0) > VIBRATION_LEFT:
         name = system.numbering.names[first_largest(left)]
         raise InputError(
             f"the motion does not end in an equilibrium, nor in a steady spin: {name} is still on its way by about {left.max():.1e} of the "
@@ -71,7 +71,7 @@ def refuse_unsteady(solution: Solution, frequency: float) -> None:
             'spins with solver.equilibrium = "spinning".'
         )
     speed = float(np.sqrt(omega @ omega))
-    if speed > ALLOWED * frequency:
+    if speed > VIBRATION_LEFT * frequency:
         inputs = system.inputs(solution.times[-1], LEVELS)
         refuse_what_changes(system, inputs, motion, speed, q)
 
@@ -90,14 +90,14 @@ def free_spin(solution: Solution) -> Idle | None:
         solution.system.weights[: solution.system.n_q],
         max(off.max(initial=0.0), growth.max(initial=0.0) / max(speed, 1e-300)),
     )
-    if not 0.0 < left <= ALLOWED * speed:
+    if not 0.0 < left <= VIBRATION_LEFT * speed:
         return None
     turned = weights * motion.velocity(np.real(solution.q[-1]))
 
     def idle(s: complex, u: np.ndarray) -> bool:
-        undecided = max(growth.max() / LEAST, (off.max() / LEAST) ** 2)
+        undecided = max(growth.max() / SPIN_ROOT_PART, (off.max() / SPIN_ROOT_PART) ** 2)
         size = float(np.linalg.norm(weights * u) * np.linalg.norm(turned))
-        return abs(s) ** 2 <= undecided and float(abs(turned @ (weights * u))) >= ALONG * size
+        return abs(s) ** 2 <= undecided and float(abs(turned @ (weights * u))) >= SPIN_COSINE * size
 
     return idle
 
@@ -253,7 +253,7 @@ class Frequency(OfVibration):
 
     def of(self, s: complex) -> float:
         """Frequency from Im s of a pair of roots, or - Re s where it is real; one of each pair."""
-        vibrates = abs(s.imag) > SAME * abs(s)
+        vibrates = abs(s.imag) > REPEATED_ROOTS * abs(s)
         one = s.imag if vibrates else s.real
         return (one if vibrates else 0.0 - one) / (2 * np.pi) if one >= 0 else np.nan
 
@@ -263,7 +263,7 @@ class Frequency(OfVibration):
 
     def slope(self, s: complex, ds: np.ndarray) -> np.ndarray:
         """Derivative of the frequency from the derivative `ds` of s."""
-        return (np.imag(ds) if abs(s.imag) > SAME * abs(s) else -np.real(ds)) / (2 * np.pi)
+        return (np.imag(ds) if abs(s.imag) > REPEATED_ROOTS * abs(s) else -np.real(ds)) / (2 * np.pi)
 
 
 class DampingRatio(OfVibration):
@@ -280,7 +280,7 @@ class DampingRatio(OfVibration):
 
     def of(self, s: complex) -> float:
         """Damping ratio - Re s / |s| of one root of each pair."""
-        return -s.real / abs(s) if s.imag > SAME * abs(s) else np.nan
+        return -s.real / abs(s) if s.imag > REPEATED_ROOTS * abs(s) else np.nan
 
     def slope(self, s: complex, ds: np.ndarray) -> np.ndarray:
         """Derivative of the damping ratio from the derivative `ds` of s."""

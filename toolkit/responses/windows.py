@@ -14,7 +14,7 @@ from functools import singledispatch
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.near_ties import SAME, first_largest
+from toolkit.foundation.near_ties import RESULT_TIE_BAND, first_largest
 from toolkit.foundation.value_types import Scalar
 from toolkit.responses.over_time import OverTime
 from toolkit.responses.response import Instant, Response
@@ -73,5 +73,5 @@ def _(response: KSStress, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
 
 @combine.register
 def _(response: MaxStress, values: np.ndarray) -> tuple[Scalar, np.ndarray]:
-    place = first_largest(np.real(values), SAME)
+    place = first_largest(np.real(values), RESULT_TIE_BAND)
     return values[place], (np.arange(len(values)) == place).astype(float)

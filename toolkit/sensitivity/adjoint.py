@@ -48,12 +48,12 @@ from toolkit.solvers.static.critical_state import refuse_gradients_of_critical
 from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at, static_change, static_matrix
 from toolkit.solvers.steady_state import steady_adjoint
 from toolkit.solvers.transient.run import Integration, prepare_run
-from toolkit.solvers.transient.scheme import SAME, START, STEEP, Scheme, constraint_levels, relaxed, scheme_of
+from toolkit.solvers.transient.scheme import EQUAL_STEPS, START, STEEPEST_GROWTH, Scheme, constraint_levels, relaxed, scheme_of
 from toolkit.solvers.transient.step_gradients import AdjointMemory, adjoint_memory, integrate_backwards
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
-PIECE, SMALL = 200, 30_000
+STEPS_PER_COPY, COORDINATES_PER_COPY = 200, 30_000
 """Most steps whose states are copied at once, and between two reports of progress; and numbers of so many coordinates that the system
 does not take their memory back after each copy."""
 
@@ -79,8 +79,8 @@ def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int
     lengths = step_lengths(times)
     to_each = np.append(lengths[:1], lengths)
     ratios = np.append(1.0, to_each[1:] / to_each[:-1])
-    ratios[np.abs(ratios - 1) <= SAME] = 1.0
-    ratios[ratios > STEEP] = 0.0
+    ratios[np.abs(ratios - 1) <= EQUAL_STEPS] = 1.0
+    ratios[ratios > STEEPEST_GROWTH] = 0.0
     memory = adjoint_memory(system.backward.plan, system.backward.gathered, system.lu_plan, system.weights, n_r)
     gradient, start = np.zeros((system.n_x, n_r)), np.zeros((3, 1, system.n))
     scheme, places = scheme_of(options), transposition(system)
@@ -106,7 +106,7 @@ def sweep(
     """
     for r, partials in enumerate(found):
         state.gradient[:, r] += 0 if partials.design is None else partials.design
-    steps = min(PIECE, 1 + SMALL // state.system.n)
+    steps = min(STEPS_PER_COPY, 1 + COORDINATES_PER_COPY // state.system.n)
     for high in range(len(window.times), 0, -steps):
         piece = slice(max(0, high - steps), high)
         _sweep_piece(state, window, piece, first, found)

@@ -33,11 +33,11 @@ from toolkit.validity.bodies.deformation import has_places, is_moving, largest_d
 
 Frames = int | tuple[int | str, ...]
 
-WANTED = 1e-2
+WANTED_ERROR = 1e-2
 """Default limit of the geometric error."""
-FIRST = 4
+LARGEST_FRAME_RATIO = 4
 """Largest ratio of the frames of the second run to those of the first, whose estimate for large rotations is too pessimistic."""
-TWICE = 2
+COMPARED_FRAME_RATIO = 2
 """Ratio of numbers of frames from which on a run tells the geometric error of the run before."""
 
 
@@ -136,7 +136,7 @@ def _of_kept_run(scene: Scene, kind: Kind) -> Choices:
 def _wanted(scene: Scene, name: str) -> float:
     body = scene.bodies[name]
     assert isinstance(body, CuttableBody)
-    return WANTED if body.geometric_error is None else body.geometric_error
+    return WANTED_ERROR if body.geometric_error is None else body.geometric_error
 
 
 def _range_of(scene: Scene, name: str) -> _Range:
@@ -178,7 +178,7 @@ def _second(solution: Solution, name: str, number: int, can_be: _Range, wanted: 
     It is twice as large at least, so that the runs can be compared.
     """
     predicted = int(np.ceil(number * np.sqrt(_metered(solution, name, unknown=0.0) / wanted)))
-    return can_be.near(max(TWICE * number, min(predicted, FIRST * number)))
+    return can_be.near(max(COMPARED_FRAME_RATIO * number, min(predicted, LARGEST_FRAME_RATIO * number)))
 
 
 def _metered(solution: Solution, name: str, unknown: float) -> float:
@@ -217,17 +217,17 @@ def _next(name: str, runs: list[_FramedRun], can_be: _Range, wanted: float) -> i
         return last.number
     if last.error <= wanted:
         believed = last.metered <= wanted or last.number == can_be.most
-        return last.number if believed else can_be.near(TWICE * last.number + 1)
+        return last.number if believed else can_be.near(COMPARED_FRAME_RATIO * last.number + 1)
     _refuse_too_coarse(name, last, can_be, wanted)
     predicted = int(np.ceil(last.number * np.sqrt(last.error / wanted)))
-    return can_be.near(max(predicted, TWICE * last.number if can_be.branches else last.number + 1))
+    return can_be.near(max(predicted, COMPARED_FRAME_RATIO * last.number if can_be.branches else last.number + 1))
 
 
 def _suffices(runs: list[_FramedRun], wanted: float) -> bool:
     """Whether the last run says that the number of the one before is good enough."""
     before, last = runs[-2:]
     apart = before.number == 1 or last.number % before.number > 0  # else, by symmetry, both can be off alike
-    return last.number >= TWICE * before.number and apart and _of_before(before, last) <= wanted
+    return last.number >= COMPARED_FRAME_RATIO * before.number and apart and _of_before(before, last) <= wanted
 
 
 def _of_before(before: _FramedRun, last: _FramedRun) -> float:

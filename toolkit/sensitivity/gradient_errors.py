@@ -25,33 +25,33 @@ from toolkit.responses.energy import Largest, magnitude_that_counts
 from toolkit.scene.resolution import branches, cuttable, fewest_cut, most_frames
 from toolkit.sensitivity.chosen_frames import Frames
 from toolkit.sensitivity.errors.basis_errors import BasisErrors, derivative
-from toolkit.sensitivity.errors.step_cautions import GRADIENTS, ROUGH, VALUES
+from toolkit.sensitivity.errors.step_cautions import GRADIENT_LIMIT, ROUGH_GRADIENT, VALUE_LIMIT
 from toolkit.sensitivity.errors.step_error import StepError
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.deformation import LIMIT, whole_bodies
-from toolkit.validity.bodies.pulled_joints import STEEP, lacking_joints
+from toolkit.validity.bodies.pulled_joints import EXAMINED_SHARE, lacking_joints
 from toolkit.validity.bodies.stiffened_bodies import most_pulled
 
-SMALL = 5e-4
+SMALL_GEOMETRIC_ERROR = 5e-4
 """Geometric error by the meter up to which gradients are not examined: where the parts of a wing leave 6e-4, a gradient is off by 6 %, and
 so it is of a pendulum whose bending leaves 1.7e-3 in one frame, as vibrations count what changes their frequency period by period."""
 UNIMPORTANT = 0.02
 """Effect of a gradient on its response, relative to that of the most important gradient, below which it is left out without a motion."""
-NAMED = 6
+MOST_NAMED = 6
 """Largest count of gradients that are named one by one."""
 WEIGHED = ("large-deformation", "critical-load", "tension", "reference-condition")
 """Codes of doubts about effects that linear bodies lack within their frames, but have between several frames."""
-BENT = 1e-3
+BUCKLING_ROTATION = 1e-3
 """Rotation, rad, above which a body that may buckle is turned aside, so that a run with more frames shows it."""
 NONE = Largest(0.0, np.zeros(0))
-MANY = 10.0
+MANY_TIMES = 10.0
 """Part from which on an error is called many times the gradient: that is about zero then, and the ratio says nothing."""
-BEYOND_FRAMES = 0.5
+LARGEST_FRAME_EFFECT = 0.5
 """Part of its scale by which no frames change a value of a body that keeps few shapes, as the meter knows how far it bends: those that it
 leaves out vibrate then, in steps that are too long for them."""
-UNCERTAIN = 2.0
+ESTIMATE_FACTOR = 2.0
 """Factor by which the estimate of an error may be too small."""
 WORTH_ADDING = 0.01
 """Error, a part of its scale, below which it is not worth a word that it adds to another one."""
@@ -97,7 +97,7 @@ class FrameErrors:
         }
 
 
-UNFELT = 1e-3
+UNIMPORTANT_CHANGE = 1e-3
 """Relative change of a value by a change of the variable by its size, below which the derivative is left out."""
 
 
@@ -150,7 +150,7 @@ def frame_errors(
         },
         most=most,
         undecided={
-            f: max(magnitude_that_counts(each, solution, NONE), UNFELT * abs(values[f]))
+            f: max(magnitude_that_counts(each, solution, NONE), UNIMPORTANT_CHANGE * abs(values[f]))
             for f, each in responses_of(solution.system.scene, moving(solution)).items()
             if f in values
         },
@@ -163,17 +163,17 @@ def _unknown(solution: Solution, bodies: Collection[str], scales: Mapping[str, f
     scene = solution.system.scene
     models = [scene.model(scene.bodies[body].model) for body in bodies]  # type: ignore[attr-defined]
     reduced = moving(solution) and not all(each.keeps_all or each.in_pieces for each in models)
-    return [f for f, change in changes.items() if reduced and abs(change) > BEYOND_FRAMES * scales[f]]
+    return [f for f, change in changes.items() if reduced and abs(change) > LARGEST_FRAME_EFFECT * scales[f]]
 
 
 def bodies_with_more(solution: Solution) -> list[str]:
     """Bodies whose gradients may need more frames: deformed far, or pulling at joints whose forces are asked for."""
-    pulls = any(abs(each.missing) > STEEP * each.counts > 0 for each in lacking_joints(solution).values())
+    pulls = any(abs(each.missing) > EXAMINED_SHARE * each.counts > 0 for each in lacking_joints(solution).values())
     pulling = {most_pulled(solution)} if pulls else set()
     return [
         body
         for body, each in geometric_errors(solution).items()
-        if body in pulling or (each is not None and each.relative > SMALL)
+        if body in pulling or (each is not None and each.relative > SMALL_GEOMETRIC_ERROR)
     ]
 
 
@@ -198,7 +198,7 @@ def unless_frames_deny(
     """
     values = [abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]]
     felt, steeper = max(values, default=0.0), max(_parts(found, gradients, sizes, slope_scales).values(), default=0.0)
-    unfelt = not found.failure and not found.unknown and felt * UNCERTAIN <= LIMIT and steeper <= LIMIT
+    unfelt = not found.failure and not found.unknown and felt * ESTIMATE_FACTOR <= LIMIT and steeper <= LIMIT
     for each in cautions:
         if unfelt and each.doubt and each.code in WEIGHED and each.body in found.frames and _moves(solution, each):
             said = (
@@ -218,7 +218,12 @@ def _moves(solution: Solution, doubt: Caution) -> bool:
     if np.isfinite(doubt.part):
         return True
     bent = geometric_errors(solution).get(doubt.body)
-    return moving(solution) and not solution.system.scene.solver.quasi_static and bent is not None and bent.rotation > BENT
+    return (
+        moving(solution)
+        and not solution.system.scene.solver.quasi_static
+        and bent is not None
+        and bent.rotation > BUCKLING_ROTATION
+    )
 
 
 def doubtful_gradients(
@@ -275,8 +280,8 @@ def doubtful_values(found: FrameErrors, scales: Mapping[str, float]) -> Iterator
     parts = {f: abs(error) / scales[f] for f, error in found.values.items() if scales[f] > 0 and abs(error) > found.undecided[f]}
     off = sorted((f for f, part in parts.items() if part > LIMIT), key=lambda f: -parts[f])
     if off:
-        told = ", ".join(f"{f} by about {parts[f]:.1%}" for f in off[:NAMED])
-        more = f" and {len(off) - NAMED} more" if len(off) > NAMED else ""
+        told = ", ".join(f"{f} by about {parts[f]:.1%}" for f in off[:MOST_NAMED])
+        more = f" and {len(off) - MOST_NAMED} more" if len(off) > MOST_NAMED else ""
         yield Caution(
             "large-deformation",
             f"values are off where elements turn with the body: {told}{more}, relative to the peak. Found by "
@@ -325,23 +330,24 @@ def added_errors(
         if scale > 0:
             changes = steps.slope_changes[f][x], found.gradients[f][x]
             slopes[f"the derivative of {f} by {x}"] = AddedErrors(*(each / scale for each in changes))
-    return {f: each for f, each in values.items() if each.adds(VALUES)}, {
-        f: each for f, each in slopes.items() if each.adds(GRADIENTS)
+    return {f: each for f, each in values.items() if each.adds(VALUE_LIMIT)}, {
+        f: each for f, each in slopes.items() if each.adds(GRADIENT_LIMIT)
     }
 
 
 def cautions_of_added(values: Mapping[str, AddedErrors], slopes: Mapping[str, AddedErrors]) -> Iterator[Caution]:
     """A doubt about numbers whose errors are small one by one and not together, or a remark on gradients that are rough by them."""
     wrong = {name: each for name, each in values.items() if each.part > LIMIT}
-    wrong |= {name: each for name, each in slopes.items() if each.part > GRADIENTS}
-    rough, doubt = {name: each for name, each in slopes.items() if each.part > ROUGH}, bool(wrong)
+    wrong |= {name: each for name, each in slopes.items() if each.part > GRADIENT_LIMIT}
+    rough, doubt = {name: each for name, each in slopes.items() if each.part > ROUGH_GRADIENT}, bool(wrong)
     if off := wrong or rough:
         worst = sorted(off, key=lambda name: -off[name].part)
-        more = f" and {len(worst) - NAMED} more" if len(worst) > NAMED else ""
+        more = f" and {len(worst) - MOST_NAMED} more" if len(worst) > MOST_NAMED else ""
         yield Caution(
             "added-errors" if doubt else "rough-gradients",
-            f"errors of several causes, each within its limit, add up: {'; '.join(off[name].told(name) for name in worst[:NAMED])}{more}, "
-            f"in parts of the largest in the motion (limit {LIMIT:.0%} of values, {GRADIENTS:.0%} of derivatives). Fix: a shorter "
+            "errors of several causes, each within its limit, add up: "
+            f"{'; '.join(off[name].told(name) for name in worst[:MOST_NAMED])}{more}, "
+            f"in parts of the largest in the motion (limit {LIMIT:.0%} of values, {GRADIENT_LIMIT:.0%} of derivatives). Fix: a shorter "
             "solver.step, or more frames.",
             doubt,
         )
@@ -373,7 +379,7 @@ def _signs(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float], sc
     return [
         (f, x)
         for (f, x), part in _parts(found, gradients, sizes, scales).items()
-        if part > LIMIT and gradients[f][x] * (gradients[f][x] + UNCERTAIN * found.gradients[f][x]) <= 0
+        if part > LIMIT and gradients[f][x] * (gradients[f][x] + ESTIMATE_FACTOR * found.gradients[f][x]) <= 0
     ]
 
 
@@ -383,7 +389,7 @@ def _written(frames: Mapping[str, int]) -> str:
 
 def _percent(part: float) -> str:
     """Part of a gradient in percent; many times where the gradient itself is about zero."""
-    return f"{part:.0%}" if part < MANY else "many times their size"
+    return f"{part:.0%}" if part < MANY_TIMES else "many times their size"
 
 
 def _others(frames: Mapping[str, tuple[int, int]]) -> str:
@@ -392,7 +398,7 @@ def _others(frames: Mapping[str, tuple[int, int]]) -> str:
 
 def _listed(pairs: list[tuple[str, str]]) -> str:
     names = [" by ".join(pair) for pair in pairs]
-    return ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+    return ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else "")
 
 
 def _can_have_more(solution: Solution, body: str) -> bool:

@@ -173,7 +173,7 @@ def _reframed(
     return found.values, at_peaks(found.gradients, found.solution)
 
 
-ROUNDS = 4
+PREDICTION_ROUNDS = 4
 """Predictions; what is off then, by bodies whose number is written, the verdict of the run says."""
 
 
@@ -191,7 +191,7 @@ def with_frames_for_gradients(scene: Scene, kind: Kind, names: Iterable[str]) ->
 
 def more_frames(compiled: Compiled, kind: Kind, choices: Choices) -> Choices:
     """Body -> number of frames for values and gradients, from the numbers for the values of a scene."""
-    for _ in range(ROUNDS):
+    for _ in range(PREDICTION_ROUNDS):
         found = by_method("auto", compiled.chosen(choices), kind)
         errors = found.frame_errors
         if errors is None or errors.failure:

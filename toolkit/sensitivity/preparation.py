@@ -24,7 +24,7 @@ from toolkit.system.system import System, compile_scene
 
 Progress = Callable[[int, int], None]
 
-REPEATS, WORTH_REPEATING = 5, 1.0
+REPEATED_RUNS, REPEATING_SECONDS = 5, 1.0
 """A run is repeated so often, as long as all together take less than this, in s."""
 
 
@@ -36,7 +36,7 @@ def price(watch: CompileWatch, timed: bool, work: Callable[[], object]) -> float
     if not timed:
         return watch.rest
     first, times = watch.rest + watch.seconds, list[float]()
-    while (watch.functions and not times) or (len(times) < REPEATS and first + sum(times) < WORTH_REPEATING):
+    while (watch.functions and not times) or (len(times) < REPEATED_RUNS and first + sum(times) < REPEATING_SECONDS):
         begun = clock.perf_counter()
         work()
         times.append(clock.perf_counter() - begun)

@@ -59,7 +59,7 @@ from toolkit.validity.bodies.stiffened_bodies import most_pulled
 from toolkit.validity.curve_checks import unseen_moves
 from toolkit.validity.dead_points import dead_points_passed
 from toolkit.validity.judge import cautions, measures
-from toolkit.validity.motion import SUSPICIOUS, force_cautions
+from toolkit.validity.motion import SUSPICIOUS_ENERGY_DEFECT, force_cautions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from toolkit.results.tables import ShortTable
     from toolkit.validity.motion import Measures
 
-UNIMPORTANT = 0.02
+UNIMPORTANT_EFFECT = 0.02
 """A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
 compared with such a change instead of with itself."""
 
@@ -133,7 +133,7 @@ class Run:
         solution = self.solution
         if self.repeat is None or not moving(solution) or not self.values:
             return None
-        suspicious = not max(self.measures["energy_balance"].values(), default=0.0) <= SUSPICIOUS
+        suspicious = not max(self.measures["energy_balance"].values(), default=0.0) <= SUSPICIOUS_ENERGY_DEFECT
         known = self._answers
         responses = {name: each for name, each in responses_of(solution.system.scene).items() if name in self.values}
         lost = lost_vibrations(solution, responses, known.scales)
@@ -158,7 +158,7 @@ class Run:
         for f in found if sizes else ():
             largest = dict(zip(solution.system.design.names, found[f].slopes, strict=True))
             counting[f] = {
-                x: max(largest.get(x, 0.0), UNIMPORTANT * scales[f] / size if size else 0.0) for x, size in sizes.items()
+                x: max(largest.get(x, 0.0), UNIMPORTANT_EFFECT * scales[f] / size if size else 0.0) for x, size in sizes.items()
             }
         return counting
 

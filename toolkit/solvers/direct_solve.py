@@ -11,8 +11,8 @@ from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
 from toolkit.linear.linear_solver import (
     DENSE_TOLERANCE,
-    SWEEPS,
-    TRUSTED_REFINEMENT,
+    ONE_REFINEMENT_ENOUGH,
+    SCALING_SWEEPS,
     LinearSolver,
     cleared,
     linear_solver,
@@ -20,11 +20,11 @@ from toolkit.linear.linear_solver import (
 )
 from toolkit.system.system import System
 
-NULL, ALIKE = 1e-12, 10.0
+ZERO_SINGULAR_VALUE, SIMILAR_SINGULAR_VALUES = 1e-12, 10.0
 """Singular values, in parts of the largest, that are zero but for round-off; if none is, those that are like the smallest."""
-MANY = 400
+SPARSE_FROM_UNKNOWNS = 400
 """Unknowns from which sparse factors come first: dense ones take as long there, and eight times as long for twice as many."""
-TAKES_PART = 0.0931
+LARGE_SHARE = 0.0931
 """Part of the largest from which an unknown takes part in a motion or in forces; no ratio of lengths that people choose."""
 
 
@@ -50,7 +50,7 @@ def _sparse(system: System, values: np.ndarray, block: np.ndarray) -> np.ndarray
     The loop's own solver falls back to dense factors where its fixed order meets a bad pivot, as it does without inertia. Pivots are judged
     as those are: in parts of a matrix that was equilibrated.
     """
-    if system.n < MANY or not system.compiled:
+    if system.n < SPARSE_FROM_UNKNOWNS or not system.compiled:
         return None
     rows, columns = _scales(system, np.abs(values))
     matrix = scipy.sparse.csc_array(scipy.sparse.diags_array(rows) @ system.matrix(values) @ scipy.sparse.diags_array(columns))
@@ -65,14 +65,14 @@ def _sparse(system: System, values: np.ndarray, block: np.ndarray) -> np.ndarray
     change = factors.solve(wanted - matrix @ found)
     found, change = columns[:, None] * (found + change), columns[:, None] * change
     moved, changed = (np.abs(system.weights[: system.n_q, None] * each[: system.n_q]).max(initial=0) for each in (found, change))
-    return found if np.isfinite(moved) and changed <= TRUSTED_REFINEMENT * moved else None
+    return found if np.isfinite(moved) and changed <= ONE_REFINEMENT_ENOUGH * moved else None
 
 
 def _scales(system: System, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Scales of rows and columns that bring the largest entries near 1, as `linear_solver.equilibrate`; from sizes on the pattern."""
     plan = system.plan
     of_row, scales = np.repeat(np.arange(system.n), np.diff(plan.indptr)), np.ones((2, system.n))
-    for _ in range(SWEEPS):
+    for _ in range(SCALING_SWEEPS):
         scaled = sizes * scales[0, of_row] * scales[1, plan.indices]
         for scale, place in zip(scales, (of_row, plan.indices), strict=True):
             largest = np.zeros(system.n)
@@ -113,7 +113,7 @@ def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
     if not np.all(np.isfinite(matrix)):
         return f"the equations hold values that are not finite, first met at {system.numbering.names[failed]}."
     moves = np.linalg.norm(_null_space(matrix), axis=1)
-    parts = np.flatnonzero(moves > TAKES_PART * moves.max())
+    parts = np.flatnonzero(moves > LARGE_SHARE * moves.max())
     names = ", ".join(system.numbering.names[i] for i in parts[:8]) + (" and more" if len(parts) > 8 else "")
     if np.all(parts >= system.n_q):
         hint = hint_of_grounded(system.scene, system.numbering.joints_of(parts))
@@ -135,12 +135,12 @@ def _null_space(matrix: np.ndarray) -> np.ndarray:
     They are in the units of its columns then.
     """
     rows, columns = np.ones(len(matrix)), np.ones(len(matrix))
-    for _ in range(SWEEPS):
+    for _ in range(SCALING_SWEEPS):
         size = np.abs(rows[:, None] * matrix * columns)
         rows /= np.sqrt(_largest(size, 1))
         columns /= np.sqrt(_largest(size, 0))
     _, sizes, vectors = np.linalg.svd(rows[:, None] * matrix * columns)
-    return vectors[sizes <= max(NULL * sizes[0], ALIKE * sizes[-1])].T
+    return vectors[sizes <= max(ZERO_SINGULAR_VALUE * sizes[0], SIMILAR_SINGULAR_VALUES * sizes[-1])].T
 
 
 def _largest(size: np.ndarray, axis: int) -> np.ndarray:
@@ -148,7 +148,7 @@ def _largest(size: np.ndarray, axis: int) -> np.ndarray:
     return np.where(largest > 0, largest, 1.0)
 
 
-COPIES = 4
+MATRIX_COPIES = 4
 """Copies of the matrix of an equilibrium: itself, scaled, its factors, and what LAPACK works in."""
 
 
@@ -160,7 +160,7 @@ def check_dense(system: System, options: RunOptions) -> None:
     InputError
         They need more than `solver.memory`.
     """
-    needed = 8 * COPIES * system.n**2
+    needed = 8 * MATRIX_COPIES * system.n**2
     if needed > GIGABYTE * options.memory:
         raise InputError(
             f"the equilibrium of {system.n} unknowns takes dense matrices of {in_gigabytes(needed)}, more than solver.memory = "

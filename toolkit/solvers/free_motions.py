@@ -21,7 +21,7 @@ from toolkit.system.system import System
 ROUND_OFF = 1e-14
 """Part of the largest squared frequency, or of the stiffnesses that a mode's own is the sum of, below which it cannot be told
 from zero."""
-UNSYMMETRIC = 1e-9
+UNSYMMETRIC_PART = 1e-9
 """Part of the largest stiffness that following forces make unsymmetric at least, if they do so at all."""
 
 
@@ -62,7 +62,7 @@ def felt_state(system: System, stiffness: np.ndarray) -> str:
 
 def is_symmetric(stiffness: np.ndarray | scipy.sparse.csr_array, terms: float = 0.0) -> bool:
     """Whether a stiffness is symmetric but for round-off; `terms` is the largest of what its entries are sums of."""
-    return bool(abs(stiffness - stiffness.T).max() <= UNSYMMETRIC * abs(stiffness).max() + 10 * ROUND_OFF * terms)
+    return bool(abs(stiffness - stiffness.T).max() <= UNSYMMETRIC_PART * abs(stiffness).max() + 10 * ROUND_OFF * terms)
 
 
 def is_symmetric_everywhere(matrix: np.ndarray | scipy.sparse.csr_array) -> bool:
@@ -73,16 +73,16 @@ def is_symmetric_everywhere(matrix: np.ndarray | scipy.sparse.csr_array) -> bool
     largest, size = abs(matrix).max(), np.sqrt(np.abs(matrix.diagonal()))
     if isinstance(matrix, np.ndarray):
         off, least = np.abs(matrix - matrix.T), np.outer(size, size)
-        return bool(np.all(off <= UNSYMMETRIC * (least + np.abs(matrix)) + ROUND_OFF * largest))
+        return bool(np.all(off <= UNSYMMETRIC_PART * (least + np.abs(matrix)) + ROUND_OFF * largest))
     off = scipy.sparse.coo_array(abs(matrix - matrix.T))
     both = np.asarray(scipy.sparse.csr_array(abs(matrix))[off.row, off.col]).ravel()
-    allowed = UNSYMMETRIC * (size[off.row] * size[off.col] + both) + ROUND_OFF * largest
+    allowed = UNSYMMETRIC_PART * (size[off.row] * size[off.col] + both) + ROUND_OFF * largest
     return bool(np.all(off.data <= allowed))
 
 
-VIBRATES = 1e-6
+VIBRATING_PART = 1e-6
 """Imaginary part of a root, in parts of its size, above which it vibrates."""
-REFINED = 2
+REFINEMENTS = 2
 """Steps of Rayleigh's quotient, whose error falls to its third power."""
 
 
@@ -103,7 +103,7 @@ def refined(
     K: np.ndarray, C: np.ndarray, M: np.ndarray, s: complex, u: np.ndarray, w: np.ndarray
 ) -> tuple[complex, np.ndarray, np.ndarray]:
     """Root s and its right and left vectors, refined by Rayleigh's quotient."""
-    for _ in range(REFINED):
+    for _ in range(REFINEMENTS):
         s = s - (w @ (s * s * M + s * C + K) @ u) / (w @ (2 * s * M + C) @ u)
         matrix = s * s * M + s * C + K
         try:
@@ -121,12 +121,14 @@ def is_zero(s: complex, largest: float) -> bool:
 
 def counts(s: complex, largest: float) -> bool:
     """Whether a root counts as a mode: one of each pair does, and none that neither vibrates nor grows."""
-    return not is_zero(s, largest) and bool(s.imag > VIBRATES * abs(s) or (abs(s.imag) <= VIBRATES * abs(s) and s.real > 0))
+    return not is_zero(s, largest) and bool(
+        s.imag > VIBRATING_PART * abs(s) or (abs(s.imag) <= VIBRATING_PART * abs(s) and s.real > 0)
+    )
 
 
 def frequency_of(s: complex) -> float:
     """Frequency Im s / 2 pi of a root; - Re s / 2 pi of a motion that grows without vibrating."""
-    return float((s.imag if s.imag > VIBRATES * abs(s) else -s.real) / (2 * np.pi))
+    return float((s.imag if s.imag > VIBRATING_PART * abs(s) else -s.real) / (2 * np.pi))
 
 
 def count_of_zeros(values: np.ndarray, largest: float) -> int:
@@ -149,11 +151,11 @@ def undamped_rates(K: np.ndarray, M: np.ndarray) -> np.ndarray:
     return np.sort(np.abs(np.imag(np.sqrt(-scipy.linalg.eigvals(K, M) + 0j))))
 
 
-SLOW = 1e-11
+HIDDEN_SQUARED_FREQUENCY = 1e-11
 """Part of the largest squared frequency below which another may be hidden by its round-off."""
 
 
-STEPS = 2
+RAYLEIGH_STEPS = 2
 """Steps of Rayleigh's quotient, whose error falls to its third power."""
 
 
@@ -219,7 +221,7 @@ def _slow_ones_again(
     stiffness: np.ndarray, mass: np.ndarray, squares: np.ndarray, shapes: np.ndarray, terms: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Slowest modes, found anew among themselves (Rayleigh and Ritz), as round-off of the fastest may make free ones unstable."""
-    slow = np.flatnonzero(np.abs(squares) < SLOW * np.abs(squares).max())
+    slow = np.flatnonzero(np.abs(squares) < HIDDEN_SQUARED_FREQUENCY * np.abs(squares).max())
     if slow.size:
         own = shapes[:, slow]
         below = squares[slow].imag < 0
@@ -233,7 +235,7 @@ def _refined(
     K: np.ndarray, M: np.ndarray, square: complex, u: np.ndarray, w: np.ndarray
 ) -> tuple[complex, np.ndarray, np.ndarray]:
     """Square omega^2 of K u = omega^2 M u, and its right and left vectors, by Rayleigh's quotient."""
-    for _ in range(STEPS):
+    for _ in range(RAYLEIGH_STEPS):
         square = (w @ K @ u) / (w @ M @ u)
         try:
             u, w = np.linalg.solve(K - square * M, M @ u), np.linalg.solve((K - square * M).T, M.T @ w)

@@ -112,11 +112,11 @@ def left_product(quaternion: np.ndarray) -> np.ndarray:
     return np.array([[a, -b, -c, -d], [b, a, -d, c], [c, d, a, -b], [d, -c, b, a]])
 
 
-SKEW = 1e-9
+AXIS_TOLERANCE = 1e-9
 """Sine of the angle, and part of the model size, by which an axis may be off another one."""
 
 
-STEADY = 1e-6
+STEADY_RATE = 1e-6
 """Part of the square of the rate by which it may change: a force of that part of the centrifugal ones."""
 
 
@@ -199,7 +199,7 @@ def refuse_acceleration(spin: SceneSpin, inputs: Inputs, options: RunOptions) ->
         Names the rate and how fast it changes.
     """
     _, rate, change = np.real(inputs.curves[spin.curve])
-    if abs(change) > STEADY * rate * rate:
+    if abs(change) > STEADY_RATE * rate * rate:
         raise InputError(
             f"the driver turns with {rate:.6g} rad per unit of time at t = {options.end_time:g}, but does not keep that rate: it changes "
             f"by {change:.6g} per unit of time. A steady spin has a constant one: give the driver a curve that ends with one, for example "
@@ -226,7 +226,7 @@ def _refuse_what_cannot_turn(system: System, spin: SceneSpin, driver: str) -> No
         if body.turns == 1 and not body.moves and len(axis) > 1:
             own = axis_of_turning(body)
             away = np.cross(np.real(_origin(system, name)) - np.real(spin.centre), axis)
-            if np.abs(np.cross(own, axis)).max() > SKEW or np.abs(away).max() > SKEW * scene.size:
+            if np.abs(np.cross(own, axis)).max() > AXIS_TOLERANCE or np.abs(away).max() > AXIS_TOLERANCE * scene.size:
                 raise InputError(
                     f"the frame of body {name!r} turns about an axis of its own, which is not that of joint {driver!r}. "
                     'Write frame = "moving".'
@@ -301,7 +301,7 @@ def balancing(system: System, transposed_phi_q: np.ndarray, forces: np.ndarray) 
 
 ANGLES = (1.0, 2.3)
 """Angles in rad to turn the state by: no multiples of a turn's half, third or quarter."""
-CHANGES = 1e-7
+FORCE_CHANGE = 1e-7
 """Largest change of forces with the angle, in parts of the largest one or of the centrifugal one at the model size, and of
 stiffness, damping and mass in parts of their largest: round-off of stiff bodies is smaller, a rotor that is worth the word is
 less round."""
@@ -327,11 +327,11 @@ def refuse_what_changes(system: System, inputs: Inputs, motion: Generator, speed
         there, turn = real.turned(q, angle / speed)
         state, _ = _balanced(system, inputs, real, there)
         change = turn.T @ state.residual[:n_q] - here.residual[:n_q]
-        if (np.abs(change) / weights).max(initial=0) > CHANGES * max(inertia, largest):
+        if (np.abs(change) / weights).max(initial=0) > FORCE_CHANGE * max(inertia, largest):
             _refuse(system, change, angle, "the forces on")
         for one, other, scale in zip(own, _reduced(state, real, turn @ free, turn @ free), _scales(own), strict=True):
             apart = np.abs(other - one)
-            if apart.max(initial=0) > CHANGES * scale:
+            if apart.max(initial=0) > FORCE_CHANGE * scale:
                 _refuse(system, weights**2 * free[:, int(np.argmax(apart.max(axis=0)))], angle, "the linearised equations of")
 
 

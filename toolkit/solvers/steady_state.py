@@ -16,17 +16,17 @@ from toolkit.equations.equations import Inputs
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError, retold
 from toolkit.foundation.near_ties import first_largest
 from toolkit.solvers.spin_axis import Generator, SceneSpin, balancing, linearised, moved, refuse_acceleration, spin_of
-from toolkit.solvers.static.equilibrium import FAR, LEVELS, ROUND_OFF
+from toolkit.solvers.static.equilibrium import COORDINATE_ROUNDINGS, LEVELS, ROUND_OFF
 from toolkit.system.system import System
 
-SMALLEST = 2.0**-10
+SMALLEST_STEP = 2.0**-10
 """Part of the load, and of the square of the speed, below which a step is given up."""
-CLOSE = 0.05
+DIRECT_NEWTON_DISTANCE = 0.05
 """Part of the model size (or rad) that a state may be off a known one from which Newton goes straight to it."""
-SINGULAR = 1e-14
+SINGULAR_MATRIX = 1e-14
 """Smallest singular value of the matrix, in comparable units, in parts of the largest, which is round-off."""
 RATES = np.array([0.0, 1.0, 0.0])
-OPENS = 1e-9
+JOINT_OPENING = 1e-9
 """Part of the model size per radian by which a joint may open, above round-off."""
 
 
@@ -87,7 +87,7 @@ def _near(
     except (ConvergenceError, SingularSystemError):
         return None
     way = system.weights[: system.n_q] * np.abs(np.real(found - q))
-    return (found, forces, 0, count) if way.max(initial=0) < CLOSE else None
+    return (found, forces, 0, count) if way.max(initial=0) < DIRECT_NEWTON_DISTANCE else None
 
 
 def _from_rest(
@@ -97,13 +97,13 @@ def _from_rest(
     reached, step, steps, iterations = 0.0, 1.0 / options.load_steps, 0, 0
     multipliers = None
     while reached < 1:
-        part = 1.0 if reached + step > 1 - SMALLEST else reached + step
+        part = 1.0 if reached + step > 1 - SMALLEST_STEP else reached + step
         begin = _balancing(system, inputs, motion, part, q) if multipliers is None else multipliers * (part / reached)
         try:
             q, multipliers, count = _newton(system, options, inputs, motion, part, q, begin)
         except (ConvergenceError, SingularSystemError) as error:
             step /= 2
-            if step < SMALLEST:
+            if step < SMALLEST_STEP:
                 raise retold(
                     error,
                     f"there is no steady spin beyond {100 * reached:.4g} % of the load and of the square of the speed: {error}",
@@ -121,7 +121,7 @@ def _newton(
     slower = motion.times(np.sqrt(part))
     inputs, n_q, size = inputs._replace(scale=part), system.n_q, np.inf
     far = (system.weights[:n_q] * np.abs(np.real(q))).max(initial=0)
-    reachable = max(options.tolerance, ROUND_OFF, FAR * ROUND_OFF * far)
+    reachable = max(options.tolerance, ROUND_OFF, COORDINATE_ROUNDINGS * ROUND_OFF * far)
     for iteration in range(2 * options.max_iterations):
         there = linearised(system, inputs, q, *moved(slower, q, multipliers))
         correction = _solve(system, there.spinning(slower.matrix)[0], there.residual)
@@ -151,7 +151,7 @@ def _solve(system: System, matrix: np.ndarray, rhs: np.ndarray) -> np.ndarray:
     across = np.abs(scaled / np.where(rows > 0, rows, 1)[:, None]).max(axis=0)
     scaled = scaled / np.where(rows > 0, rows, 1)[:, None] / np.where(across > 0, across, 1)
     _, sizes, vectors = np.linalg.svd(np.real(scaled))
-    if not sizes[-1] > SINGULAR * sizes[0]:
+    if not sizes[-1] > SINGULAR_MATRIX * sizes[0]:
         free = np.abs(vectors[-1])[: system.n_q]
         raise SingularSystemError(
             f"nothing determines {system.numbering.names[first_largest(free)] if free.size else 'the joint forces'} in the frame that "
@@ -191,7 +191,7 @@ def _refuse_before(system: System, inputs: Inputs, spin: SceneSpin) -> None:
     """
     given = system.start()[0][: system.n_q]
     gaps = linearised(system, system.inputs(0.0, LEVELS), given, 0 * given, np.zeros(system.n)).residual[system.n_q :]
-    if (system.weights[system.n_q :] * np.abs(np.real(gaps))).max(initial=0) < OPENS:
+    if (system.weights[system.n_q :] * np.abs(np.real(gaps))).max(initial=0) < JOINT_OPENING:
         _refuse_joints_that_open(system, inputs, spin, given)
 
 
@@ -200,7 +200,7 @@ def _refuse_joints_that_open(system: System, inputs: Inputs, spin: SceneSpin, q:
     n_q, velocity = system.n_q, spin.generator(system).velocity(q)
     rates = linearised(system, inputs._replace(levels=RATES), q, velocity, np.zeros(system.n)).residual[n_q:]
     off = np.abs(np.real(rates)) / spin.speed * system.weights[n_q:]
-    if off.max(initial=0) > OPENS:
+    if off.max(initial=0) > JOINT_OPENING:
         name = system.numbering.names[n_q + first_largest(off)]
         raise InputError(
             f"the scene cannot spin as a whole about the axis of its driver: {name} does not let it. Only bodies that turn with the "

@@ -6,7 +6,8 @@ All of it is at hand after a run, while to judge a run costs several more. What 
 a power that is seldom above the fourth: the growth of an element that turns goes with the second power of a deflection.
 
 To judge a run costs several more. Where no indicator of two designs changes by more than a part d, what a check measures changes by a
-factor of (1 - d)^-POWER at most. So the verdict on one holds for the other, unless a measure lies so near its limit that this factor leads
+factor of (1 - d)^-INDICATOR_POWER at most. So the verdict on one holds for the other, unless a measure lies so near its limit that
+this factor leads
 across; and what it tells of sizes is right to this factor.
 """
 
@@ -24,25 +25,25 @@ from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.extremes import peaks
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.errors.step_cautions import GRADIENTS, VALUES
-from toolkit.sensitivity.errors.step_error import LENIENT
-from toolkit.sensitivity.gradient_errors import SMALL, UNCERTAIN, FrameErrors, Slopes, doubtful_gradients
+from toolkit.sensitivity.errors.step_cautions import GRADIENT_LIMIT, VALUE_LIMIT
+from toolkit.sensitivity.errors.step_error import DERIVATIVE_FACTOR
+from toolkit.sensitivity.gradient_errors import ESTIMATE_FACTOR, SMALL_GEOMETRIC_ERROR, FrameErrors, Slopes, doubtful_gradients
 from toolkit.sensitivity.preparation import response_scales, typical_size, variable_sizes
-from toolkit.sensitivity.run import UNIMPORTANT, Run
+from toolkit.sensitivity.run import UNIMPORTANT_EFFECT, Run
 from toolkit.system.solution import Solution, deforming, elastic_coordinates
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.critical_load import Compression, compression
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.judge import codes_of_instabilities, instabilities
-from toolkit.validity.motion import ENERGY, NOISY
+from toolkit.validity.motion import ENERGY_DEFECT_LIMIT, FORCE_NOISE_LIMIT
 
-OF_A_SCENE = 0.1
+POSITION_SCALE = 0.1
 """Part of the model size that changes of positions are compared with, where these are nearer to the origin."""
-BETWEEN = 0.05
+VERTEX_ERROR = 0.05
 """Error of the vertices of parabolas, as a part of a step."""
-DIGITS = 9
+DISTANCE_DIGITS = 9
 """Decimal digits that distances are rounded to, so that round-off does not decide which of two equal ones is larger."""
-NOTHING = 1e-6
+ZERO_VELOCITY = 1e-6
 """Part of the largest velocity, or joint force, of a scene below which another one is taken for zero."""
 
 
@@ -79,7 +80,7 @@ def distances(one: Indicators, numbers: np.ndarray, least: np.ndarray) -> np.nda
     change = abs(numbers - one.numbers)
     parts = np.divide(change, scale, out=np.zeros_like(change), where=change != 0)
     found = np.nan_to_num(parts, nan=np.inf).max(axis=1, initial=0.0)  # what does not exist is near nothing
-    return np.round(found, DIGITS)
+    return np.round(found, DISTANCE_DIGITS)
 
 
 def written_numbers(scene: Scene, designs: Sequence[Mapping[str, float]]) -> list[Indicators]:
@@ -87,7 +88,7 @@ def written_numbers(scene: Scene, designs: Sequence[Mapping[str, float]]) -> lis
     names = [name for name in dict.fromkeys(name for each in designs for name in each) if _is_known(scene, name)]
     own = {name: scene.value_of(name) for name in names}
     size = loaded(scene).size
-    least = np.array([OF_A_SCENE * size if scene.paths_of(name)[0].startswith("points.") else 0.0 for name in names])
+    least = np.array([POSITION_SCALE * size if scene.paths_of(name)[0].startswith("points.") else 0.0 for name in names])
     return [Indicators(np.array([_real(each.get(name, own[name])) for name in names]), least) for each in designs]
 
 
@@ -132,7 +133,7 @@ def _peaks(solution: Solution) -> Iterator[float]:
     if solution.run_times is None and solution.steps:
         for step, later in peaks(solution):
             yield step
-            yield later if abs(abs(later) - 0.25) < BETWEEN else np.sign(later) * (abs(later) > 0.25)
+            yield later if abs(abs(later) - 0.25) < VERTEX_ERROR else np.sign(later) * (abs(later) > 0.25)
 
 
 def sizes_of_variables(result: Run) -> dict[str, float]:
@@ -151,8 +152,8 @@ def _of_answers(result: Run) -> Indicators:
     sizes = sizes_of_variables(result)
     scales = response_scales(result, sizes)
     slopes = np.array([[result.gradients[f][x] * size for x, size in sizes.items()] for f in result.values])
-    most = LENIENT * abs(slopes).max(axis=1, initial=0.0, keepdims=True)
-    least = np.array([UNIMPORTANT * scales[f] for f in result.values])
+    most = DERIVATIVE_FACTOR * abs(slopes).max(axis=1, initial=0.0, keepdims=True)
+    least = np.array([UNIMPORTANT_EFFECT * scales[f] for f in result.values])
     return Indicators(np.append(values, slopes), np.append(least, np.broadcast_to(most, slopes.shape)))
 
 
@@ -173,14 +174,14 @@ def _sizes_over_time(squares: np.ndarray, places: Sequence[slice | np.ndarray]) 
     """Largest and mean norm over time of some columns of states, from the squares of these, (n_t, n)."""
     over_time = np.array([[each.max(initial=0.0), each.mean()] for each in (squares[:, where].sum(axis=1) for where in places)])
     found = np.sqrt(over_time).ravel()
-    return Indicators(found, np.full(len(found), NOTHING * found.max(initial=0.0)))
+    return Indicators(found, np.full(len(found), ZERO_VELOCITY * found.max(initial=0.0)))
 
 
-POWER = 4.0
+INDICATOR_POWER = 4.0
 """Power of the indicators with which a measure grows at most."""
-FARTHEST = 0.15
+LARGEST_CARRYING_DISTANCE = 0.15
 """Distance up to which a verdict is carried: a measure changes by a factor of two at most."""
-SAME = 0.01
+ONE_VERDICT_DISTANCE = 0.01
 """Distance up to which one verdict is enough; from farther, one is carried where those measured around it agree."""
 OF_FRAMES = "geometric-gradients"
 """Code of the doubt that is found anew for every design, by errors that are carried and by its own gradients."""
@@ -254,18 +255,18 @@ def measured(result: Run, alone: bool = False) -> Measured:
 def _shares(result: Run) -> np.ndarray:
     """Measures relative to their limits, both of comparisons with other runs and of what decides whether these are made."""
     found = result.measures
-    shares = [each / ENERGY for each in found.get("energy_balance", {}).values()]
+    shares = [each / ENERGY_DEFECT_LIMIT for each in found.get("energy_balance", {}).values()]
     if noise := found.get("force_noise"):
-        shares.append(noise["size"] / NOISY)
+        shares.append(noise["size"] / FORCE_NOISE_LIMIT)
     if (steps := result.step_error) is not None:
-        shares.append(_largest(steps.values.values()) / VALUES)
-        shares.append(_largest(error for each in steps.gradients.values() for error in each.values()) / GRADIENTS)
+        shares.append(_largest(steps.values.values()) / VALUE_LIMIT)
+        shares.append(_largest(error for each in steps.gradients.values() for error in each.values()) / GRADIENT_LIMIT)
     shares.append(_of_values(result) / LIMIT)
-    limits = zip(result.added_errors, (LIMIT, GRADIENTS), strict=True)
+    limits = zip(result.added_errors, (LIMIT, GRADIENT_LIMIT), strict=True)
     shares += [_largest(each.part for each in added.values()) / limit for added, limit in limits]
     for each in geometric_errors(result.solution).values():
         if each is not None:
-            shares += [each.relative / limit for limit in (LIMIT, SMALL)]
+            shares += [each.relative / limit for limit in (LIMIT, SMALL_GEOMETRIC_ERROR)]
     pressed = result.solution.known.get(Compression) or compression(result.solution, of_interest=LIMIT / 2)
     shares += [] if pressed is None else [pressed.missed / LIMIT, pressed.feigned / LIMIT, pressed.load]
     return np.array(shares, dtype=float)
@@ -284,7 +285,7 @@ def _of_values(result: Run) -> float:
 
 def growth(distance: float | np.ndarray) -> float | np.ndarray:
     """Largest factor by which a measure changes between designs that are so far from each other."""
-    return (1 - np.minimum(distance, FARTHEST)) ** -POWER
+    return (1 - np.minimum(distance, LARGEST_CARRYING_DISTANCE)) ** -INDICATOR_POWER
 
 
 class CarriedVerdicts:
@@ -311,12 +312,12 @@ class CarriedVerdicts:
         """Keep the verdict that was measured at a design."""
         apart = self._apart(k)
         for m in self.measured:
-            if apart[m] <= FARTHEST:
+            if apart[m] <= LARGEST_CARRYING_DISTANCE:
                 self._reach[[k, m]] = np.maximum(self._reach[[k, m]], apart[m])
         self.measured[k] = judged
         nearer = apart < self._nearest
         self._nearest[nearer], self._source[nearer] = apart[nearer], k
-        for other in np.flatnonzero(apart <= FARTHEST):
+        for other in np.flatnonzero(apart <= LARGEST_CARRYING_DISTANCE):
             self._doubts[other].add(judged.doubts)
 
     def forget(self, k: int) -> None:
@@ -333,10 +334,10 @@ class CarriedVerdicts:
     def source(self, k: int) -> CarriedVerdict | None:
         """Design that the verdict on a design is carried from; None if the verdict has to be measured."""
         apart, m = float(self._nearest[k]), int(self._source[k])
-        if apart > FARTHEST or growth(apart) > self._room(m, k):
+        if apart > LARGEST_CARRYING_DISTANCE or growth(apart) > self._room(m, k):
             return None
         agreed = len(self._doubts[k]) == 1 and 2 * self._reach[m] >= apart
-        return CarriedVerdict(m, apart) if apart <= SAME or agreed else None
+        return CarriedVerdict(m, apart) if apart <= ONE_VERDICT_DISTANCE or agreed else None
 
     def _room(self, m: int, k: int) -> float:
         """The least factor that brings a measure to its limit, among those of a measured design and what another one has of them."""
@@ -344,7 +345,7 @@ class CarriedVerdicts:
         if judged.frame_errors is None or not judged.frame_errors.gradients:
             return judged.room
         largest = judged.frame_errors.largest(mine.gradients, mine.sizes, judged.gradient_scales)
-        felt = UNCERTAIN * max(judged.of_values, largest)  # up to the limit this denies other doubts
+        felt = ESTIMATE_FACTOR * max(judged.of_values, largest)  # up to the limit this denies other doubts
         return min(judged.room, _room(np.array([largest, felt]) / LIMIT))
 
     def wanted(self) -> list[int]:
@@ -354,8 +355,10 @@ class CarriedVerdicts:
         chosen: list[int] = []
         while len(rest):
             chosen.append(int(rest[0]))
-            known = self._nearest[rest] <= np.minimum(FARTHEST, 2 * self._reach[self._source[rest]])  # and yet not carried
-            may_do = np.where(known, self._nearest[rest] / 2, FARTHEST)
+            known = self._nearest[rest] <= np.minimum(
+                LARGEST_CARRYING_DISTANCE, 2 * self._reach[self._source[rest]]
+            )  # and yet not carried
+            may_do = np.where(known, self._nearest[rest] / 2, LARGEST_CARRYING_DISTANCE)
             rest = rest[1:][(self._apart(chosen[-1])[rest] > may_do)[1:]]
         return chosen
 
@@ -423,7 +426,7 @@ def apart(written: Sequence[Indicators]) -> dict[int, bool]:
     chosen, left = {}, np.ones(len(written), dtype=bool)
     while left.any():
         first = int(np.argmax(left))
-        near = distances(written[first], numbers, least) <= FARTHEST
+        near = distances(written[first], numbers, least) <= LARGEST_CARRYING_DISTANCE
         chosen[first] = int(near.sum()) > 1
         left &= ~near
         left[first] = False  # of a number that does not exist, which is near nothing

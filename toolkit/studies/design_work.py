@@ -21,12 +21,12 @@ from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
 from toolkit.studies.executor import SERIAL, Executor, Progress, run_jobs
-from toolkit.studies.problem import FURTHER, Problem
+from toolkit.studies.problem import MARGIN_SEARCH_FACTOR, Problem
 from toolkit.studies.solved_design import scene_at, solve_design
 from toolkit.studies.store import DesignKey, DesignOutcome, DesignStore
 from toolkit.studies.study_file import LOAD_MARGIN
 
-WITH, WITHOUT = 0, 1
+WITH_GRADIENTS, WITHOUT_GRADIENTS = 0, 1
 """Lanes of designs with and without gradients."""
 
 
@@ -200,7 +200,7 @@ class Evaluator:
         return known[int(np.argmin(distances))] if known else None
 
 
-MOST = 4
+MOST_JUDGED_DESIGNS = 4
 """Most designs that are looked at: a judgement of a motion takes some more runs."""
 
 
@@ -211,7 +211,7 @@ def extremes(found: Iterable[DesignOutcome]) -> list[DesignOutcome]:
         return []
     values = np.array([each.values for each in good]).reshape(len(good), -1)
     places = dict.fromkeys(int(k) for column in values.T for k in (np.argmin(column), np.argmax(column)))
-    return [good[k] for k in list(places)[:MOST]]
+    return [good[k] for k in list(places)[:MOST_JUDGED_DESIGNS]]
 
 
 def cut_off(problem: Problem, found: DesignOutcome, place: tuple[int, int]) -> bool:
@@ -233,7 +233,8 @@ def margins_cut_off(problem: Problem, found: Sequence[DesignOutcome], statistics
         yield Caution(
             "margin-cut-off",
             f"in {count} of {len(found)} designs no limit point up to {problem.margin_up_to:g}: {LOAD_MARGIN} is at least that, and "
-            f"{then}. It is looked for up to {FURTHER:g} times the limit under constraints.{LOAD_MARGIN}: a larger limit looks farther.",
+            f"{then}. It is looked for up to {MARGIN_SEARCH_FACTOR:g} times the limit under constraints.{LOAD_MARGIN}: a "
+            "larger limit looks farther.",
             doubt=doubt,
         )
 

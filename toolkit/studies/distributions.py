@@ -247,21 +247,22 @@ def marginal_of(name: str, described: Uncertain, own: float) -> Marginal:
     else:
         whole = Marginal(mean, sigma, False, False)
         ends = ((low - mean) / sigma, (high - mean) / sigma)
-    if not ndtr(ends[1]) - ndtr(ends[0]) > LEAST:
+    if not ndtr(ends[1]) - ndtr(ends[0]) > LEAST_PROBABILITY:
         raise InputError(
-            f"uncertain.{name}: less than {LEAST:g} of a {described.distribution} number with mean {mean:g} and sigma {sigma:g} lies "
+            f"uncertain.{name}: less than {LEAST_PROBABILITY:g} of a {described.distribution} number with mean {mean:g} and "
+            f"sigma {sigma:g} lies "
             f"between {low:g} and {high:g}. Move the bounds to where the number is."
         )
     return Marginal(whole.middle, whole.width, whole.logarithmic, False, *map(float, ends))
 
 
-LEAST = 1e-3
+LEAST_PROBABILITY = 1e-3
 """Least probability that the bounds of a number may leave; with less, only the tail of its distribution would remain."""
 
 
-POINTS = 40
+QUADRATURE_POINTS = 40
 """Number of quadrature points for each of the two numbers whose correlation is found."""
-NEAR = 1e-9
+CERTAIN_CORRELATION = 1e-9
 """Least distance of a correlation coefficient from one."""
 NORMAL = Marginal(0.0, 1.0, False, False)
 
@@ -393,7 +394,7 @@ def _of_normals(one: Marginal, other: Marginal, wanted: float) -> float:
     InputError
         Numbers of these distributions cannot go together so closely.
     """
-    points, weights = np.polynomial.hermite_e.hermegauss(POINTS)
+    points, weights = np.polynomial.hermite_e.hermegauss(QUADRATURE_POINTS)
     weights = weights / np.sum(weights)
 
     def number(marginal: Marginal, normal: np.ndarray) -> np.ndarray:
@@ -408,10 +409,10 @@ def _of_normals(one: Marginal, other: Marginal, wanted: float) -> float:
         product = np.sum(weights[:, None] * weights * (first[:, None] - one.mean) * (second - other.mean))
         return float(product / (one.sigma * other.sigma)) - wanted
 
-    ends = correlation(-1 + NEAR), correlation(1 - NEAR)
+    ends = correlation(-1 + CERTAIN_CORRELATION), correlation(1 - CERTAIN_CORRELATION)
     if ends[0] >= 0 or ends[1] <= 0:
         raise InputError(
             f"uncertainty.correlations: numbers of these distributions cannot have a correlation of {wanted:g}, at most from "
             f"{ends[0] + wanted:.3g} to {ends[1] + wanted:.3g}. Take a smaller one."
         )
-    return float(brentq(correlation, -1 + NEAR, 1 - NEAR, xtol=1e-12))
+    return float(brentq(correlation, -1 + CERTAIN_CORRELATION, 1 - CERTAIN_CORRELATION, xtol=1e-12))

@@ -117,7 +117,7 @@ def _at_hand(task: object) -> Any:
     return _AT_HAND[0](task)
 
 
-PATIENCE = 20
+STARTING_SECONDS = 20
 """Seconds for which scheduler and workers are waited for."""
 
 
@@ -175,14 +175,14 @@ def _client(address: str) -> Client:
     import distributed
 
     try:
-        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+        client = distributed.Client(address, timeout=STARTING_SECONDS, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise InputError(
             f"no Dask scheduler answers at {address!r} ({type(error).__name__}). Start one with `dask scheduler`, and give the address "
             "that it prints."
         ) from error
     try:
-        client.wait_for_workers(1, timeout=PATIENCE)
+        client.wait_for_workers(1, timeout=STARTING_SECONDS)
     except TimeoutError as error:
         client.close()
         raise InputError(

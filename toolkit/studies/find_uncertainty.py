@@ -9,8 +9,8 @@ import numpy as np
 
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.studies.design_work import (
-    WITH,
-    WITHOUT,
+    WITH_GRADIENTS,
+    WITHOUT_GRADIENTS,
     DesignJob,
     DesignWork,
     cut_off,
@@ -27,7 +27,7 @@ from toolkit.studies.solved_design import solve_design
 from toolkit.studies.store import DesignOutcome, hashed, opened_store
 from toolkit.studies.study_file import LOAD_MARGIN
 from toolkit.studies.uncertain_result import (
-    EXACT,
+    EXACT_FIT,
     Expansion,
     Neighbour,
     Spread,
@@ -40,19 +40,19 @@ from toolkit.studies.uncertain_result import (
 )
 from toolkit.studies.uncertain_study import UncertainStudy
 
-MISSED = 0.1
+POLYNOMIAL_ERROR_LIMIT = 0.1
 """Limit of the polynomials' error at designs left out, relative to the spread of solved values: 1 % of the variance."""
-SETTLED = 0.05
+SETTLED_MOMENTS = 0.05
 """Largest change of mean and sigma with the degree of the polynomials, relative to sigma."""
-BEYOND = 0.1
+TAIL_EFFECT_LIMIT = 0.1
 """Largest relative change of sigma if polynomials go on straight beyond the solved designs; a straight line does not change."""
-SURE = 1e-6
+POLYNOMIAL_ROUND_OFF = 1e-6
 """Error at designs left out, relative to the spread, below which a response is taken for a polynomial, also beyond them."""
-RARE = 1e-3
+RARE_PROBABILITY = 1e-3
 """Probability below which a result of the polynomials rests on their tails, beyond all designs."""
 OTHERS_ALONE = ", and all numbers are those of the others alone: so probable is it that nothing can be said."
 """Consequence of failed designs, for their caution."""
-ANOTHER = 1e-5
+OTHER_EQUILIBRIUM = 1e-5
 """Relative change of a value by which an equilibrium is another one."""
 
 
@@ -87,17 +87,17 @@ def doubts(
 
 
 def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
-    bad = {name: each.left_out for name, each in spreads.items() if each.left_out > MISSED}
+    bad = {name: each.left_out for name, each in spreads.items() if each.left_out > POLYNOMIAL_ERROR_LIMIT}
     if bad:
         worst = max(bad, key=lambda name: bad[name])
         yield Caution(
             "polynomials",
             f"the polynomials of {', '.join(bad)} are off by {bad[worst]:.2g} of the spread of the solved values at designs that were "
-            f"left out, most for {worst} (limit {MISSED:g}). Give more runs; a "
+            f"left out, most for {worst} (limit {POLYNOMIAL_ERROR_LIMIT:g}). Give more runs; a "
             "maximum that moves from place to place has kinks, its smooth maximum has not.",
         )
     for name, each in spreads.items():
-        rare = [words for words, p in each.beyond.items() if 0 < min(p, 1 - p) < RARE or p in (0.0, 1.0)]
+        rare = [words for words, p in each.beyond.items() if 0 < min(p, 1 - p) < RARE_PROBABILITY or p in (0.0, 1.0)]
         if rare and each.sampled is None and each.sigma:
             yield Caution(
                 "tails",
@@ -109,22 +109,23 @@ def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
 def _other_polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
     """Doubts where polynomials of another degree, or with other tails, give another mean or sigma."""
     for name, each in spreads.items():
-        if each.left_out < SURE:
+        if each.left_out < POLYNOMIAL_ROUND_OFF:
             continue
         if each.neighbour is not None:
             degree, mean, sigma = each.neighbour.degree, each.neighbour.mean, each.neighbour.sigma
-            if max(abs(mean - each.mean), abs(sigma - each.sigma)) > SETTLED * each.sigma:
+            if max(abs(mean - each.mean), abs(sigma - each.sigma)) > SETTLED_MOMENTS * each.sigma:
                 yield Caution(
                     "degree",
                     f"{name} has mean {each.mean:.4g} and sigma {each.sigma:.4g} by polynomials of degree {each.degree}, but {mean:.4g} "
-                    f"and {sigma:.4g} by those of degree {degree} (limit {SETTLED:.0%} of sigma). Give more runs, or random designs "
+                    f"and {sigma:.4g} by those of degree {degree} (limit {SETTLED_MOMENTS:.0%} of sigma). Give more runs, or "
+                    "random designs "
                     "(monte_carlo) to judge them by.",
                 )
-        if abs(each.straight_sigma - each.sigma) > BEYOND * each.sigma:
+        if abs(each.straight_sigma - each.sigma) > TAIL_EFFECT_LIMIT * each.sigma:
             yield Caution(
                 "extrapolated",
                 f"sigma of {name}, {each.sigma:.4g}, rests on polynomials beyond the solved designs: {each.straight_sigma:.4g} if they go "
-                f"on straight there (limit {BEYOND:.0%}). Give more runs, or random designs (monte_carlo) to judge them by.",
+                f"on straight there (limit {TAIL_EFFECT_LIMIT:.0%}). Give more runs, or random designs (monte_carlo) to judge them by.",
             )
 
 
@@ -132,15 +133,16 @@ def _tails(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
     """Doubts about quantiles on which polynomials of two degrees do not agree, where mean and sigma may do so."""
     for name, each in spreads.items():
         other = each.neighbour
-        if each.left_out < SURE or not each.sigma or other is None:
+        if each.left_out < POLYNOMIAL_ROUND_OFF or not each.sigma or other is None:
             continue
         off = {share: abs(other.quantiles[share] - value) / each.sigma for share, value in each.quantiles.items()}
-        if off and off[worst := max(off, key=lambda share: off[share])] > BEYOND:
+        if off and off[worst := max(off, key=lambda share: off[share])] > TAIL_EFFECT_LIMIT:
             seen = "" if each.sampled is None else f", {each.sampled.quantiles[worst]:.4g} by random designs"
             yield Caution(
                 "tail-quantiles",
                 f"the quantile {worst:g} of {name} is {each.quantiles[worst]:.4g} by polynomials of degree {each.degree}, but "
-                f"{other.quantiles[worst]:.4g} by those of degree {other.degree}{seen} (limit {BEYOND:.0%} of sigma). Give more runs, or "
+                f"{other.quantiles[worst]:.4g} by those of degree {other.degree}{seen} (limit {TAIL_EFFECT_LIMIT:.0%} of "
+                "sigma). Give more runs, or "
                 "random designs (monte_carlo) to judge it by.",
             )
 
@@ -148,11 +150,11 @@ def _tails(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
 def _samples(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
     """Doubts where random designs disagree with the polynomials."""
     for name, each in spreads.items():
-        if each.sampled is not None and each.sampled.missed > MISSED:
+        if each.sampled is not None and each.sampled.missed > POLYNOMIAL_ERROR_LIMIT:
             yield Caution(
                 "monte-carlo",
                 f"the polynomials of {name} are off by {each.sampled.missed:.2g} sigma at {each.sampled.runs} random designs (limit "
-                f"{MISSED:g}). Believe what these say, or give more runs with gradients.",
+                f"{POLYNOMIAL_ERROR_LIMIT:g}). Believe what these say, or give more runs with gradients.",
             )
 
 
@@ -160,7 +162,7 @@ def _elsewhere(study: UncertainStudy, ends: Sequence[DesignOutcome]) -> Iterator
     """A doubt that the path from the unloaded state leads to another equilibrium than the warm start."""
     for end in ends:
         cold = solve_design(study.problem, end.lane, end.design, None, False)
-        if cold.failed or not np.allclose(cold.values, end.values, rtol=ANOTHER, atol=0):
+        if cold.failed or not np.allclose(cold.values, end.values, rtol=OTHER_EQUILIBRIUM, atol=0):
             yield Caution(
                 "beyond-snap-through",
                 "a design of an extreme value is another one along the path from the unloaded state: it lies beyond a snap-through. "
@@ -173,7 +175,7 @@ STORE = "uncertainty.h5"
 """Name of the store in the folder of a study."""
 SAMPLES = 2**16
 """Points at which polynomials are looked at for quantiles and probabilities."""
-TAILS = 2**13
+TAIL_SAMPLES = 2**13
 """How many of them are looked at for what straight tails would change."""
 
 
@@ -203,11 +205,15 @@ def find_uncertainty(
         A process or the cluster ended; what was finished is kept.
     """
     problem, options = study.problem, study.options
-    start = solve_design(problem, WITH, study.designs[0], None) if options.warm_starts and problem.kind == "static" else None
+    start = (
+        solve_design(problem, WITH_GRADIENTS, study.designs[0], None)
+        if options.warm_starts and problem.kind == "static"
+        else None
+    )
     start = None if start is None or start.failed else start
     key = problem.fingerprint if start is None else hashed(problem.fingerprint, study.designs[0].tolist())
-    asked = [DesignJob(WITH, each) for each in study.designs]
-    asked += [DesignJob(WITHOUT, each, False) for each in study.random_designs]
+    asked = [DesignJob(WITH_GRADIENTS, each) for each in study.designs]
+    asked += [DesignJob(WITHOUT_GRADIENTS, each, False) for each in study.random_designs]
     with opened_store(None if folder is None else folder / STORE, key) as store:
         found = solve_designs(DesignWork(problem, start), asked, store, executor, progress)
     exact, random = found[: len(study.designs)], found[len(study.designs) :]
@@ -244,7 +250,7 @@ def _spreads(
         alone, together = each.shares()
         at_random = each.values(study.random_germs[good])
         tied = bool(np.any(joint.together))
-        straight = _straight_sigma(each, germs[:TAILS], study.germs[known])
+        straight = _straight_sigma(each, germs[:TAIL_SAMPLES], study.germs[known])
         found[label] = Spread(
             problem.unit_of(name),
             each.mean,
@@ -258,7 +264,7 @@ def _spreads(
             each.left_out,
             _neighbour(each, germs, options.quantiles),
             straight,
-            each.error + (abs(straight - each.sigma) if each.left_out > EXACT else 0.0),
+            each.error + (abs(straight - each.sigma) if each.left_out > EXACT_FIT else 0.0),
             sampled(np.array([random[k].values[place] for k in good]), at_random, options.quantiles, limit)
             if len(good) > 1
             else None,

@@ -44,7 +44,7 @@ from toolkit.studies.wanted import (
     weights_of,
 )
 
-FURTHER, FAR = 2.0, 10.0
+MARGIN_SEARCH_FACTOR, LARGEST_LOAD_FACTOR = 2.0, 10.0
 """Times the wanted load margin up to which a limit point is looked for; and load factor up to which, where the margin is the objective."""
 ROUND_OFF = 1e-13
 """Relative change of a response that nothing has to have brought about."""
@@ -149,7 +149,11 @@ class Problem:
         """Load factor up to which a limit point is looked for; None if nobody asks for it."""
         limit, wanted = self.study.constraints.get(LOAD_MARGIN), LOAD_MARGIN in self.study.objective.weights
         largest = max((abs(each) for each in limit.limits if each is not None), default=0.0) if limit else 0.0
-        return max(FAR if wanted else FURTHER, FURTHER * largest) if limit or wanted else None
+        return (
+            max(LARGEST_LOAD_FACTOR if wanted else MARGIN_SEARCH_FACTOR, MARGIN_SEARCH_FACTOR * largest)
+            if limit or wanted
+            else None
+        )
 
     @cached_property
     def bounds(self) -> np.ndarray:

@@ -36,9 +36,9 @@ from toolkit.studies.store import EMPTY, DesignOutcome, JobState
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
-ALIKE = 0.5
+SAME_MODE_ASSURANCE = 0.5
 """Assurance above which a mode is the one."""
-AGREE = 1e-6
+FREQUENCY_AGREEMENT = 1e-6
 """Relative difference of a frequency by the two ways in which it is found."""
 
 
@@ -74,13 +74,13 @@ def followed(solution: Solution, shapes: np.ndarray, number: int) -> Frequency:
     alike = np.abs(reference.conj() @ mass @ modes.shapes) ** 2 / (squares * np.real(reference.conj() @ mass @ reference))
     k = int(np.argmax(alike))
     remedy = f'ask for frequencies by their order, with a response {{ type = "frequency", number = {number} }}'
-    if alike[k] <= ALIKE:
+    if alike[k] <= SAME_MODE_ASSURANCE:
         raise LostModeError(
             f"frequency_{number}: no mode is like the one that has this number where the scene stands. Number {k + 1} is most like it, "
-            f"with an assurance of {alike[k]:.2g}, and more than {ALIKE:g} is wanted. Narrow the bounds, or {remedy}."
+            f"with an assurance of {alike[k]:.2g}, and more than {SAME_MODE_ASSURANCE:g} is wanted. Narrow the bounds, or {remedy}."
         )
     found, value = Frequency(number=k + 1), float(modes.frequencies[k])
-    if abs(float(np.real(found.value(solution))) - value) > AGREE * abs(value):
+    if abs(float(np.real(found.value(solution))) - value) > FREQUENCY_AGREEMENT * abs(value):
         raise LostModeError(
             f"frequency_{number}: modes without stiffness cannot be told from others. Hold what moves freely, or {remedy}."
         )
@@ -164,7 +164,7 @@ def resting(time_of: float, system: System, state: JobState) -> Solution:
 
 STEP = 1e-3
 """Step of the differences, relative to the variables' scales: round-off of gradients over it is below 1e-7, as is step^4."""
-ROUGH = 1e-2
+KINKED_GRADIENT = 1e-2
 """Relative error of a derivative above which the gradient is said to have kinks."""
 
 
@@ -208,7 +208,7 @@ def _norm(run: CaseRun, design: np.ndarray, here: CaseResult, place: int) -> Der
     second = scales * (4 * near - far) / 3
     size = float(np.max(np.abs(second)))
     error = float(np.max(np.abs(scales * (near - far)))) / 3 / size if size else 0.0
-    if error > ROUGH:
+    if error > KINKED_GRADIENT:
         raise ToolkitError(
             f"the gradient of {problem.asked[place]} leaps beside this design: differences of it by two steps differ by {error:.1%} of "
             "themselves. A maximum that moves from place to place has kinks, its smooth maximum (ks-stress) has not."

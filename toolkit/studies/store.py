@@ -147,7 +147,7 @@ def scene_fingerprint(scene: Scene, *parts: object) -> str:
 
 SCHEMA, SCHEMA_VERSION = "ffrf-study", 1
 Result = TypeVar("Result", bound=RunOutcome)
-SHARE = 10
+PAUSE_PER_WRITING = 10
 """So many times as long as a writing takes nothing is written after it."""
 
 
@@ -208,7 +208,7 @@ class DesignStore:
             for name, values in _columns(list(self)).items():
                 write_array(file, name, values)
         ended = time.monotonic()
-        self._next, self._pending = ended + SHARE * (ended - begun), False
+        self._next, self._pending = ended + PAUSE_PER_WRITING * (ended - begun), False
 
     def _read(self, path: Path) -> None:
         if schema_of(path) != SCHEMA:

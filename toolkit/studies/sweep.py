@@ -16,8 +16,8 @@ from toolkit.foundation.errors import InputError, listed
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.studies.design_work import (
-    WITH,
-    WITHOUT,
+    WITH_GRADIENTS,
+    WITHOUT_GRADIENTS,
     DesignJob,
     DesignWork,
     extremes,
@@ -33,9 +33,9 @@ from toolkit.studies.problem import Problem, problem_of_all
 from toolkit.studies.store import DesignOutcome, opened_store
 from toolkit.studies.study_file import Study
 
-LEVELS, COUNT, SEED = 5, 64, 0
+DEFAULT_LEVELS, DEFAULT_COUNT, DEFAULT_SEED = 5, 64, 0
 """What a study that does not say it takes."""
-MOST = 1_000_000
+MOST_DESIGNS = 1_000_000
 """Most designs of a sweep."""
 
 
@@ -52,7 +52,7 @@ def points_of(problem: Problem) -> np.ndarray:
         return read_points(problem.study.directory / options.file, problem)
     if options.kind == "grid":
         return _grid(problem, options.levels)
-    count, seed = options.count or COUNT, options.seed or SEED
+    count, seed = options.count or DEFAULT_COUNT, options.seed or DEFAULT_SEED
     _refuse_too_many(count)
     random = np.random.default_rng(seed)
     from scipy.stats.qmc import LatinHypercube
@@ -66,18 +66,18 @@ def points_of(problem: Problem) -> np.ndarray:
 
 
 def _grid(problem: Problem, levels: int | dict[str, int] | None) -> np.ndarray:
-    given = levels if isinstance(levels, dict) else dict.fromkeys(problem.variables, levels or LEVELS)
+    given = levels if isinstance(levels, dict) else dict.fromkeys(problem.variables, levels or DEFAULT_LEVELS)
     if unknown := [name for name in given if name not in problem.variables]:
         raise InputError(f"sweep.levels: {unknown[0]!r} is no variable of the study; it has {listed(problem.variables)}.")
-    counts = [given.get(name, LEVELS) for name in problem.variables]
+    counts = [given.get(name, DEFAULT_LEVELS) for name in problem.variables]
     _refuse_too_many(math.prod(counts), ' Give fewer levels, or points = "sobol" with a count.')
     axes = [np.linspace(a, b, n) if n > 1 else np.array([(a + b) / 2]) for a, b, n in zip(*problem.bounds, counts, strict=True)]
     return np.array(list(product(*axes)))
 
 
 def _refuse_too_many(count: int, remedy: str = " Give a smaller count.") -> None:
-    if count > MOST:
-        raise InputError(f"sweep: {count} designs are more than {MOST}.{remedy}")
+    if count > MOST_DESIGNS:
+        raise InputError(f"sweep: {count} designs are more than {MOST_DESIGNS}.{remedy}")
 
 
 def read_points(path: Path, problem: Problem) -> np.ndarray:
@@ -302,7 +302,7 @@ def run_sweep(
         A process or the cluster ended; what was finished is kept.
     """
     designs, wanted = points_of(problem), problem.study.sweep.gradients
-    asked = [DesignJob(WITH if wanted else WITHOUT, each, wanted) for each in designs]
+    asked = [DesignJob(WITH_GRADIENTS if wanted else WITHOUT_GRADIENTS, each, wanted) for each in designs]
     with opened_store(None if folder is None else folder / STORE, problem.fingerprint) as store:
         found = solve_designs(DesignWork(problem), asked, store, executor, progress)
     refuse_all_failed(found)

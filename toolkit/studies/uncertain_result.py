@@ -30,13 +30,13 @@ from toolkit.studies.uncertain_study import UncertainStudy
 if TYPE_CHECKING:
     from toolkit.foundation.value_types import Record
 
-HIGHEST = 8
+HIGHEST_DEGREE = 8
 """Highest degree that is tried."""
-EXACT = 1e-9
+EXACT_FIT = 1e-9
 """Error at designs left out, relative to the values' spread, below which the lowest degree is taken: round-off decides."""
-SPARE = 1.5
+EQUATIONS_PER_COEFFICIENT = 1.5
 """Wanted ratio of the number of equations to that of coefficients."""
-DETERMINED = 1e-8
+DETERMINED_DESIGN = 1e-8
 """Least eigenvalue of I - H of a design, between 0 and 1, from which the fit without it is determined by the others."""
 
 
@@ -126,9 +126,11 @@ def fitted(
         There are too few designs, or they do not determine the polynomials.
     """
     n, equations = len(germs), len(at) * (1 + len(germs))
-    possible = [k for k in range(1, max(HIGHEST, degree or 0) + 1) if SPARE * size_of(n, k) <= equations]
+    possible = [
+        k for k in range(1, max(HIGHEST_DEGREE, degree or 0) + 1) if EQUATIONS_PER_COEFFICIENT * size_of(n, k) <= equations
+    ]
     if (degree or 1) not in possible or len(at) < 2:
-        least = next(k for k in count(2) if SPARE * size_of(n, degree or 1) <= k * (1 + n))
+        least = next(k for k in count(2) if EQUATIONS_PER_COEFFICIENT * size_of(n, degree or 1) <= k * (1 + n))
         raise InputError(
             f"uncertainty.runs: {len(at)} designs that could be solved are too few for polynomials of degree {degree or 1} of {n} numbers: "
             f"at least {least} are needed. Give more runs{', or a lower degree' if degree else ''}."
@@ -151,11 +153,11 @@ def fitted(
 
 def _chosen(tried: dict[int, Expansion], degree: int | None) -> Expansion:
     """The fit of the least error, or of the wanted degree, with the better one of its two neighbours."""
-    best = degree or min(tried, key=lambda k: max(tried[k].left_out, EXACT))
+    best = degree or min(tried, key=lambda k: max(tried[k].left_out, EXACT_FIT))
     beside = [k for k in (best - 1, best + 1) if k in tried and np.isfinite(tried[k].error)]
     if not beside:
         return tried[best]
-    other = min(beside, key=lambda k: max(tried[k].left_out, EXACT))
+    other = min(beside, key=lambda k: max(tried[k].left_out, EXACT_FIT))
     return replace(tried[best], neighbour=tried[other])
 
 
@@ -176,7 +178,7 @@ def _fit(basis: Basis, at: np.ndarray, values: np.ndarray, slopes: np.ndarray) -
     open_parts = np.eye(1 + n) - blocks @ np.swapaxes(blocks, 1, 2)
     spreads = np.std(values, axis=0)
     size = np.abs(np.diag(triangular))
-    if np.min(size) < DETERMINED * np.max(size) or np.min(np.linalg.eigvalsh(open_parts)) < DETERMINED:
+    if np.min(size) < DETERMINED_DESIGN * np.max(size) or np.min(np.linalg.eigvalsh(open_parts)) < DETERMINED_DESIGN:
         return [Expansion(basis, np.full(matrix.shape[1], np.nan), np.inf, float(each)) for each in spreads]
     coefficients = np.linalg.solve(triangular, orthogonal.T @ right)
     left = (right - matrix @ coefficients).reshape(designs, 1 + n, -1)
@@ -340,7 +342,7 @@ def quantiles_of(values: np.ndarray, shares: tuple[float, ...]) -> dict[float, f
     return dict(zip(shares, map(float, np.quantile(values, shares)), strict=True))
 
 
-NORMAL = 3.0
+NORMAL_KURTOSIS = 3.0
 """Kurtosis of a normal distribution, taken as the least one: few designs show less than there is."""
 
 
@@ -348,7 +350,7 @@ def sampled(values: np.ndarray, polynomials: np.ndarray, shares: tuple[float, ..
     """Statistics of a response at random designs, with the error of its polynomials there."""
     count, mean, sigma = len(values), float(np.mean(values)), float(np.std(values, ddof=1))
     fourth = float(np.mean((values - mean) ** 4)) / sigma**4 if sigma else 1.0
-    sigma_error = sigma / 2 * float(np.sqrt((max(fourth, NORMAL) - 1) / count))
+    sigma_error = sigma / 2 * float(np.sqrt((max(fourth, NORMAL_KURTOSIS) - 1) / count))
     share = beyond(values, limit)
     errors = {words: (p, float(np.sqrt(max(p * (1 - p), 1 / count) / count))) for words, p in share.items()}
     missed = float(np.sqrt(np.mean((values - polynomials) ** 2))) / sigma if sigma else 0.0

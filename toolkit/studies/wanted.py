@@ -27,9 +27,9 @@ from toolkit.studies.distributions import Marginal, Uncertain, joint_of, margina
 from toolkit.studies.orthonormal_basis import basis_of, scrambled, size_of
 from toolkit.studies.study_file import LOAD_MARGIN, Limit, Study
 
-SPARE = 1.5
+POINTS_PER_COEFFICIENT = 1.5
 """Ratio of the number of points to that of coefficients."""
-DEGREE, HIGHEST = 2, 8
+DEFAULT_DEGREE, HIGHEST_DEGREE = 2, 8
 """Degree of the polynomials if the study does not give the number of points; and the highest degree."""
 
 
@@ -103,7 +103,7 @@ def uncertain_points(study: Study, scene: Scene) -> UncertainPoints:
     marginals = {name: _marginal(scene, name, each, moved[name]) for name, each in study.uncertain.items()}
     names, options = tuple(marginals), study.uncertainty
     joint = joint_of(names, marginals, options.correlations)
-    count = options.points or ceil(SPARE * size_of(len(names), DEGREE))
+    count = options.points or ceil(POINTS_PER_COEFFICIENT * size_of(len(names), DEFAULT_DEGREE))
     germs = np.vstack([joint.germs_at_mean(), joint.germs_of(scrambled(count - 1, len(names), options.seed))])
     basis = basis_of(joint.germs, _degree(len(names), count))
     numbers = np.vstack([joint.mean, joint.numbers(germs[1:])])
@@ -118,12 +118,12 @@ def uncertain_points(study: Study, scene: Scene) -> UncertainPoints:
 
 def _degree(n: int, count: int) -> int:
     """Highest degree of the polynomials that so many points determine."""
-    if count < SPARE * size_of(n, 1):
+    if count < POINTS_PER_COEFFICIENT * size_of(n, 1):
         raise InputError(
             f"uncertainty.points = {count} are too few for {n} uncertain number{'s' if n > 1 else ''}. Give at least "
-            f"{ceil(SPARE * size_of(n, 1))}, better {ceil(SPARE * size_of(n, DEGREE))}."
+            f"{ceil(POINTS_PER_COEFFICIENT * size_of(n, 1))}, better {ceil(POINTS_PER_COEFFICIENT * size_of(n, DEFAULT_DEGREE))}."
         )
-    return max(degree for degree in range(1, HIGHEST + 1) if SPARE * size_of(n, degree) <= count)
+    return max(degree for degree in range(1, HIGHEST_DEGREE + 1) if POINTS_PER_COEFFICIENT * size_of(n, degree) <= count)
 
 
 def _variable_of(study: Study, scene: Scene, name: str) -> str | None:

@@ -146,7 +146,7 @@ class HandedRecords:
         return self._spare is other._spare
 
 
-REMEMBERED, SHORT = 4, 100_000
+REMEMBERED_TIMES, LARGEST_REMEMBERED_SET = 4, 100_000
 """Sets of times whose curves a system remembers: the start, the end and the steps of a run; and most numbers of such a set, as longer runs
 take so long that curves are nothing beside them."""
 
@@ -163,9 +163,9 @@ def remembered(known: Known, times: np.ndarray, evaluate: Callable[[np.ndarray],
     found = known.get(key)
     if found is None:
         found = evaluate(times)
-        if len(known) >= REMEMBERED:
+        if len(known) >= REMEMBERED_TIMES:
             known.clear()
-        if found.size <= SHORT:
+        if found.size <= LARGEST_REMEMBERED_SET:
             known[key] = found
     return found.copy()
 

@@ -15,7 +15,7 @@ from toolkit.foundation.errors import InputError, NoDerivativeError
 if TYPE_CHECKING:
     from toolkit.system.system import System
 
-JAMS = 1e-6
+JAMMING_PART = 1e-6
 """Part of the joints' own changes that is left of them in the motions that are free, above which it is no round-off."""
 
 
@@ -78,7 +78,7 @@ def _refuse_variables_that_jam(system: System, q: np.ndarray, jacobian: np.ndarr
 
     size = change(1 / system.weights[:n_q])[1]
     for motion in scipy.linalg.null_space(np.real(jacobian)[rows.kept]).T:
-        jams = np.flatnonzero(np.abs(N.T @ change(motion)[0]).max(axis=0) > JAMS * size)
+        jams = np.flatnonzero(np.abs(N.T @ change(motion)[0]).max(axis=0) > JAMMING_PART * size)
         if len(jams):
             raise NoDerivativeError(
                 f"design variable {system.design.names[jams[0]]!r} would make joints that repeat each other fit no more, and jam the "

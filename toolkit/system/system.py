@@ -50,10 +50,10 @@ from toolkit.system.evaluation import (
 from toolkit.system.redundant_joints import without_redundant_rows
 
 R = TypeVar("R")
-SHORT = 10_000
+LOOPED_PRODUCT_TERMS = 10_000
 """Most terms of a product that is summed up here, as beside the work of more of them a call of a library is nothing."""
 
-FEW = 1000
+KEPT_MEMORY_UNKNOWNS = 1000
 """Unknowns up to which the memory of a run is left to the next one."""
 
 
@@ -272,12 +272,12 @@ class System:
         return self._is_short(self._handed)
 
     def _is_short(self, handed: HandedRecords) -> bool:
-        return self.compiled and self.n <= FEW and isinstance(handed.of(self.plan), Packed)
+        return self.compiled and self.n <= KEPT_MEMORY_UNKNOWNS and isinstance(handed.of(self.plan), Packed)
 
     def times(self, values: np.ndarray, block: np.ndarray, first: int = 0) -> np.ndarray:
         """Rows from the `first` on of the product of a matrix, by its values on the common pattern, with a block (n, k)."""
         begins = self.plan.indptr[first]
-        if (len(values) - begins) * block.shape[1] > SHORT:
+        if (len(values) - begins) * block.shape[1] > LOOPED_PRODUCT_TERMS:
             large: np.ndarray = self.matrix(values)[first:] @ block
             return large
         terms = values[begins:, None] * block[self.plan.indices[begins:]]
@@ -415,7 +415,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
     moving = moving_unknowns(numbering, values, plan.markers.coordinate)
-    if numbering.n <= FEW:
+    if numbering.n <= KEPT_MEMORY_UNKNOWNS:
         lu_plan = _analysed(plan.indptr.tobytes(), plan.indices.tobytes(), plan.n_q, moving.tobytes())
     else:
         lu_plan = analyse(plan.indptr, plan.indices, plan.n_q, moving)

@@ -14,8 +14,8 @@ from toolkit.foundation.near_ties import spread
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import MOTION, REST, STATES, Caution, check
 from toolkit.joints.cam import OnCam
-from toolkit.joints.kernels.profile import SEAM
-from toolkit.joints.profile import CLOSE, TURN
+from toolkit.joints.kernels.profile import SEAM_OVERLAP
+from toolkit.joints.profile import CLOSED_TOLERANCE, FULL_TURN
 from toolkit.joints.rows import Form
 from toolkit.loads.bushing import SpatialBushing
 from toolkit.loads.controllers import DistanceControlled
@@ -29,10 +29,10 @@ from toolkit.system.system import System, compile_scene
 
 FRICTION_INSTANTS = 2000
 """Instants, evenly spread over the motion."""
-STILL = 1e-9
+CREEP_ROUND_OFF = 1e-9
 """Part of what the width itself would creep that is round-off of a scene at rest."""
 
-MOST = 500
+MOST_UNKNOWNS = 500
 """Unknowns of the largest scene whose frictions are asked for their rates, by dense matrices."""
 ACCELERATIONS = np.array([1.0, 0.0, 0.0])
 """Weights of the constraints' accelerations, velocities and positions."""
@@ -54,7 +54,7 @@ def creeping_friction(solution: Solution) -> Iterator[Caution]:
         slow = rates < width
         part = _integral(times, slow.astype(float)) / (times[-1] - times[0])
         label, crept = unit(scene.units, load.rate), _integral(times, np.where(slow, rates, 0))
-        crept = crept if crept > STILL * width * (times[-1] - times[0]) else 0.0
+        crept = crept if crept > CREEP_ROUND_OFF * width * (times[-1] - times[0]) else 0.0
         way = f"{crept:.3g} {label.partition('/')[0]}"
         said = f"Slower than that, {part:.0%} of the time, it lets creep: by {way}. {creeping_friction.fix}"
         yield creeping_friction.caution(
@@ -84,12 +84,12 @@ def told_frictions(system: System, q: np.ndarray, step: float) -> str:
     """What to know of frictions whose width sets the step, in a position (n,); empty where steps resolve them all."""
     scene, found = system.scene, []
     frictions = {name: load for name, load in scene.loads.items() if isinstance(load, Friction) and np.real(load.width) > 0}
-    if not frictions or system.n > MOST:
+    if not frictions or system.n > MOST_UNKNOWNS:
         return ""
     narrow = _damping(system, q)
     for name, load in frictions.items():
         width = float(np.real(load.width))
-        without = compile_scene(scene.with_number(f"loads.{name}.width", width / STILL))
+        without = compile_scene(scene.with_number(f"loads.{name}.width", width / CREEP_ROUND_OFF))
         fastest = np.abs(_eigenvalues(system, q, narrow - _damping(without, q))).max(initial=0.0)
         if fastest * step > 1:
             label = unit(scene.units, load.rate)
@@ -134,7 +134,7 @@ def _integral(times: np.ndarray, values: np.ndarray) -> float:
     return float(np.sum(np.diff(times) * (values[1:] + values[:-1]) / 2))
 
 
-LOOKED_AT = 500
+EXAMINED_INSTANTS = 500
 """Instants, evenly spread over a motion, that are examined; between two in which a spring points the other way every step is."""
 
 
@@ -157,7 +157,7 @@ def springs_through_zero(solution: Solution) -> Iterator[Caution]:
     }
     if not springs:
         return
-    some = np.array(spread(last, LOOKED_AT))
+    some = np.array(spread(last, EXAMINED_INSTANTS))
     for (name, spring), turns in zip(springs.items(), _turns(solution, list(springs.values()), some), strict=True):
         closer = (np.arange(some[at], some[at + 1] + 1) for at in turns)
         found = next((int(every[at[0]]) for every in closer if len(at := _turns(solution, [spring], every)[0])), None)
@@ -196,7 +196,7 @@ def bushings_turned_far(solution: Solution) -> Iterator[Caution]:
     if not bushings:
         return
     states = np.atleast_2d(np.real(solution.q))
-    poses = poses_at(system, states[spread(len(states) - 1, LOOKED_AT)])
+    poses = poses_at(system, states[spread(len(states) - 1, EXAMINED_INSTANTS)])
     for name, load in bushings.items():
         first, second = (system.numbering.marker(grip) for grip in load.grips)
         cosine = (np.einsum("tk,tk->t", poses[:, first, 3:], poses[:, second, 3:]) - 1) / 2
@@ -239,8 +239,8 @@ def _opens(scene: Scene, name: str, paths: list[str], factors: list[float]) -> b
             moved = moved.with_number(path, moved.number(path) + 1j * STEP * factor)
     joint = moved.joints[name]
     assert isinstance(joint, OnCam)
-    slopes = np.imag(joint.curve.evaluate(np.linspace(0, TURN, 721)))[:, :2]
-    return bool(np.any(np.abs(slopes[-1] - slopes[0]) > CLOSE * np.abs(slopes).max(axis=0)))
+    slopes = np.imag(joint.curve.evaluate(np.linspace(0, FULL_TURN, 721)))[:, :2]
+    return bool(np.any(np.abs(slopes[-1] - slopes[0]) > CLOSED_TOLERANCE * np.abs(slopes).max(axis=0)))
 
 
 def _passes(solution: Solution, name: str) -> bool:
@@ -250,9 +250,9 @@ def _passes(solution: Solution, name: str) -> bool:
     sine, cosine = joint.constraint(system.scene)[0].forms[-2], joint.constraint(system.scene)[0].forms[-3]
     markers = [system.numbering.marker(grip if joint.axes is None else (*grip, f"joints.{name}")) for grip in joint.grips]
     states = np.atleast_2d(np.real(solution.q))
-    poses = [_vectors(pose) for pose in poses_at(system, states[spread(len(states) - 1, LOOKED_AT)])[:, markers]]
+    poses = [_vectors(pose) for pose in poses_at(system, states[spread(len(states) - 1, EXAMINED_INSTANTS)])[:, markers]]
     angles = np.unwrap([np.arctan2(_value(sine, vectors), _value(cosine, vectors)) for vectors in poses])
-    return bool(angles.min() < -SEAM or angles.max() >= TURN - SEAM)
+    return bool(angles.min() < -SEAM_OVERLAP or angles.max() >= FULL_TURN - SEAM_OVERLAP)
 
 
 def _vectors(pose: np.ndarray) -> np.ndarray:

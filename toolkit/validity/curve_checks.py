@@ -26,20 +26,20 @@ from toolkit.system.solution import Solution
 if TYPE_CHECKING:
     from toolkit.foundation.value_types import Scalar
 
-LOST = 0.2
+LOST_VARIATION = 0.2
 """Part of a curve's variation that may lie between the times of a run. A sine loses 0.21 with four samples in a period; runs with twice the
 step then see two, and the comparison with them tells. With fewer, or pulses between two times, all runs may see the same and agree."""
-IN_ONE = 0.05
+LOST_IN_ONE_STEP = 0.05
 """Part that a single step may lose in which a whole piece of the curve lies; a load that is switched on within a step loses half of it."""
-LEVEL = 0.05
+LEVEL_PART = 0.05
 """Part of a load's level that counts as its variation: a ripple of less than a hundredth of it changes little."""
-PICKED, FEWEST = 50_000, 4
+MOST_EXAMINED_STEPS, LEAST_STEPS_OF_PIECE = 50_000, 4
 """Largest number of steps that are examined, shared out among the pieces of the curve, and the least number of a piece."""
-SAMPLES, LEAST, MOST = 4096, 8, 512
+SAMPLES, LEAST_SAMPLES, MOST_SAMPLES = 4096, 8, 512
 """Least number of samples of a curve, and the least and largest number in a step: an error of a few percent at most."""
-SHARED = 0.05
+SHARED_LOSS = 0.05
 """Loss of a piece of a curve, relative to that of the worst piece, above which it counts among the pieces that lose it."""
-BLOCK = 1 << 16
+SAMPLES_AT_ONCE = 1 << 16
 """Number of samples that are evaluated at a time."""
 GOLDEN = (5**0.5 - 1) / 2
 """Golden section, whose multiples without their whole parts are spread evenly, and in step with no period."""
@@ -93,10 +93,10 @@ def unseen_curves(solution: Solution) -> Iterator[Caution]:
     """
     for (group, name), curve in curves_of(solution.system.scene):
         loss = loss_of(curve, solution.whole_run, has_zero=group == "loads")
-        if loss is not None and (loss.part > LOST or loss.in_one > IN_ONE):
-            how_much = f"{loss.part:.0%} of its variation (limit {LOST:.0%})"
-            if loss.part <= LOST:
-                how_much = f"{loss.in_one:.0%} of its variation within one step (limit {IN_ONE:.0%})"
+        if loss is not None and (loss.part > LOST_VARIATION or loss.in_one > LOST_IN_ONE_STEP):
+            how_much = f"{loss.part:.0%} of its variation (limit {LOST_VARIATION:.0%})"
+            if loss.part <= LOST_VARIATION:
+                how_much = f"{loss.in_one:.0%} of its variation within one step (limit {LOST_IN_ONE_STEP:.0%})"
             yield unseen_curves.caution(
                 f"{group}.{name}.curve changes between the times of the run: the straight lines between them miss it by {how_much}, most "
                 f"near t = {loss.time:.4g}. Runs with other steps may miss the same and agree. {_advice(curve, loss)}",
@@ -115,8 +115,8 @@ def loss_of(curve: CurveOverTime, times: np.ndarray, has_zero: bool = True) -> L
         return None
     pieces = _pieces(curve, float(times[0]), float(times[-1]))
     piece, step, weight, shift = _picked(pieces, times)
-    count = min(max(-(-SAMPLES // len(step)), LEAST), MOST)
-    blocks = [slice(n, n + BLOCK // count) for n in range(0, len(step), BLOCK // count)]
+    count = min(max(-(-SAMPLES // len(step)), LEAST_SAMPLES), MOST_SAMPLES)
+    blocks = [slice(n, n + SAMPLES_AT_ONCE // count) for n in range(0, len(step), SAMPLES_AT_ONCE // count)]
     samples = [_samples(curve, times, pieces[piece[block]], step[block], count, shift[block]) for block in blocks]
     f, signed, missed, length = (np.concatenate(parts) for parts in zip(*samples, strict=True))
     variation = _variation(f, weight * length, _values(curve, times[[0, -1]]), has_zero)
@@ -125,7 +125,7 @@ def loss_of(curve: CurveOverTime, times: np.ndarray, has_zero: bool = True) -> L
     hiding = np.isin(step, step[(np.bincount(piece) == 1)[piece]])
     of_piece = np.bincount(piece, weight * missed, len(pieces))
     worst = int(step[np.argmax(missed)])
-    losing = pieces[of_piece >= SHARED * of_piece.max()]
+    losing = pieces[of_piece >= SHARED_LOSS * of_piece.max()]
     return Loss(
         part=float(weight @ missed / variation),
         in_one=float(np.abs(np.bincount(np.cumsum(np.diff(step, prepend=0) > 0), signed * hiding)).max() / variation),
@@ -141,7 +141,7 @@ def _variation(f: np.ndarray, lengths: np.ndarray, ends: np.ndarray, has_zero: b
     mean = float(areas @ f.ravel()) / float(areas.sum())
     rest = 0.0 if has_zero else float(ends[0])
     *around, level = (float(areas @ np.abs(f.ravel() - each)) for each in (*ends, mean, rest))
-    return max(min(around), LEVEL * level, level - abs(float(ends[0]) - rest) * float(areas.sum()))
+    return max(min(around), LEVEL_PART * level, level - abs(float(ends[0]) - rest) * float(areas.sum()))
 
 
 def _values(curve: CurveOverTime, times: np.ndarray) -> np.ndarray:
@@ -164,7 +164,7 @@ def _picked(pieces: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarr
     """
     first = np.searchsorted(times, pieces[:, 0], "right") - 1
     there = np.searchsorted(times, pieces[:, 1], "left") - first
-    taken = np.minimum(there, max(PICKED // len(pieces), FEWEST))
+    taken = np.minimum(there, max(MOST_EXAMINED_STEPS // len(pieces), LEAST_STEPS_OF_PIECE))
     piece = np.repeat(np.arange(len(pieces)), taken)
     place = np.arange(len(piece)) - np.repeat(np.cumsum(taken) - taken, taken)
     ratio = (np.maximum(there - 2, 1) / np.maximum(taken - 2, 1))[piece]
@@ -197,7 +197,7 @@ def _advice(curve: Curve, loss: Loss) -> str:
     return f"{told}, or solver.times with its corners ({named}) and times between them."
 
 
-HIDDEN = 0.5
+HIDDEN_CHANGE = 0.5
 """Part of a curve's change that may lie between the times of a run: with less, runs with other steps see another part of it."""
 TIME = LABELLED["time"]
 
@@ -232,9 +232,10 @@ def unseen_moves(solution: Solution, variables: Collection[str]) -> Iterator[Cau
             if curve == dict(curves_of(scene))[item]:
                 continue
             loss = loss_of(Slope(curve), solution.whole_run)
-            if loss is not None and loss.part > HIDDEN:
+            if loss is not None and loss.part > HIDDEN_CHANGE:
                 yield unseen_moves.caution(
-                    f"derivatives by {name} miss {min(loss.part, 1):.0%} (limit {HIDDEN:.0%}) of what it does to {'.'.join(item)}.curve, "
+                    f"derivatives by {name} miss {min(loss.part, 1):.0%} (limit {HIDDEN_CHANGE:.0%}) of what it does to "
+                    f"{'.'.join(item)}.curve, "
                     f"most near t = {loss.time:.4g}. The curve changes faster there than steps are short. Runs with other steps may miss "
                     f"the same and agree. Fix: a curve that changes over several steps, or steps of {loss.shortest / 10:.2g} there "
                     "(solver.times).",
@@ -286,10 +287,10 @@ def _idle(what: str, end: float) -> Caution:
     return idle_curves.caution(f"{what}, and the run ends at t = {end:g}: it has no effect. {idle_curves.fix}", doubt=False)
 
 
-BEYOND = 0.1
+OVERSHOOT = 0.1
 """Part of the range of a table's values by which its cubic may leave it: a sine by eight rows in a period leaves it by 4 %."""
 
-DOUBTFUL = 0.5
+DOUBTED_OVERSHOOT = 0.5
 """The same that nobody means: a pulse of a few close rows in a long table may swing to a hundred thousand times its height before it."""
 
 
@@ -306,12 +307,12 @@ def overshooting_tables(solution: Solution) -> Iterator[Caution]:
             time, value = _furthest(table, start, end)
             low, high = np.real(min(table.values, key=np.real)), np.real(max(table.values, key=np.real))
             beyond = max(value - high, low - value)
-            if beyond > BEYOND * (high - low) > 0:
+            if beyond > OVERSHOOT * (high - low) > 0:
                 yield overshooting_tables.caution(
                     f"{path} swings beyond its values, which are from {low:g} to {high:g}. It reaches {value:.4g} at t = {time:.4g}, "
                     f"{beyond / (high - low):.3g} times their range outside: it is a cubic through all of them. "
                     f'Fix: {path}.interpolation = "monotone" or "linear", more rows where it is steep, or smooth steps.',
-                    doubt=bool(beyond > DOUBTFUL * (high - low)),
+                    doubt=bool(beyond > DOUBTED_OVERSHOOT * (high - low)),
                 )
 
 

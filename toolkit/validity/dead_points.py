@@ -28,10 +28,10 @@ from toolkit.system.system import System
 
 CORRECTIONS = 6
 """Number of corrections by which coordinates are put back on the joints."""
-SINGULAR = 1e-5
+SINGULAR_JOINTS = 1e-5
 """Smallest singular value, relative to the largest, up to which joints repeat each other: its square is the accuracy of
 positions there."""
-OPENS = 1e-3
+OPENING_PART = 1e-3
 """Part of a variable's change of the gaps that must do work to open a dead point; less is round-off."""
 
 
@@ -74,7 +74,7 @@ class JointsAlone:
         """Time, and coordinates put back on the joints by the smallest moves."""
         weights = self.system.weights
         for _ in range(CORRECTIONS):
-            q = q - np.linalg.pinv(self.jacobian(q), rcond=SINGULAR) @ self.gaps(time, q) / weights[: self.system.n_q]
+            q = q - np.linalg.pinv(self.jacobian(q), rcond=SINGULAR_JOINTS) @ self.gaps(time, q) / weights[: self.system.n_q]
         return time, q
 
     def gaps(self, time: float, q: np.ndarray) -> np.ndarray:
@@ -86,16 +86,16 @@ class JointsAlone:
         changes = np.real(self._terms(time, q, design=True).A_x)[self._kept] * self.system.weights[self._kept, None]
         work, largest = np.abs(forces @ changes), np.linalg.norm(changes, axis=0)
         names = self.system.design.names
-        return tuple(name for name, each, size in zip(names, work, largest, strict=True) if each > OPENS * size)
+        return tuple(name for name, each, size in zip(names, work, largest, strict=True) if each > OPENING_PART * size)
 
 
-MOST_COORDINATES, LOOKED_AT = 60, 200
+MOST_COORDINATES, MOST_EXAMINED = 60, 200
 """Largest number of coordinates of scenes that are examined, and of states."""
-ALIKE = 0.5
+COMPARABLE_DIRECTIONS = 0.5
 """Determinant of the cosines between the free motions of two states from which on their signs can be compared."""
 HALVINGS = 40
 """Number of bisections by which a dead point is found between two states."""
-MEETS = 1e-9
+CLOSED_VIOLATION = 1e-9
 """Constraint violation, relative to the model size (or in rad), that counts as zero: where lengths are off by more,
 branches do not meet."""
 
@@ -125,7 +125,7 @@ def dead_points(solution: Solution) -> list[DeadPoint]:
     if not (system.compiled and solution.steps and system.n_q <= MOST_COORDINATES and _has_loops(system)):
         return []
     joints = JointsAlone(system)
-    coarse = _changes(solution, joints, spread(len(solution.times) - 1, LOOKED_AT))
+    coarse = _changes(solution, joints, spread(len(solution.times) - 1, MOST_EXAMINED))
     steps = [each for low, high, _ in coarse for each in _changes(solution, joints, range(low, high + 1))]
     found = (_between(solution, joints, *each) for each in steps)
     return [each for each in found if each is not None]
@@ -142,7 +142,7 @@ def _changes(solution: Solution, joints: JointsAlone, states: Sequence[int]) -> 
 
 def _alike(free: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Whether free motions (..., f, n_q) are so alike that they do not change the sign themselves."""
-    return np.abs(np.linalg.det(free @ np.swapaxes(others, -1, -2))) > ALIKE
+    return np.abs(np.linalg.det(free @ np.swapaxes(others, -1, -2))) > COMPARABLE_DIRECTIONS
 
 
 def _has_loops(system: System) -> bool:
@@ -173,8 +173,8 @@ def _between(solution: Solution, joints: JointsAlone, low: float, high: float, f
     singular = [np.linalg.svd(each) for each in arrays]
     if not all(_alike(turned[len(array) :], free) for array, (_, _, turned) in zip(arrays, singular, strict=True)):
         return None
-    repeated = all(values[-1] <= SINGULAR * values[0] for _, values, _ in singular)
-    meets = repeated and all(np.abs(joints.gaps(*each)).max() <= MEETS for each in ends)
+    repeated = all(values[-1] <= SINGULAR_JOINTS * values[0] for _, values, _ in singular)
+    meets = repeated and all(np.abs(joints.gaps(*each)).max() <= CLOSED_VIOLATION for each in ends)
     return DeadPoint(ends[0][0], meets, joints.doing_work(*ends[0], singular[0][0][:, -1]))
 
 

@@ -11,7 +11,7 @@ from toolkit.bodies.kernels.constant_kernel import LEFT_OUT, add_drag, moving_re
 from toolkit.compilation.quantities import named_loads
 from toolkit.equations.equations import Inputs, Plan, allocate_terms, allocate_work
 from toolkit.foundation.kernel import inlined, kernel
-from toolkit.foundation.near_ties import BAND, spread
+from toolkit.foundation.near_ties import TIE_BAND, spread
 from toolkit.joints.kernels.all_joints import evaluate_any_joint
 from toolkit.joints.kernels.composition import gap
 from toolkit.joints.kernels.planar_pin import pin_rows
@@ -159,9 +159,9 @@ def created_energy(solution: Solution) -> float:
     return energy_defects(solution)[0]
 
 
-LOOKED_AT = 200
+SUMMED_INSTANTS = 200
 """Instants, evenly spread over the motion, from which works are summed whose size alone counts."""
-LOOKED_AT_AGAIN = 0.01
+DEFECT_WITH_LOSSES = 0.01
 """Part of the largest energy or work from which on a defect is compared with what friction and dampers took, too."""
 ROUND_OFF = 1e-12
 """Part of `held_energy` that is no energy of a motion: positions are exact to 1e-16 of the model size, over some thousand steps."""
@@ -182,7 +182,7 @@ def energy_defects(solution: Solution) -> tuple[float, float]:
     largest = max(*sizes, *(np.abs(part).max() for part in parts))
     created = _beyond(_surplus(solution.times, balance), _surplus(solution.times[::2], coarse))
     lost = _beyond(-balance.defect, -coarse.defect)
-    if max(created, lost) > LOOKED_AT_AGAIN * largest:
+    if max(created, lost) > DEFECT_WITH_LOSSES * largest:
         largest = max(largest, taken_by_loads(solution, balance))
     return _part(created, largest), _part(lost, largest)
 
@@ -230,7 +230,7 @@ def largest_work(solution: Solution) -> float:
     scene = solution.system.scene
     if not (solution.options or scene.solver).quasi_static:
         return 0.0
-    steps = np.array(spread(len(solution.times) - 1, LOOKED_AT))
+    steps = np.array(spread(len(solution.times) - 1, SUMMED_INSTANTS))
     lengths, largest = np.diff(solution.times[steps]), 0.0
     for name in named_loads(scene):
         look = power_of_load(solution, name)
@@ -269,7 +269,7 @@ def largest_drift(plan, functions, curves, weights, q, rest, found, work):
     """Largest weighted |phi| over all times and rows, (value, time index, unknown, value there) in `found` (4,); `rest` is zero,
     (n,).
 
-    The place is the first one where it is the largest but for a part `BAND` of it, see `near_ties`.
+    The place is the first one where it is the largest but for a part `TIE_BAND` of it, see `near_ties`.
     """
     plane, frames = plan.markers.plane, plan.markers.frames
     for n in range(len(q)):
@@ -286,5 +286,5 @@ def largest_drift(plan, functions, curves, weights, q, rest, found, work):
                 violation = weights[row] * abs(value.real)
                 if not violation <= found[0] and not np.isnan(found[0]):
                     found[0] = violation
-                if not violation <= (1 + BAND) * found[3] and not np.isnan(found[3]):
+                if not violation <= (1 + TIE_BAND) * found[3] and not np.isnan(found[3]):
                     found[1], found[2], found[3] = n, row, violation

@@ -16,16 +16,16 @@ from toolkit.validity.bodies.critical_load import compression
 from toolkit.validity.bodies.deformation import LIMIT, divided
 from toolkit.validity.frame_choice import advice_of_frame
 
-STILL, SHOWN = 0.1, 0.05
+LARGEST_MOVE, SHOWN_PART = 0.1, 0.05
 """How far a motion may go, in parts of the model size or rad, so that its end tells its stability; and which part of that it goes along
 what grows, so that it shows it."""
-STRAIGHT = 1e-9
+MOTION_ROUND_OFF = 1e-9
 """Part of the model size or rad below which a motion is round-off."""
-SETS_OFF = 100.0
+DOUBTED_GROWTH = 100.0
 """Growth over the motion from which on it is no answer to stay: whatever disturbs a real one is so many times as large at its end."""
-FEIGNED = 1.0
+FEIGNED_DEFLECTION = 1.0
 """Part by which deflections are feigned at nine tenths of a bifurcation, from which the frame is its reason: it would be nine."""
-LASTS = 0.05
+LASTING_LOAD_CHANGE = 0.05
 """Part of a load by which it may change while it lasts."""
 
 
@@ -89,9 +89,9 @@ def bifurcation_of_frame(solution: Solution, error: BifurcationError) -> Bifurca
 def _softened_by_its_frame(solution: Solution) -> str:
     """The body whose frame is the reason why an equilibrium is soft; empty without any."""
     found = compression(solution)
-    if found is not None and found.feigned > max(FEIGNED, found.missed):
+    if found is not None and found.feigned > max(FEIGNED_DEFLECTION, found.missed):
         return getattr(solution.system.scene.body(found.body), "whole", found.body)
-    return next((each.body for each in turning_frames(solution) if each.force > 0 and each.error > FEIGNED), "")
+    return next((each.body for each in turning_frames(solution) if each.force > 0 and each.error > FEIGNED_DEFLECTION), "")
 
 
 def stays_in_unstable(solution: Solution) -> Iterator[Caution]:
@@ -99,17 +99,17 @@ def stays_in_unstable(solution: Solution) -> Iterator[Caution]:
     system, n_b, n_q = solution.system, solution.system.n_b, solution.system.n_q
     moves = np.real(solution.q - solution.q[0])
     moved = float(np.max(np.abs(moves[:, :n_b]) * system.weights[:n_b], initial=0.0))
-    if moved > STILL or (moved > STRAIGHT and not may_grow(solution)):
+    if moved > LARGEST_MOVE or (moved > MOTION_ROUND_OFF and not may_grow(solution)):
         return
     pencil = real_pencil(pencil_of(solution))
     grows = growth_of(solution, pencil)
     growth = np.exp(min(grows.s.real * _lasting(solution), 700.0)) if grows else 1.0
-    if grows is None or not grows.doubtful or growth < SETS_OFF:
+    if grows is None or not grows.doubtful or growth < DOUBTED_GROWTH:
         return
     row = grows.left @ (2 * grows.s * pencil.mass + pencil.damping)[:n_q, :n_q]
     size = np.abs(grows.right * system.weights[:n_q]).max() / abs(row @ grows.right)
     along = float(np.abs(moves @ row).max() * size)
-    if along < max(SHOWN * moved, STRAIGHT):
+    if along < max(SHOWN_PART * moved, MOTION_ROUND_OFF):
         yield Caution(
             UNSTABLE,
             f"{grows.told('state')} This motion does not show it, because hardly anything disturbs it: what does becomes "
@@ -121,6 +121,6 @@ def _lasting(solution: Solution) -> float:
     """How long loads have been about what they are at the end."""
     curves = solution.system.plan.loads.curve
     values = np.real(solution.system.curves(solution.times)[0])[:, np.unique(curves[curves >= 0]), 0]
-    differs = np.any(np.abs(values - values[-1]) > LASTS * np.abs(values[-1]), axis=1)
+    differs = np.any(np.abs(values - values[-1]) > LASTING_LOAD_CHANGE * np.abs(values[-1]), axis=1)
     first = int(np.flatnonzero(differs)[-1]) if differs.any() else 0
     return float(solution.times[-1] - solution.times[first])

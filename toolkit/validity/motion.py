@@ -18,13 +18,13 @@ from toolkit.responses.over_time import OverTime
 from toolkit.system.solution import Solution
 from toolkit.validity.energy_balance import energy_defects
 
-NOISY = 0.03
+FORCE_NOISE_LIMIT = 0.03
 """Noise of a joint's force, a part of its largest one, above which forces are not to be trusted."""
-SMALL = 1e-3
+LEAST_FORCE_PART = 1e-3
 """Part of the largest force in the scene that a joint's largest force counts as, at least."""
-AROUND = 6
+STATES_ON_BOTH_SIDES = 6
 """Number of states on both sides of the one that is asked for in which a force may alternate."""
-IN_A_ROW = 4
+ALTERNATING_STATES = 4
 """Number of states in a row that have to alternate: a load that jumps does it twice."""
 
 
@@ -90,19 +90,19 @@ def noise_of_joints(solution: Solution) -> dict[str, JointNoise]:
         name: slice(row - first, row - first + len(system.scene.joints[name].row_names))
         for name, row in system.numbering.row.items()
     }
-    if not rows or len(solution.times) < IN_A_ROW + 2:
+    if not rows or len(solution.times) < ALTERNATING_STATES + 2:
         return {}
     forces = solution.multipliers / system.weights[first:]
     largest, amplitudes = np.abs(forces).max(axis=0), _amplitudes(forces, np.diff(solution.times))
     sizes = {name: float(largest[each].max()) for name, each in rows.items()}
-    own = {name: max(size, SMALL * max(sizes.values())) or np.inf for name, size in sizes.items()}
+    own = {name: max(size, LEAST_FORCE_PART * max(sizes.values())) or np.inf for name, size in sizes.items()}
     return {name: JointNoise(amplitudes[:, each] / own[name], first + each.start) for name, each in rows.items()}
 
 
 def noise_at(joint: JointNoise, step: int) -> float:
     """Noise of a joint's force in the neighbourhood of one state."""
     last = min(step, len(joint.noise) - 1)
-    return float(joint.noise[max(min(step - IN_A_ROW, last), 0) : last + 1].max())
+    return float(joint.noise[max(min(step - ALTERNATING_STATES, last), 0) : last + 1].max())
 
 
 def noise_of_values(values: np.ndarray, times: np.ndarray, size: float) -> float:
@@ -110,7 +110,7 @@ def noise_of_values(values: np.ndarray, times: np.ndarray, size: float) -> float
 
     Of a magnitude it is less than of the components that jump across it.
     """
-    if len(times) < IN_A_ROW + 2 or not size > 0:
+    if len(times) < ALTERNATING_STATES + 2 or not size > 0:
         return np.inf
     return float(_amplitudes(values[:, None], np.diff(times)).max()) / size
 
@@ -120,7 +120,7 @@ def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     before, after = lengths[:-1, None], lengths[1:, None]
     off = force[1:-1] - (after * force[:-2] + before * force[2:]) / (before + after)
     signs = np.where(np.arange(len(off)) % 2, -1.0, 1.0)[:, None]
-    four = [(signs * off)[k : len(off) - IN_A_ROW + 1 + k] for k in range(IN_A_ROW)]
+    four = [(signs * off)[k : len(off) - ALTERNATING_STATES + 1 + k] for k in range(ALTERNATING_STATES)]
     least, largest = four[0], four[0]
     for each in four[1:]:
         least, largest = np.minimum(least, each), np.maximum(largest, each)
@@ -141,20 +141,21 @@ def noisy_forces(
     A doubt, unless nothing that was asked for is one of them: `asked` names the responses that are, and `quiet` those that are
     such forces too, but at another time, or means. Without `asked` all states are asked for.
     """
-    if not noise or noise["size"] <= NOISY:
+    if not noise or noise["size"] <= FORCE_NOISE_LIMIT:
         return
     whose = (
         ""
         if asked is None
         else f", {', '.join(asked)} among them"
         if asked
-        else f"; {', '.join(quiet)} feel less than {NOISY:.0%} of it, at other times, as means, or along what does not jump"
+        else f"; {', '.join(quiet)} feel less than {FORCE_NOISE_LIMIT:.0%} of it, at other times, as means, or along what does not jump"
         if quiet
         else "; no response that was asked for is one of them"
     )
     yield noisy_forces.caution(
         f"joint forces jump from step to step{whose}: {noise['where']} by {noise['size']:.1%} of that joint's largest force at t = "
-        f"{noise['time']:g} (limit {NOISY:.0%}). Fix: a smaller solver.step, a smaller solver.rho_inf (now {options.rho_inf:g}), or "
+        f"{noise['time']:g} (limit {FORCE_NOISE_LIMIT:.0%}). Fix: a smaller solver.step, a smaller solver.rho_inf (now "
+        f"{options.rho_inf:g}), or "
         'solver.formulation = "ggl".',
         doubt=asked is None or bool(asked),
     )
@@ -166,11 +167,17 @@ def force_cautions(solution: Solution, noise: ForceNoise, sizes: Mapping[str, fl
     The noise is that of `force_noise`, sizes are the largest that responses are.
     """
     scene = solution.system.scene
-    if not noise or noise["size"] <= NOISY:
+    if not noise or noise["size"] <= FORCE_NOISE_LIMIT:
         return
     joints = noise_of_joints(solution)
-    noisy = [name for name, each in scene.responses.items() if _noise_in(each, joints, solution, sizes.get(name, 0.0)) > NOISY]
-    quiet = [name for name, each in scene.responses.items() if name not in noisy and _largest_noise(each, joints) > NOISY]
+    noisy = [
+        name
+        for name, each in scene.responses.items()
+        if _noise_in(each, joints, solution, sizes.get(name, 0.0)) > FORCE_NOISE_LIMIT
+    ]
+    quiet = [
+        name for name, each in scene.responses.items() if name not in noisy and _largest_noise(each, joints) > FORCE_NOISE_LIMIT
+    ]
     yield from noisy_forces(solution.options or scene.solver, noise, noisy, quiet)
 
 
@@ -194,18 +201,22 @@ def _noise_in(response: Registered, joints: Mapping[str, JointNoise], solution: 
     joint = looked.joint
     last, step = len(solution.times) - 1, 0 if extreme else looked.step(solution)
     found = float(joints[joint].noise.max()) if extreme else noise_at(joints[joint], step)
-    if found <= NOISY:
+    if found <= FORCE_NOISE_LIMIT:
         return found
-    states = np.arange(last + 1) if extreme else np.arange(max(step - AROUND, 0), min(step + AROUND, last) + 1)
+    states = (
+        np.arange(last + 1)
+        if extreme
+        else np.arange(max(step - STATES_ON_BOTH_SIDES, 0), min(step + STATES_ON_BOTH_SIDES, last) + 1)
+    )
     look = looked.instants(solution)
     values = np.array([float(np.real(look(int(n)).value)) for n in states])
     return min(found, noise_of_values(values, solution.times[states], size))
 
 
-ENERGY, SUSPICIOUS = 0.04, 0.01
+ENERGY_DEFECT_LIMIT, SUSPICIOUS_ENERGY_DEFECT = 0.04, 0.01
 """Part of the largest energy or work that may be gained or lost, and from which on steps are looked at more closely: of a motion
 that rings it may be the whole vibration, of one that follows its loads nothing that matters."""
-COARSE = 1e-3
+COARSE_LOCAL_ERROR = 1e-3
 """Local error of a step, a part of the model size (or rad), above which steps are coarse."""
 
 
@@ -234,10 +245,11 @@ def unbalanced_energy(solution: Solution) -> Iterator[Caution]:
     """
     balance = measured(solution)["energy_balance"]
     for name, what in (("created", "gained"), ("lost", "lost")):
-        if not balance.get(name, 0.0) <= ENERGY:
+        if not balance.get(name, 0.0) <= ENERGY_DEFECT_LIMIT:
             better = ', or solver.scheme = "arnold-bruels"' * (_options(solution).scheme == "paper")
             yield unbalanced_energy.caution(
-                f"energy balance: {balance[name]:.1%} of the largest energy or work is {what} (limit {ENERGY:.0%}). No load, driver or "
+                f"energy balance: {balance[name]:.1%} of the largest energy or work is {what} (limit "
+                f"{ENERGY_DEFECT_LIMIT:.0%}). No load, driver or "
                 f"damper accounts for it: it is an error of the time integration. Fix: a smaller solver.step{better}.",
             )
 
@@ -278,10 +290,11 @@ def coarse_steps(solution: Solution) -> Iterator[Caution]:
     Fix: a smaller `solver.step`, or `solver.local_error`.
     """
     error = solution.local_error
-    if error is not None and not error <= COARSE:
+    if error is not None and not error <= COARSE_LOCAL_ERROR:
         yield coarse_steps.caution(
-            f"steps are coarse for this motion: the largest estimated error of one is {error:.1e} of the model size (limit {COARSE:g}). "
-            f"Peaks and vibrations may be wrong. Fix: a smaller solver.step, or solver.local_error = {COARSE / 10:g} with "
+            f"steps are coarse for this motion: the largest estimated error of one is {error:.1e} of the model size (limit "
+            f"{COARSE_LOCAL_ERROR:g}). "
+            f"Peaks and vibrations may be wrong. Fix: a smaller solver.step, or solver.local_error = {COARSE_LOCAL_ERROR / 10:g} with "
             'solver.scheme = "arnold-bruels".',
         )
 
@@ -297,7 +310,7 @@ def left_over(solution: Solution) -> Iterator[Caution]:
     if not solution.correction <= allowed:
         yield left_over.caution(
             f"Newton stopped at a correction of {solution.correction:.1e}: round-off kept it above solver.tolerance = {allowed:.1e}.",
-            doubt=not solution.correction <= COARSE,
+            doubt=not solution.correction <= COARSE_LOCAL_ERROR,
         )
 
 

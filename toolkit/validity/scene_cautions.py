@@ -22,7 +22,7 @@ from toolkit.joints.universal import Universal
 from toolkit.loads.friction import Friction
 from toolkit.loads.load import BetweenBodies, BetweenPoints
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.reduced_model.questions import COARSE, TOO_STIFF, face_questions, mesh_questions
+from toolkit.reduced_model.questions import COARSE_ENERGY_ERROR, COARSE_STRESS_ERROR, face_questions, mesh_questions
 from toolkit.responses.local_stress import LocalStress
 from toolkit.responses.over_time import OverTime
 from toolkit.responses.stress import StressResponse
@@ -38,7 +38,7 @@ def cautions_of_meshes(scene: Scene) -> Iterator[Caution]:
     asked = bodies_of_stress(scene)
     for name, body in scene.bodies.items():
         if isinstance(body, ModelBody):
-            limit = COARSE if name in asked else TOO_STIFF
+            limit = COARSE_STRESS_ERROR if name in asked else COARSE_ENERGY_ERROR
             yield from mesh_questions(scene.model(body.model), f"body {name!r}", doubt=True, limit=limit)
             yield from face_questions(scene.model(body.model), f"body {name!r}", doubt=True)
 
@@ -54,7 +54,7 @@ def _looked_at(response: object) -> object:
 
 LARGEST_INPUT = 2 * 10**9
 """Bytes of a file from which a model was built; a larger one, or what is no file any more, says nothing."""
-MOST = 4
+MOST_NAMED_KEYS = 4
 """Keys that are named."""
 GONE = "left out"
 """What stands for a key that one of two texts does not have."""
@@ -102,7 +102,7 @@ def _changes(model: ReducedModel) -> Iterator[str]:
             continue
         keys = list(_changed_keys(model.source.get(name, ""), content))
         if keys:
-            yield f"{name}, where {'; '.join(keys[:MOST])}{' and more' if len(keys) > MOST else ''}"
+            yield f"{name}, where {'; '.join(keys[:MOST_NAMED_KEYS])}{' and more' if len(keys) > MOST_NAMED_KEYS else ''}"
         elif not _same(model.source.get(name, ""), content):
             yield name
 

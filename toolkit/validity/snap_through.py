@@ -24,8 +24,8 @@ from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.kernel import kernel
 from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.kinematics.orientation import partials_of_quaternion, rotation
-from toolkit.linear.linear_solver import TRUSTED_REFINEMENT
-from toolkit.solvers.direct_solve import MANY
+from toolkit.linear.linear_solver import ONE_REFINEMENT_ENOUGH
+from toolkit.solvers.direct_solve import SPARSE_FROM_UNKNOWNS
 from toolkit.solvers.static.critical_state import StaticEntries, are_positive, has_negative_stiffness, softest_motion
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
 from toolkit.solvers.static.static_matrix import (
@@ -104,7 +104,7 @@ def stiffness_of_turns(force: np.ndarray, centre: np.ndarray, axes: np.ndarray, 
     return found
 
 
-DEPENDENT = 1e-10
+DEPENDENT_COLUMNS = 1e-10
 """Part of the largest entry of a triangle's diagonal below which columns may depend on each other: then singular values have to tell."""
 
 
@@ -119,7 +119,7 @@ def balancing_forces(system: System, terms: Terms) -> np.ndarray:
     """
     n_q, weights = system.n_q, system.weights[: system.n_q]
     wanted = -(terms.inertial + terms.applied)[:n_q] / weights
-    if system.n >= MANY and not len(system.plan.dropped):
+    if system.n >= SPARSE_FROM_UNKNOWNS and not len(system.plan.dropped):
         ties = scipy.sparse.csc_array(scipy.sparse.diags_array(1 / weights) @ system.matrix(terms.I_acc)[:n_q, n_q:])
         if (found := _least_squares(ties, wanted)) is not None:
             return found
@@ -139,7 +139,7 @@ def balancing_forces_of(system: System, terms: Sequence[Terms]) -> np.ndarray:
         return np.stack([np.linalg.lstsq(each, aim)[0] for each, aim in zip(ties, wanted, strict=True)])
     Q, R = np.linalg.qr(ties)
     sizes = np.abs(np.diagonal(R, axis1=1, axis2=2))
-    known = sizes.min(axis=1) > DEPENDENT * sizes.max(axis=1)
+    known = sizes.min(axis=1) > DEPENDENT_COLUMNS * sizes.max(axis=1)
     R[~known] = np.eye(columns)
     found: np.ndarray = np.linalg.solve(R, np.einsum("kij,ki->kj", Q, wanted)[..., None])[..., 0]
     for k in np.flatnonzero(~known):
@@ -160,22 +160,22 @@ def _least_squares(ties: scipy.sparse.csc_array, wanted: np.ndarray) -> np.ndarr
         return None
     found = factors.solve(given)
     change = factors.solve(given - matrix @ found)
-    return (found + change)[rows:] if abs(change).max() <= TRUSTED_REFINEMENT * abs(found).max() else None
+    return (found + change)[rows:] if abs(change).max() <= ONE_REFINEMENT_ENOUGH * abs(found).max() else None
 
 
-LOOKED_AT, AMONG = 50, 5000
+MOST_EXAMINED_STATES, MOST_COMPARED_STATES = 50, 5000
 """Most states whose stability is looked at, and among how many they are chosen."""
-JUMPS, BETWEEN = 10, (0.25, 0.5, 0.75)
+LARGEST_STEPS, BETWEEN = 10, (0.25, 0.5, 0.75)
 """How many of the largest steps are looked into, and where."""
-CLOSE = 0.1
+LOSS_TOLERANCE = 0.1
 """Part of a step to which the loss of stability is found."""
-SLOW = 0.05
+REST_MOVE = 0.05
 """Part of the model size (or rad) by which the first velocities would move anything in the whole run, below which it begins at rest."""
-NEAR = 0.1
+NEAR_EQUILIBRIUM = 0.1
 """Part of the model size (or rad) by which the first equilibrium is away, below which the run begins near it."""
-NONE = 1e-12
+ZERO_STIFFNESS = 1e-12
 """Part of the largest stiffness below which another is none: a free mechanism."""
-TOGETHER = 120_000
+ENTRIES_AT_ONCE = 120_000
 """Entries of the matrices of states that are looked at together: 1 MB, so that they stay near the processor."""
 
 Added: TypeAlias = "tuple[np.ndarray, np.ndarray, np.ndarray] | None"
@@ -247,7 +247,7 @@ def snap_through(solution: Solution) -> Iterator[Caution]:
 def _first_unstable(solution: Solution, places: list[float]) -> int | None:
     """Number of the first of some states that is unstable; those of scenes that are not large are looked at together."""
     system, curves = solution.system, _curves(solution, places)
-    together = max(TOGETHER // len(system.plan.indices), 1) if system.n < MANY else 1
+    together = max(ENTRIES_AT_ONCE // len(system.plan.indices), 1) if system.n < SPARSE_FROM_UNKNOWNS else 1
     for begin in range(0, len(places), together):
         some = range(begin, min(begin + together, len(places)))
         part = slice(some.start, some.stop)
@@ -265,16 +265,16 @@ def _places(solution: Solution) -> list[float]:
     n_b = solution.system.n_b
     q = solution.q[:, :n_b] * solution.system.weights[:n_b]
     jumps = ((q[1:] - q[:-1]) ** 2).sum(axis=1)
-    largest = np.argsort(jumps, kind="stable")[-JUMPS:]
+    largest = np.argsort(jumps, kind="stable")[-LARGEST_STEPS:]
     between = [n + part for n in largest if jumps[n] > 0 for part in BETWEEN]
     return sorted({*map(float, _different(q)), *map(float, between)})
 
 
 def _different(q: np.ndarray) -> list[int]:
     """Numbers of states (n_t, n_q), the first among them: each was chosen as the one furthest from those before it."""
-    stride = -(-len(q) // AMONG)
+    stride = -(-len(q) // MOST_COMPARED_STATES)
     q = np.ascontiguousarray(q[::stride])
-    chosen = np.zeros(min(LOOKED_AT, len(q)), np.int64)
+    chosen = np.zeros(min(MOST_EXAMINED_STATES, len(q)), np.int64)
     call(choose_apart, q, np.full(len(q), np.inf), chosen)
     return [stride * int(n) for n in chosen]
 
@@ -298,13 +298,13 @@ def _begins_at_rest(solution: Solution) -> bool:
     """Whether the run begins slowly, near an equilibrium that is stable by a stiffness of its own."""
     system = solution.system
     n_b, weights = system.n_b, system.weights[: system.n_b]
-    if (weights * np.abs(solution.v[0, :n_b])).max() * (solution.times[-1] - solution.times[0]) > SLOW:
+    if (weights * np.abs(solution.v[0, :n_b])).max() * (solution.times[-1] - solution.times[0]) > REST_MOVE:
         return False
     state = _one_at_rest(solution, 0.0)
     matrix, residual = state.matrix(0), state.residuals[0]
     scale = balance(system, matrix)
     largest = largest_entry(scaled_by(matrix, scale)[:n_b, :n_b])
-    if not softest_motion(system, matrix)[0] > NONE * largest:  # first, as it takes sparse factors alone
+    if not softest_motion(system, matrix)[0] > ZERO_STIFFNESS * largest:  # first, as it takes sparse factors alone
         return False
     if has_negative_stiffness(system, matrix, state.forces[0]):
         return False
@@ -315,7 +315,7 @@ def _begins_at_rest(solution: Solution) -> bool:
             way = factorised(system, matrix, scale).solve(residual)
     except (SingularSystemError, np.linalg.LinAlgError):
         return False
-    return bool((weights * np.abs(way[:n_b])).max() <= NEAR)
+    return bool((weights * np.abs(way[:n_b])).max() <= NEAR_EQUILIBRIUM)
 
 
 def _one_at_rest(solution: Solution, place: float) -> StatesAtRest:
@@ -334,7 +334,7 @@ def _at_rest(solution: Solution, places: list[float], curves: tuple[np.ndarray, 
     q, forces, rest = np.zeros((3, len(places), system.n))
     q[:, :n_q] = [_state(solution, place)[1] for place in places]
     terms = system.evaluate_states(curves, LEVELS, q, rest, rest)
-    alone = system.n >= MANY or len(places) == 1
+    alone = system.n >= SPARSE_FROM_UNKNOWNS or len(places) == 1
     forces[:, n_q:] = balancing_forces(system, terms[0]) if alone else balancing_forces_of(system, terms)
     terms = system.evaluate_states(curves, LEVELS, q, rest, forces)
     residuals = np.stack([each.inertial + each.applied for each in terms])
@@ -356,7 +356,7 @@ def _is_unstable(solution: Solution, place: float) -> bool:
 
 def _first_loss(solution: Solution, low: float, high: float) -> tuple[float, float]:
     """Places close together between which stability is lost, from a stable and a later unstable one."""
-    while high - low > CLOSE:
+    while high - low > LOSS_TOLERANCE:
         middle = (low + high) / 2
         low, high = (low, middle) if _is_unstable(solution, middle) else (middle, high)
     return low, high

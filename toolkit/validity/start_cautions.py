@@ -24,7 +24,7 @@ from toolkit.system.solution import Solution, elastic_coordinates
 from toolkit.validity.bodies.critical_speed import fastest_spin
 
 Numbers = tuple[float, ...]
-RESTS = 1e-9
+RESTING_VELOCITY = 1e-9
 """Part of the fastest velocity of the start below which another is shown as none."""
 
 
@@ -137,16 +137,17 @@ def start_lines(solution: Solution, most: int = 8) -> list[str]:
     lines = []
     for each in start_state(solution):
         parts = [
-            f"{word} {_shown(used, RESTS * scale)} {label}" + ("" if written is None else f" (written {_shown(written)})")
+            f"{word} {_shown(used, RESTING_VELOCITY * scale)} {label}"
+            + ("" if written is None else f" (written {_shown(written)})")
             for word, used, written, scale, label in (
                 ("velocity", each.velocity, each.written_velocity, fastest * size, f"{length}/s"),
                 ("angular velocity", each.angular_velocity, each.written_angular_velocity, fastest, "rad/s"),
             )
-            if used is not None and (max(map(abs, used)) > RESTS * scale or written is not None)
+            if used is not None and (max(map(abs, used)) > RESTING_VELOCITY * scale or written is not None)
         ]
-        if each.deforming is not None and each.deforming > RESTS * fastest * size:
+        if each.deforming is not None and each.deforming > RESTING_VELOCITY * fastest * size:
             parts.append(f"deforming with {each.deforming:.6g} {length}/s")
-        if each.deflected is not None and each.deflected > RESTS * size:
+        if each.deflected is not None and each.deflected > RESTING_VELOCITY * size:
             parts.append(f"a deflection of {each.deflected:.6g} {length} (RMS of its points)")
         if parts:
             lines.append(f"{each.body} starts with {', '.join(parts)}.")
@@ -158,7 +159,7 @@ def _shown(numbers: Numbers, rests: float = 0.0) -> str:
     return shown if len(numbers) == 1 else f"[{shown}]"
 
 
-MOVED = 1e-9
+WRITTEN_POSITION_TOLERANCE = 1e-9
 """Move of a body, relative to the model size or in rad, below which its position is as good as written with nine digits."""
 
 
@@ -175,7 +176,7 @@ def bent_otherwise(solution: Solution) -> Iterator[Caution]:
         q_f = np.real(solution.q[0, elastic_coordinates(solution, name)])
         for point, written in body.deflected["deflection"].items():
             found = np.real(body.point(scene, point, name)[0][:, 1:]) @ q_f
-            if np.abs(found - np.real(written)).max() > MOVED * scene.size:
+            if np.abs(found - np.real(written)).max() > WRITTEN_POSITION_TOLERANCE * scene.size:
                 length = unit(scene.units, "length")
                 used, wish = (", ".join(f"{x:.6g}" for x in np.real(each)) for each in (found, written))
                 yield bent_otherwise.caution(
@@ -199,7 +200,7 @@ def shapes_without_effect(solution: Solution) -> Iterator[Caution]:
         )
 
 
-DEFORMS = 1e-3
+DEFORMING_VELOCITY = 1e-3
 """Velocity of deformation, relative to the fastest of the start, above which there is a remark."""
 MOST_NAMED = 3
 """Largest number of bodies that one caution names, those that moved furthest."""
@@ -293,7 +294,9 @@ def moved_by_assembly(solution: Solution) -> Iterator[Caution]:
     Fix: nothing, or write the positions that are told.
     """
     size, label = solution.system.scene.size, unit(solution.system.scene.units, "length")
-    moves = {name: move for name, move in moved_bodies(solution).items() if max(move[0] / size, move[1]) > MOVED}
+    moves = {
+        name: move for name, move in moved_bodies(solution).items() if max(move[0] / size, move[1]) > WRITTEN_POSITION_TOLERANCE
+    }
     if moves:
         furthest = sorted(moves, key=lambda name: -max(moves[name][0] / size, moves[name][1]))[:MOST_NAMED]
         told = "; ".join(f"{name!r} by {moves[name][0]:.3g} {label} and {moves[name][1]:.3g} rad" for name in furthest)
@@ -365,7 +368,11 @@ def deforming_starts(solution: Solution) -> Iterator[Caution]:
     label = unit(solution.system.scene.units, "length")
     fastest = float((solution.system.weights[: solution.system.n_q] * np.abs(np.real(solution.v[0]))).max(initial=0))
     for each in start_state(solution):
-        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.scene.size:
+        if (
+            each.written_deforming is None
+            and each.deforming
+            and each.deforming > DEFORMING_VELOCITY * fastest * solution.system.scene.size
+        ):
             yield deforming_starts.caution(
                 f"{each.body!r} starts deforming with {each.deforming:.3g} {label}/s: the joints and the written velocities leave no "
                 f"motion in which it keeps its shape. It begins to vibrate. {deforming_starts.fix}",

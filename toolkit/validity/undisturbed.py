@@ -99,9 +99,9 @@ def halved_steps(solution: Solution) -> Iterator[Caution]:
     )
 
 
-MEANT = 1e-6
+INTENDED_SPIN = 1e-6
 """Part of a spin across its axis from which it is taken as meant: round-off is a tenth of a billionth of it."""
-SMALL_ACROSS = 0.1
+SMALL_SPIN_ACROSS = 0.1
 """Part of the spin across the axis up to which the growth is that of a small one."""
 
 
@@ -117,7 +117,7 @@ def middle_spins(solution: Solution) -> Iterator[Caution]:
     for name, body in scene.bodies.items():
         if isinstance(body, SpatialRigidBody) and name not in held and body.turns == QUATERNION:
             aside, growth = _growth(solution, name, body)
-            if aside < MEANT and growth > np.log(GROWTH):
+            if aside < INTENDED_SPIN and growth > np.log(DOUBTED_GROWTH):
                 yield middle_spins.caution(
                     f"{name} spins about the axis of its middle moment of inertia. A disturbance grows {np.exp(growth):.2g} times in this "
                     f"motion, and {aside:.1g} of the spin lies across this axis at the start. Round-off decides whether and when it turns "
@@ -135,30 +135,30 @@ def _growth(solution: Solution, name: str, body: SpatialRigidBody) -> tuple[floa
     speed = np.linalg.norm(omega, axis=1)
     across = np.hypot(omega[:, 0], omega[:, 2])
     aside = np.divide(across, speed, out=np.ones(len(speed)), where=speed > 0)
-    small = len(aside) if np.all(aside < SMALL_ACROSS) else int(np.argmax(aside >= SMALL_ACROSS))
+    small = len(aside) if np.all(aside < SMALL_SPIN_ACROSS) else int(np.argmax(aside >= SMALL_SPIN_ACROSS))
     rate = speed * np.sqrt(max((middle - first) * (last - middle), 0.0) / (first * last)) if first > 0 else 0 * speed
     return float(aside[0]), float(np.trapezoid(rate[:small], solution.times[:small])) if small > 1 else 0.0
 
 
-STILL = 1e-6
+UNMOVED_PART = 1e-6
 """Move in a direction, relative to the model size or in rad, up to which nothing has moved there."""
-GROWTH = 100.0
+DOUBTED_GROWTH = 100.0
 """Growth of a disturbance above which there is a doubt, as of other motions that hardly anything sets off."""
 PARTS = (1.0, 0.5, 0.25)
 """Parts of the motion up to which its directions are examined: what round-off sets off has moved at the end."""
-MOST_COORDINATES, MOST_STATES, SEEN = 60, 1000, 200
+MOST_COORDINATES, MOST_STATES, DIRECTION_STATES = 60, 1000, 200
 """Largest number of coordinates of a scene that is examined, and of states (of longer motions every second or third one); and
 number of states that directions are found from."""
-TURNED = 0.25
+TURN_PER_STATE = 0.25
 """Angle between two states, rad, from which on growth may be that of the steps: of a top just fast enough to stand a tilt seems to grow
 four million times in 8 s with 0.63 rad in a step, and 1300 times with 0.31."""
-ENOUGH = 3
+STATES_PER_COORDINATE = 3
 """Least number of states per coordinate: fewer leave directions open by their number alone."""
 SAMPLES, GOLDEN = 12, (5**0.5 - 1) / 2
 """Number of states in which the equations of disturbances are compared; spread by the golden section, in no step with
 vibrations."""
-THETA = 0.51
-CLOSED = 1e-6
+IMPLICITNESS = 0.51
+SOLUTION_RESIDUAL = 1e-6
 """Largest residual, relative to the right-hand side, of a solution where a matrix is regular."""
 
 
@@ -181,7 +181,7 @@ def undisturbed(solution: Solution) -> Iterator[Caution]:
             "smaller solver.step.",
             doubt=False,
         )
-    elif found is not None and found.growth > GROWTH:
+    elif found is not None and found.growth > DOUBTED_GROWTH:
         yield Caution(
             UNSTABLE,
             f"a small disturbance of this motion becomes {found.growth:.2g} times as large until t = {found.until:.4g}, most of all in "
@@ -191,7 +191,7 @@ def undisturbed(solution: Solution) -> Iterator[Caution]:
 
 
 def largest_growth(solution: Solution) -> Course | None:
-    """Growth of disturbances in the first part of the motion in which it exceeds `GROWTH`; None where it does not.
+    """Growth of disturbances in the first part of the motion in which it exceeds `DOUBTED_GROWTH`; None where it does not.
 
     Scenes with bodies that deform are not examined: their vibrations are. None stands for these and other unknown cases, too.
     """
@@ -202,14 +202,14 @@ def largest_growth(solution: Solution) -> Course | None:
     last, known = len(solution.times) - 1, 0
     for part in PARTS:
         end = int(part * last)
-        if end < ENOUGH * system.n_q:
+        if end < STATES_PER_COORDINATE * system.n_q:
             break
         still = _still(solution, end)
         begin = _disturbances(solution, still)
         look = begin.shape[1] > known and not _stays_small(solution, still, begin, end)
         course = _course(solution, still, begin, end) if look else None
-        if course is not None and course.growth > GROWTH:
-            return course._replace(resolved=_turned(solution, end) <= TURNED)
+        if course is not None and course.growth > DOUBTED_GROWTH:
+            return course._replace(resolved=_turned(solution, end) <= TURN_PER_STATE)
         known = max(known, begin.shape[1])
     return None
 
@@ -229,9 +229,9 @@ def _turned(solution: Solution, end: int) -> float:
 
 def _still(solution: Solution, end: int) -> np.ndarray:
     """Orthonormal directions (n_q, n) of weighted coordinates in which nothing moves until a state."""
-    moved = solution.q[spread(end, SEEN)] - solution.q[0]
+    moved = solution.q[spread(end, DIRECTION_STATES)] - solution.q[0]
     _, sizes, rows = np.linalg.svd(np.real(moved) * solution.system.weights[: solution.system.n_q])
-    directions: np.ndarray = rows[np.count_nonzero(sizes > STILL) :].T
+    directions: np.ndarray = rows[np.count_nonzero(sizes > UNMOVED_PART) :].T
     return directions
 
 
@@ -264,12 +264,17 @@ def _stays_small(solution: Solution, still: np.ndarray, begin: np.ndarray, end: 
         forces = [each @ begin for each in matrices]
         moving = [(each / weights[:, None]) - still @ (still.T @ (each / weights[:, None])) for each in forces]
         scale = max(float(np.abs(each / weights[:, None]).max()) for each in forces)
-        if max(float(np.abs(each).max()) for each in moving) > STILL * scale or np.abs(rows @ begin).max(initial=0.0) > STILL:
+        if (
+            max(float(np.abs(each).max()) for each in moving) > UNMOVED_PART * scale
+            or np.abs(rows @ begin).max(initial=0.0) > UNMOVED_PART
+        ):
             return False
         seen.append([begin.T @ each for each in forces])
     mass, damping, stiffness = seen[0]
     scales = [float(np.abs(each).max()) for each in seen[0]]
-    same = all(np.abs(a - b).max() <= STILL * size for each in seen for a, b, size in zip(each, seen[0], scales, strict=True))
+    same = all(
+        np.abs(a - b).max() <= UNMOVED_PART * size for each in seen for a, b, size in zip(each, seen[0], scales, strict=True)
+    )
     if not same or not scales[0] > 0:
         return False
     none, one = np.zeros_like(mass), np.eye(len(mass))
@@ -311,20 +316,20 @@ def _step(
     mass, damping, stiffness = ((one + other) / 2 for one, other in zip(before[:3], here[:3], strict=True))
     rows, n_q, n = here[3], len(y), len(y) + len(here[3])
     left: np.ndarray = np.zeros((n, n))
-    left[:n_q, :n_q] = mass / h + THETA * damping + THETA**2 * h * stiffness
+    left[:n_q, :n_q] = mass / h + IMPLICITNESS * damping + IMPLICITNESS**2 * h * stiffness
     left[n_q:, :n_q], left[:n_q, n_q:] = rows, rows.T
     known: np.ndarray = np.zeros((n, y.shape[1]))
-    known[:n_q] = mass @ v / h - (1 - THETA) * damping @ v - stiffness @ (y + THETA * (1 - THETA) * h * v)
-    known[n_q:] = -rows @ (y / h + (1 - THETA) * v) / THETA
+    known[:n_q] = mass @ v / h - (1 - IMPLICITNESS) * damping @ v - stiffness @ (y + IMPLICITNESS * (1 - IMPLICITNESS) * h * v)
+    known[n_q:] = -rows @ (y / h + (1 - IMPLICITNESS) * v) / IMPLICITNESS
     found = _solved(left, known)[:n_q]
-    return y + h * ((1 - THETA) * v + THETA * found), found
+    return y + h * ((1 - IMPLICITNESS) * v + IMPLICITNESS * found), found
 
 
 def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solution of linear equations; where joints repeat each other, the smallest of the solutions."""
     try:
         found: np.ndarray = np.linalg.solve(matrix, right)
-        if np.abs(matrix @ found - right).max(initial=0.0) <= CLOSED * np.abs(right).max(initial=0.0):
+        if np.abs(matrix @ found - right).max(initial=0.0) <= SOLUTION_RESIDUAL * np.abs(right).max(initial=0.0):
             return found
     except np.linalg.LinAlgError:
         pass

@@ -15,21 +15,21 @@ from toolkit.markers.component import Component
 from toolkit.reduced_model.questions import IN_SI, material_questions
 from toolkit.scene.resolution import ResolvedScene
 
-THICK, THIN = 3.0, 2e-5
+LARGEST_SLENDER_THICKNESS, LEAST_THICKNESS = 3.0, 2e-5
 """Thickness of a flexible body in radii of gyration above and below which it is questioned."""
-STOUT = 3.0
+LARGEST_ROD_THICKNESS = 3.0
 """Thickness of a rod, the root of its area, in lengths, above which it is questioned."""
-DENSEST, APART = 1e3 * 2.26e4, 0.1
+LARGEST_DENSITY, LEAST_JOINT_DISTANCE = 1e3 * 2.26e4, 0.1
 """Mass of a rigid body over the cube of the distance of its joints, in kg/m^3, above which it is questioned, and that distance, in
 extents of the points, from which it tells anything. A thousand times osmium: a body may be ten times larger than the distance."""
-FAR_OUT = 30.0
+LARGEST_GYRATION_RADIUS = 30.0
 """Radius of gyration of a rigid body, in extents of the scene's points, above which its inertia is questioned."""
 EARTH = {"m-kg-s": 9.81, "mm-t-s": 9810.0}
 READ_AS = {"m-kg-s": ("mm/s^2", 9810.0), "mm-t-s": ("m/s^2", 9.81)}
 STANDARD = 9.78, 9.84
 """Gravity of the earth in m/s^2, from the equator to the poles: who writes it in a scene of mm has forgotten a factor of 1000, and nobody
 needs a thousandth of it. 9810 m/s^2 may be a centrifuge."""
-LIKE_EARTH = 0.06
+EARTH_GRAVITY_TOLERANCE = 0.06
 """Relative distance from the earth's gravity within which a number is meant to be it: also 10 m/s^2 and 9.78, but no other planet's."""
 
 
@@ -77,7 +77,7 @@ def _of_thickness(scene: ResolvedScene, name: str, body: Body) -> Iterator[Cauti
         return
     where, size, length = f"bodies.{name}", body.radius_of_gyration(scene), unit(scene.units, "length")
     values = {key: value for key, value in _numbers(scene, body).items() if key.startswith("thickness")}
-    odd = {key: t for key, t in values.items() if not THIN * size <= t <= THICK * size}
+    odd = {key: t for key, t in values.items() if not LEAST_THICKNESS * size <= t <= LARGEST_SLENDER_THICKNESS * size}
     for key, thickness in list(odd.items())[:1]:
         yield unlikely_thicknesses.caution(
             f"{where}.{key} = {thickness:g} {length} is {thickness / size:.2g} times the size of the body, whose radius of gyration is "
@@ -101,7 +101,7 @@ def _of_rod(scene: ResolvedScene, name: str, body: Body) -> Iterator[Caution]:
         return
     start, end = (np.real(scene.position(point)) for point in body.between)
     long, thick = float(np.linalg.norm(end - start)), float(np.sqrt(np.real(body.area)))
-    if thick > STOUT * long:
+    if thick > LARGEST_ROD_THICKNESS * long:
         yield unlikely_areas.caution(
             f"bodies.{name}.area = {np.real(body.area):g} {unit(scene.units, 'area')} makes the rod {thick / long:.2g} times as "
             "thick as it is long: is it in another unit?",
@@ -123,7 +123,10 @@ def _of_mass(scene: ResolvedScene, name: str, body: Body) -> Iterator[Caution]:
     if not isinstance(body, GivenMass):
         return
     span = _span(scene, name)
-    if span > APART * _extent(scene) and float(np.real(body.mass)) / span**3 * IN_SI[scene.units]["density"] > DENSEST:
+    if (
+        span > LEAST_JOINT_DISTANCE * _extent(scene)
+        and float(np.real(body.mass)) / span**3 * IN_SI[scene.units]["density"] > LARGEST_DENSITY
+    ):
         yield unlikely_masses.caution(
             f"bodies.{name}.mass = {float(np.real(body.mass)):g} {unit(scene.units, 'mass')} is that of no body whose joints are "
             f"{span:.3g} {unit(scene.units, 'length')} apart: is it in another unit?",
@@ -143,7 +146,7 @@ def unlikely_inertias(scene: ResolvedScene) -> Iterator[Caution]:
 
 def _of_inertia(scene: ResolvedScene, name: str, body: Body) -> Iterator[Caution]:
     extent, length = _extent(scene), unit(scene.units, "length")
-    if isinstance(body, GivenMass) and extent and (radius := body.radius_of_gyration(scene)) > FAR_OUT * extent:
+    if isinstance(body, GivenMass) and extent and (radius := body.radius_of_gyration(scene)) > LARGEST_GYRATION_RADIUS * extent:
         yield unlikely_inertias.caution(
             f"bodies.{name}.inertia with its mass is that of a body with a radius of gyration of {radius:.3g} {length}, in a scene of "
             f"{extent:.3g} {length}: is one of them in another unit?",
@@ -173,7 +176,7 @@ def unlikely_gravity(scene: ResolvedScene) -> Iterator[Caution]:
     Fix: 9810 mm/s2.
     """
     size, (reads, meant) = float(np.linalg.norm(np.real(scene.gravity))), READ_AS[scene.units]
-    if abs(size / meant - 1) <= LIKE_EARTH:
+    if abs(size / meant - 1) <= EARTH_GRAVITY_TOLERANCE:
         label = f"{unit(scene.units, 'length')}/s^2"
         yield unlikely_gravity.caution(
             f"gravity of {size:g} reads as {reads}; in {scene.units} its unit is {label}, and that of the earth is "

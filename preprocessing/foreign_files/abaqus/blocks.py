@@ -289,7 +289,7 @@ def deck_files(main: Path, path: Path, content: bytes) -> Iterator[Path]:
 
 WHOLE = re.compile(r"[+-]?[0-9]+", re.ASCII)
 NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[EeDd]([+-]?[0-9]+))?", re.ASCII)
-UNIT = 1e-2
+UNIT_NORMAL_TOLERANCE = 1e-2
 """Difference of the square of a normal's length from one: decks write few digits of it."""
 LARGEST_LABEL = 999_999_999
 """The largest number of a node or element that Abaqus allows."""
@@ -379,7 +379,7 @@ def _node_row(place: str, fields: list[str]) -> list[float]:
         raise InputError(f"{place}: a node needs a number. Fix the line.")
     values = [number(text, place) for text in fields[1:]]
     normal = values[3:]
-    unit = len(normal) == 3 and abs(sum(x * x for x in normal) - 1) < UNIT
+    unit = len(normal) == 3 and abs(sum(x * x for x in normal) - 1) < UNIT_NORMAL_TOLERANCE
     if normal and not ((unit or not any(normal)) and any("." in text for text in fields)):
         raise InputError(
             f"{place}: a node has a number, three coordinates and at most a unit normal, and here are {len(fields)} fields. If commas are "

@@ -23,7 +23,7 @@ from preprocessing.foreign_files.abaqus.parts import (
 )
 from toolkit.foundation.errors import InputError
 
-MOST = 20_000_000
+MOST_GENERATED = 20_000_000
 """Nodes or elements that one block may generate."""
 
 
@@ -148,8 +148,8 @@ def _wholes(fields: list[str], place: str, needed: int, defaults: list[int] | No
 
 
 def _bounded(block: KeywordBlock, count: int) -> int:
-    if not 1 <= count <= MOST:
-        raise block.refuse(f"it generates {count} nodes or elements, and from 1 to {MOST} are read. Fix the numbers.")
+    if not 1 <= count <= MOST_GENERATED:
+        raise block.refuse(f"it generates {count} nodes or elements, and from 1 to {MOST_GENERATED} are read. Fix the numbers.")
     return count
 
 

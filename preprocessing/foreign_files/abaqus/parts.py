@@ -11,7 +11,7 @@ from preprocessing.foreign_files.abaqus.blocks import WHOLE, KeywordBlock, label
 from preprocessing.foreign_files.abaqus.vocabulary import ElementType
 from toolkit.foundation.errors import InputError
 
-SPARSE = 8
+SPARSE_NUMBERS = 8
 """Times as many as there are numbers, up to which the largest of them may be for a table of all numbers below it."""
 
 
@@ -23,7 +23,7 @@ class Lookup:
         self._rises = rises(numbers)
         largest = int(numbers.max(initial=0))
         self._table: np.ndarray | None = None
-        if largest < SPARSE * len(numbers) + 1000:
+        if largest < SPARSE_NUMBERS * len(numbers) + 1000:
             self._table = np.full(largest + 2, -1)
             self._table[numbers] = np.arange(len(numbers))
         self._order = np.arange(0) if self._table is not None or self._rises else np.argsort(numbers, kind="stable")
@@ -223,7 +223,7 @@ def _listed(part: DeckPart, kind: str, instance: str, block: KeywordBlock) -> li
     return [*found, Members(instance, np.array(numbers, np.int64))] if numbers else found
 
 
-SHORT = 1e-12
+SHORTEST_AXIS = 1e-12
 """Length of an axis, in parts of the coordinates that make it, below which it has no direction."""
 
 
@@ -271,7 +271,7 @@ def local_system(block: KeywordBlock) -> Placement | None:
 def _axes(block: KeywordBlock, first: np.ndarray, third: np.ndarray) -> np.ndarray:
     """Columns of unit axes, of which the first and the third have these directions."""
     scale = max(np.abs(first).max(), np.finfo(float).tiny)
-    if np.linalg.norm(first) == 0 or np.linalg.norm(third) <= SHORT * scale * max(1.0, scale):
+    if np.linalg.norm(first) == 0 or np.linalg.norm(third) <= SHORTEST_AXIS * scale * max(1.0, scale):
         raise block.refuse("the points of the local system are at one place or on one line. Give three that are apart.")
     x, z = first / np.linalg.norm(first), third / np.linalg.norm(third)
     return np.column_stack([x, np.cross(z, x), z])

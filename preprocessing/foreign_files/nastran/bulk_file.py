@@ -11,7 +11,7 @@ import numpy as np
 from preprocessing.foreign_files.contents import Elements, LeftOutContent, MeshContents
 from preprocessing.foreign_files.nastran.cards import Cards, CardTable
 from preprocessing.foreign_files.nastran.elements import (
-    MOST,
+    MOST_PROPERTIES,
     CardBlock,
     blocks_of,
     only_name,
@@ -185,8 +185,8 @@ def _remarks(cards: Cards, found: BulkBody, masses: bool) -> Iterator[str]:
     if both := properties_of(found.body) & properties_of(found.naming):
         names = ", ".join(f"pid {k}" for k in sorted(both)[:5])
         yield f"Elements of the body and faces or edges of it have one property; groups such as {names} are of the body only."
-    if len(properties_of(found.all)) > MOST:
-        yield f"The elements have more than {MOST} properties, which are no groups."
+    if len(properties_of(found.all)) > MOST_PROPERTIES:
+        yield f"The elements have more than {MOST_PROPERTIES} properties, which are no groups."
     if masses and (factor := _mass_factor(cards)) != 1.0:
         yield f"PARAM WTMASS multiplies the masses of {' and '.join(MASSES)} by {factor:g}, as it does in Nastran."
     if cards.long_lines:

@@ -13,11 +13,11 @@ import numpy as np
 from preprocessing.foreign_files.nastran.lines import BulkLines, FieldNumbers, real_numbers, whole_numbers
 from toolkit.foundation.errors import InputError
 
-COLUMNS = 80
+FIXED_COLUMNS = 80
 """Columns of a line of fixed format; Nastran does not read beyond."""
 NO_MARK = (b"", b"+", b"+".ljust(8), b" " * 8)
 """First or tenth fields without a mark."""
-LONGEST = 32
+LONGEST_FIELD = 32
 """Characters of a field of free format; a number has 16 at most where the columns are fixed."""
 NAME = re.compile(rb"[A-Z][A-Z0-9_]{0,7}")
 COMMENTS = (b"//", b"#")
@@ -98,7 +98,7 @@ class Cards:
 
     def _take_plain(self, k: int, line: bytes) -> bool:
         """Take a line as most are: in small format, of a name that was there before, or with the mark of the line before it."""
-        if b"$" in line or b"," in line or b"\t" in line or len(line) > COLUMNS:
+        if b"$" in line or b"," in line or b"\t" in line or len(line) > FIXED_COLUMNS:
             return False
         head = line[:8]
         same = self._plain.get(head)
@@ -124,7 +124,7 @@ class Cards:
             head, mark = line[:8].strip(), line[72:80]
             large = b"*" in head
             data = [line[j : j + 16].strip() for j in (8, 24, 40, 56)] if large else line[8:72].ljust(64)
-            self.long_lines += len(line) > COLUMNS and bool(line[COLUMNS:].strip())
+            self.long_lines += len(line) > FIXED_COLUMNS and bool(line[FIXED_COLUMNS:].strip())
         if not head or head[:1] in b"+*":
             card = self._continue(k, _key(head), data, mark)
         else:
@@ -250,8 +250,8 @@ class CardTable:
         text[small] = np.frombuffer(joined, np.uint8).reshape(int(small.sum()), fields, 8)
         rows = [(card.fields[:fields] + [b""] * fields)[:fields] for card in self.cards if card.fields is not None]
         for row, k in zip(rows, np.flatnonzero(~small).tolist(), strict=True):
-            if max(map(len, row), default=0) > LONGEST:
-                raise self.error(k, f"a field of {self.name} has more than {LONGEST} characters. Shorten it.")
+            if max(map(len, row), default=0) > LONGEST_FIELD:
+                raise self.error(k, f"a field of {self.name} has more than {LONGEST_FIELD} characters. Shorten it.")
         width = max((len(each) for row in rows for each in row), default=0)
         if width > 8:
             text = np.concatenate([text, np.full((*text.shape[:2], width - 8), ord(" "), np.uint8)], axis=2)

@@ -126,7 +126,7 @@ def _faces(body: Sequence[CardBlock], corners: np.ndarray, n_nodes: int) -> set[
 
 
 NUMBER = re.compile(r"\d{1,18}")
-MOST = 1000
+MOST_PROPERTIES = 1000
 """Properties from which on they are no groups: every element has its own."""
 UNREAD = "its words are no list of numbers, so that it is no group"
 Group = tuple[str, Elements]
@@ -136,11 +136,11 @@ def property_groups(body: Sequence[CardBlock], naming: Sequence[CardBlock]) -> l
     """Elements by property, as `pid 3`; faces and edges are `pid 3 CQUAD4` where elements of the body have the same property."""
     found: dict[str, Elements] = {}
     own = properties_of(body)
-    if len(own) > MOST:
+    if len(own) > MOST_PROPERTIES:
         return []
     for block in [*body, *naming]:
         numbers, which = np.unique(block.properties, return_inverse=True)
-        for k, number in enumerate(numbers.tolist()[:MOST]):
+        for k, number in enumerate(numbers.tolist()[:MOST_PROPERTIES]):
             card = f" {block.card}" if any(block is each for each in naming) and number in own else ""
             found.setdefault(f"pid {number}{card}", []).append((block.kind, block.nodes[which == k]))
     return list(found.items())

@@ -28,7 +28,7 @@ ANY_STATEMENT = re.compile(rb"^[ \t]*include", re.IGNORECASE | re.MULTILINE)
 BEGIN = re.compile(rb"[ \t]*begin\b[ \t]*(.*)", re.IGNORECASE)
 CASE_PARAMETER = re.compile(rb"[ \t]*param[ \t]*[, \t]", re.IGNORECASE)
 CASE_CONTROL = re.compile(rb"[ \t]*cend[ \t]*(\$.*)?", re.IGNORECASE)
-DEEPEST, MOST = 20, 1000
+DEEPEST_INCLUDE, MOST_FILES = 20, 1000
 """Files that include each other in a row, and files in all, that a bulk file is made of."""
 
 
@@ -81,9 +81,10 @@ def bulk_lines(path: Path) -> tuple[BulkLines, list[int]]:
 def _append(path: Path, found: BulkLines, chain: tuple[str, ...], count: list[int]) -> None:
     """Append the lines of a file, and of all that it includes."""
     count[0] += 1
-    if len(chain) > DEEPEST + 1 or count[0] > MOST:
+    if len(chain) > DEEPEST_INCLUDE + 1 or count[0] > MOST_FILES:
         raise InputError(
-            f"{str(found.main)!r} includes more than {MOST} files, or more than {DEEPEST} in a row. Write the mesh in one file."
+            f"{str(found.main)!r} includes more than {MOST_FILES} files, or more than {DEEPEST_INCLUDE} in a row. Write the "
+            "mesh in one file."
         )
     content, at = text_of(path), 0
     texts = content.splitlines()
@@ -130,7 +131,7 @@ def _name(texts: list[bytes], k: int, rest: bytes) -> tuple[bytes, int]:
     if quote not in (b"'", b'"'):
         return rest.partition(b"$")[0].strip(), k + 1
     name, end = rest[1:], k + 1
-    while quote not in name and end < min(len(texts), k + DEEPEST):
+    while quote not in name and end < min(len(texts), k + DEEPEST_INCLUDE):
         name, end = name + texts[end].strip(), end + 1
     return (name.partition(quote)[0], end) if quote in name else (rest[1:].partition(b"$")[0].strip(), k + 1)
 

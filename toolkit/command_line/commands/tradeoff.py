@@ -100,7 +100,7 @@ def _model_verdict(scene: Scene) -> Verdict:
 
 
 DISTURBED, BUSY = 1.5, ": the machine is busy with something else, and times that differ by less say nothing"
-SHOWN = 30
+MOST_ROWS = 30
 """Rows of the table of settings; of more, the Pareto set, those that keep the budget, and the scene's own are shown first."""
 
 
@@ -184,7 +184,7 @@ def _settings(found: Tradeoff) -> Iterator[AnswerTable | str]:
     head = ["", *axes, *counts, "values, ms", "with gradients, ms", "largest error", "of gradients", "of budget"]
     best, worked = {id(each) for each in found.pareto}, [each for each in found.settings if not each.outcome.failed]
     first = sorted(worked, key=lambda each: not (id(each) in best or each.setting.own or each is found.recommended))
-    chosen = {id(each) for each in first[:SHOWN]}
+    chosen = {id(each) for each in first[:MOST_ROWS]}
     shown = [each for each in worked if id(each) in chosen]
     marks = [(">" if each is found.recommended else "") + "*" * (id(each) in best) + "o" * each.setting.own for each in shown]
     yield AnswerTable(head, [(mark, *_cells(each, axes, reduced)) for mark, each in zip(marks, shown, strict=True)])

@@ -23,7 +23,7 @@ from typing import BinaryIO
 
 from toolkit.foundation.errors import InputError, meant
 
-MOST = 1000
+MOST_NAMES = 1000
 """Names of a folder that are looked at."""
 
 
@@ -48,7 +48,7 @@ def meant_path(path: Path, error: OSError) -> str:
     while not missing.parent.is_dir():
         missing = missing.parent
     try:
-        return meant(missing.name, [each.name for each in islice(missing.parent.iterdir(), MOST)])
+        return meant(missing.name, [each.name for each in islice(missing.parent.iterdir(), MOST_NAMES)])
     except OSError:
         return ""
 

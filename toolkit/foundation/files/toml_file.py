@@ -176,7 +176,7 @@ _ADVICE = {
 
 LARGEST_FILE = 10_000_000
 """Bytes; a scene of a thousand bodies has a hundredth of it."""
-DEEPEST = 30
+DEEPEST_TABLE = 30
 """Levels of tables and lists within each other."""
 HDF5 = b"\x89HDF\r\n"
 """First bytes of a file of numbers (HDF5)."""
@@ -220,14 +220,14 @@ def parse_toml(text: str) -> dict[str, Any]:
     try:
         table = tomllib.loads(text)
     except RecursionError:
-        raise ValueError(f"tables or lists are nested more than {DEEPEST} deep") from None
+        raise ValueError(f"tables or lists are nested more than {DEEPEST_TABLE} deep") from None
     _check(table, 0)
     return table
 
 
 def _check(value: Any, depth: int) -> None:
-    if depth > DEEPEST:
-        raise ValueError(f"tables or lists are nested more than {DEEPEST} deep")
+    if depth > DEEPEST_TABLE:
+        raise ValueError(f"tables or lists are nested more than {DEEPEST_TABLE} deep")
     if isinstance(value, (dict, list)):
         for item in value.values() if isinstance(value, dict) else value:
             _check(item, depth + 1)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.joints.kernels.laws import ANGLE, FORMS, PLAIN, PROFILE, angle_law
+from toolkit.joints.kernels.laws import ANGLE_LAW, MOST_FORMS, PLAIN_LAW, PROFILE_LAW, angle_law
 from toolkit.joints.kernels.profile import VALUES, profile_law
 from toolkit.joints.kernels.records import GRADIENT, LAW, PHI
 
@@ -18,9 +18,9 @@ def compose(functions, law, n, i, work):
         w[f], g_h[f], g_hww[f] = rates[0], 0, 0
         for k in range(n):
             g_hh[f, k] = 0
-    if law == ANGLE:
+    if law == ANGLE_LAW:
         angle_law(h, w, g, g_h, g_hh, g_hww)
-    elif law == PROFILE:
+    elif law == PROFILE_LAW:
         profile_law(h, w, n, work.law[VALUES], g, g_h, g_hh, g_hww)
     else:
         functions[law](h, w, g, g_h, g_hh, g_hww)
@@ -76,15 +76,15 @@ def change_row(joints, j, d, lam, levels, work):
 
     The row's are left in `work.row`, the force's in `work.force[1]`.
     """
-    i, f, value = joints.design[d, 1], joints.design[d, 2], work.law[0, FORMS]
-    h_z, turned = work.forms[FORMS, 0], work.forms[FORMS, 1]
+    i, f, value = joints.design[d, 1], joints.design[d, 2], work.law[0, MOST_FORMS]
+    h_z, turned = work.forms[MOST_FORMS, 0], work.forms[MOST_FORMS, 1]
     rate, inertial, total = 0 * value, 0 * value, 0 * value
     for k in range(len(h_z)):
         rate += h_z[k] * work.pose[1, k]
         inertial += h_z[k] * work.pose[2, k]
         total += h_z[k] * work.pose[3, k] + turned[k] * work.pose[1, k]
         work.force[1, k] = lam * h_z[k]
-    if joints.of[j, LAW + 2 * i] != PLAIN:
+    if joints.of[j, LAW + 2 * i] != PLAIN_LAW:
         composed = work.composed[i]
         slope, velocity = composed[f, 0], 0 * value
         inertial, total = slope * inertial, slope * total + composed[f, 1] * value
@@ -106,6 +106,6 @@ def change_row(joints, j, d, lam, levels, work):
 def gap(joints, j, i, value, target):
     """Difference value - target of row i; of an angle that of the turn next to the target."""
     difference = value - target
-    if joints.of[j, LAW + 2 * i] == ANGLE:
+    if joints.of[j, LAW + 2 * i] == ANGLE_LAW:
         difference -= 2 * np.pi * np.rint(difference.real / (2 * np.pi))
     return difference

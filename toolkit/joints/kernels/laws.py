@@ -17,9 +17,9 @@ import numpy as np
 
 from toolkit.foundation.kernel import inner, kernel
 
-FORMS = 6
+MOST_FORMS = 6
 """Most forms of a law."""
-PROFILE, PLAIN, ANGLE = -3, -2, -1
+PROFILE_LAW, PLAIN_LAW, ANGLE_LAW = -3, -2, -1
 """Numbers in the place of a law's: a curve of an angle (see `profile`), a row that is a form, and an angle. They are no functions
 of their own in the loop."""
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.joints.kernels.composition import change_row, compose, gap
-from toolkit.joints.kernels.laws import ANGLE, FORMS, PLAIN, PROFILE
+from toolkit.joints.kernels.laws import ANGLE_LAW, MOST_FORMS, PLAIN_LAW, PROFILE_LAW
 from toolkit.joints.kernels.planar_forms import add_pair, contract, evaluate_form
 from toolkit.joints.kernels.profile import VALUES, carrier, change_profile, of_profile, read_profile
 from toolkit.joints.kernels.records import (
@@ -80,7 +80,7 @@ def curved_joint(functions, joints, j, acc, work):
     work.stiffness[:, :] = 0
     for i in range(joints.of[j, N_ROWS]):
         lam = acc[joints.of[j, FIRST_ROW] + i]
-        if joints.of[j, LAW + 2 * i] == PLAIN:
+        if joints.of[j, LAW + 2 * i] == PLAIN_LAW:
             plain_row(joints, i, form, lam, work)
         else:
             composed_row(functions, joints, j, i, form, lam, work)
@@ -112,7 +112,7 @@ def add_stiffness(factor, h_zz, stiffness):
 def composed_row(functions, joints, j, i, form, lam, work):
     """Evaluate a row that is a law of forms."""
     n = joints.of[j, LAW + 1 + 2 * i]
-    carried = 1 if joints.of[j, LAW + 2 * i] == PROFILE else 0
+    carried = 1 if joints.of[j, LAW + 2 * i] == PROFILE_LAW else 0
     for f in range(n - carried):
         h = work.forms[f]
         h[1:, :] = 0
@@ -133,19 +133,19 @@ def composed_row(functions, joints, j, i, form, lam, work):
 @kernel
 def change_number(joints, j, d, lam, levels, work):
     """Derivatives of a row and of its force by a number of its forms, see `change_row`."""
-    kind, place, value, h = joints.design[d, 3], joints.design[d, 4], joints.design_value[d], work.forms[FORMS]
+    kind, place, value, h = joints.design[d, 3], joints.design[d, 4], joints.design_value[d], work.forms[MOST_FORMS]
     h[:, :] = 0
     if of_profile(joints, j, d):
         change_profile(joints, j, d, carrier(joints, j, d), lam, levels, work)
         return
     if kind == CONSTANT:
-        work.law[0, FORMS] = value[0]
+        work.law[0, MOST_FORMS] = value[0]
     elif kind == LINEAR:
-        work.law[0, FORMS] = value[0] * work.pose[0, joints.place[place]]
+        work.law[0, MOST_FORMS] = value[0] * work.pose[0, joints.place[place]]
         h[0, joints.place[place]] = value[0]
     else:
         i, k = joints.place[place], joints.place[place + 1]
-        work.law[0, FORMS] = add_pair(i, k, value[0], value[1], work.pose, h[0], h[5:], h[4])
+        work.law[0, MOST_FORMS] = add_pair(i, k, value[0], value[1], work.pose, h[0], h[5:], h[4])
         contract(work.pose, h[5:], h[4], h[:4])
     change_row(joints, j, d, lam, levels, work)
 
@@ -168,7 +168,7 @@ def joint_residual(joints, j, markers, state, curves, levels, work, inertial, ap
     if joints.of[j, CURVE] >= 0:
         f, last = curves[joints.of[j, CURVE]], joints.of[j, N_ROWS] - 1
         applied[row + last] -= k2 * f[2] + k1 * f[1] + k0 * f[0]
-        if joints.of[j, LAW + 2 * last] == ANGLE:
+        if joints.of[j, LAW + 2 * last] == ANGLE_LAW:
             applied[row + last] += k0 * (gap(joints, j, last, work.row[PHI, last], f[0]) - (work.row[PHI, last] - f[0]))
     add_force(markers, state, joints.of[j, 0], work.force[0, :3], 1.0, inertial)
     add_force(markers, state, joints.of[j, 1], work.force[0, 3:], 1.0, inertial)

@@ -10,16 +10,16 @@ middle m, and the coefficients of the powers of t - m. So every number of the cu
 import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner, kernel
-from toolkit.joints.kernels.laws import FORMS, PROFILE, add_angle, angle_of
+from toolkit.joints.kernels.laws import MOST_FORMS, PROFILE_LAW, add_angle, angle_of
 from toolkit.joints.kernels.records import FORM, GRADIENT, LAW
 
 DEGREE = 9
 """Degree of the polynomials."""
 PIECE = DEGREE + 3
 """Numbers of a piece."""
-SEAM = 1e-6
+SEAM_OVERLAP = 1e-6
 """The angle 0, where motions start, is in the first piece whatever round-off makes of it: that begins so much earlier."""
-VALUES = FORMS + 5
+VALUES = MOST_FORMS + 5
 """Row of `JointWork.law` with F, F', F'', F'''."""
 
 
@@ -59,7 +59,7 @@ def piece_of(joints, form, angle):
 def whole_angle(h, n):
     """Angle t of one turn, from just below zero on."""
     angle = angle_of(h[n - 2], h[n - 3])
-    return angle + 2 * np.pi if angle.real < -SEAM else angle
+    return angle + 2 * np.pi if angle.real < -SEAM_OVERLAP else angle
 
 
 @inner
@@ -81,7 +81,7 @@ def read_profile(joints, form, n, h, values):
 def of_profile(joints, j, d):
     """Whether a number that the design changes is one of a profile."""
     i = joints.design[d, 1]
-    return joints.of[j, LAW + 2 * i] == PROFILE and joints.design[d, 2] == joints.of[j, LAW + 1 + 2 * i] - 1
+    return joints.of[j, LAW + 2 * i] == PROFILE_LAW and joints.design[d, 2] == joints.of[j, LAW + 1 + 2 * i] - 1
 
 
 @inner

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.joints.kernels.laws import FORMS
+from toolkit.joints.kernels.laws import MOST_FORMS
 
 CONSTANT, LINEAR, PAIR = 0, 1, 2
 """Kinds of numbers of a form."""
@@ -85,9 +85,9 @@ class Joints(NamedTuple):
 
     def work(self, dtype: type) -> "JointWork":
         """Scratch memory for any joint."""
-        n, rows, wide = self.numbers, (self.of.shape[1] - LAW) // 2, FORMS + 1
+        n, rows, wide = self.numbers, (self.of.shape[1] - LAW) // 2, MOST_FORMS + 1
         shapes = [(5, n), (5, rows), (rows, 4, n), (n, n), (2, n)]
-        shapes += [(wide, 5 + n, n), (5 + wide, wide), (rows, FORMS, 5 + FORMS + n)]
+        shapes += [(wide, 5 + n, n), (5 + wide, wide), (rows, MOST_FORMS, 5 + MOST_FORMS + n)]
         parts: list[Any] = [*(np.zeros(shape, dtype) for shape in shapes), SPARE]
         return JointWork(*parts)
 
@@ -97,7 +97,7 @@ SPARE = (*[np.zeros(1)] * 2, *[np.zeros((1, 1))] * 6)
 source lie a multiple of 4096 bytes apart: measured, a step of a small mechanism takes up to 20 percent longer without these."""
 PHI = 4
 """Place of g in `JointWork.row`."""
-GRADIENT = 5 + FORMS
+GRADIENT = 5 + MOST_FORMS
 """Place of h_z in `JointWork.composed`."""
 
 
@@ -109,7 +109,11 @@ class JointWork(NamedTuple):
     slope: np.ndarray  # (rows, 4, n) g_z; along the rates: g_zz w, g_zz (B a), g_zz b + d(w g_zz w)/dz
     stiffness: np.ndarray  # (n, n) lam . g_zz, in the plane
     force: np.ndarray  # (2, n) g_z^T lam, and its derivative in one direction
-    forms: np.ndarray  # (FORMS + 1, 5 + n, n) as `slope`, h_zww, h_zz of each form, and of what one number changes in a form
-    law: np.ndarray  # (6 + FORMS, FORMS + 1) h, w = h', g, g_h, g_hww, g_hh; behind the last h what one number changes in a form
-    composed: np.ndarray  # (rows, FORMS, 5 + FORMS + n) of each form: g_h, g_hww, h_z w, h_z (B a), h_z b + w h_zz w, g_hh, h_z
+    forms: np.ndarray  # (MOST_FORMS + 1, 5 + n, n) as `slope`, h_zww, h_zz of each form, and of what one number changes in a form
+    law: (
+        np.ndarray
+    )  # (6 + MOST_FORMS, MOST_FORMS + 1) h, w = h', g, g_h, g_hww, g_hh; behind the last h what one number changes in a form
+    composed: (
+        np.ndarray
+    )  # (rows, MOST_FORMS, 5 + MOST_FORMS + n) of each form: g_h, g_hww, h_z w, h_z (B a), h_z b + w h_zz w, g_hh, h_z
     spare: tuple  # see SPARE

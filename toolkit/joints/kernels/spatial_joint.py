@@ -12,7 +12,7 @@ A direction of a derivative is a coordinate or a design variable of one marker, 
 
 from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.joints.kernels.composition import change_row, compose, gap
-from toolkit.joints.kernels.laws import FORMS, PLAIN, PROFILE
+from toolkit.joints.kernels.laws import MOST_FORMS, PLAIN_LAW, PROFILE_LAW
 from toolkit.joints.kernels.profile import VALUES, carrier, change_profile, of_profile, read_profile
 from toolkit.joints.kernels.records import CONSTANT, CURVE, DESIGN, FIRST_ROW, FORM, GRADIENT, LAW, LINEAR, N_ROWS, PHI, POSITION
 from toolkit.joints.kernels.records import SPATIAL_NUMBERS as NUMBERS
@@ -69,7 +69,7 @@ def evaluate_spatial_joint(functions, joints, j, state, acc, work):
     form = joints.of[j, FORM]
     work.force[0] = 0
     for i in range(joints.of[j, N_ROWS]):
-        if joints.of[j, LAW + 2 * i] == PLAIN:
+        if joints.of[j, LAW + 2 * i] == PLAIN_LAW:
             work.row[PHI, i] = evaluate_form(joints, form, pose, work.slope[i])
             work.composed[i, 0, 0] = 1
         else:
@@ -83,7 +83,7 @@ def evaluate_spatial_joint(functions, joints, j, state, acc, work):
 def composed_row(functions, joints, j, i, form, work):
     """Evaluate a row that is a law of forms."""
     n = joints.of[j, LAW + 1 + 2 * i]
-    carried = 1 if joints.of[j, LAW + 2 * i] == PROFILE else 0
+    carried = 1 if joints.of[j, LAW + 2 * i] == PROFILE_LAW else 0
     for f in range(n - carried):
         work.law[0, f] = evaluate_form(joints, form + f, work.pose, work.forms[f, :4])
     if carried:
@@ -95,18 +95,18 @@ def composed_row(functions, joints, j, i, form, work):
 @kernel
 def change_spatial_number(joints, j, d, lam, levels, work):
     """Derivatives of a row and of its force by a number of its forms, see `change_row`."""
-    kind, place, value, h = joints.design[d, 3], joints.design[d, 4], joints.design_value[d, 0], work.forms[FORMS]
+    kind, place, value, h = joints.design[d, 3], joints.design[d, 4], joints.design_value[d, 0], work.forms[MOST_FORMS]
     h[:4, :] = 0
     if of_profile(joints, j, d):
         change_profile(joints, j, d, carrier(joints, j, d), lam, levels, work)
         return
     if kind == CONSTANT:
-        work.law[0, FORMS] = value
+        work.law[0, MOST_FORMS] = value
     elif kind == LINEAR:
-        work.law[0, FORMS] = value * work.pose[0, joints.place[place]]
+        work.law[0, MOST_FORMS] = value * work.pose[0, joints.place[place]]
         h[0, joints.place[place]] = value
     else:
-        work.law[0, FORMS] = add_product(joints.place[place], joints.place[place + 1], value, work.pose, h[:4])
+        work.law[0, MOST_FORMS] = add_product(joints.place[place], joints.place[place + 1], value, work.pose, h[:4])
     change_row(joints, j, d, lam, levels, work)
 
 
@@ -176,7 +176,7 @@ def spatial_joint_jacobian(joints, j, markers, state, levels, acc, work, parts, 
     form = joints.of[j, FORM]
     for i in range(rows):
         law, forms, lam = joints.of[j, LAW + 2 * i], joints.of[j, LAW + 1 + 2 * i], acc[joints.of[j, FIRST_ROW] + i]
-        linear = law == PLAIN and joints.start[form, 1] == joints.start[form + 1, 0]
+        linear = law == PLAIN_LAW and joints.start[form, 1] == joints.start[form + 1, 0]
         for side in range(2):
             m = joints.of[j, side]
             for k in range(markers.start[m], markers.start[m + 1]):
@@ -196,7 +196,7 @@ def spatial_joint_jacobian(joints, j, markers, state, levels, acc, work, parts, 
         for f in range(forms):
             add_pairs(joints, j, form + f, by_q * lam * work.composed[i, f, 0], markers, state, position, n, n_a, I_q)
         form += forms
-        if law != PLAIN:
+        if law != PLAIN_LAW:
             add_bend(joints, j, i, by_q * lam, markers, state, work, position, n, n_a, I_q)
     for side in range(2):
         force = work.force[0, 12 * side : 12 * side + 12]
@@ -305,7 +305,7 @@ def direction_force(joints, j, side, y, acc, work):
         for f in range(joints.of[j, LAW + 1 + 2 * i]):
             form_force(joints, form, lam * work.composed[i, f, 0], side, y, work.force[1])
             form += 1
-        if joints.of[j, LAW + 2 * i] != PLAIN:
+        if joints.of[j, LAW + 2 * i] != PLAIN_LAW:
             bent_slopes(i, joints.of[j, LAW + 1 + 2 * i], lam, side, y, work)
             for f in range(joints.of[j, LAW + 1 + 2 * i]):
                 for k in range(NUMBERS):

@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.foundation.kernel import inner
 from toolkit.joints.kernels.laws import angle_of
 
-TILT = 10
+AXIS_ANGLE = 10
 """Place in z of the angle of an axis in the plane: the last parameter."""
 
 
@@ -22,8 +22,8 @@ def plane_angle(z, slope, bend):
 
 @inner
 def plane_offset(z, slope, bend):
-    """g = e . (r_a - r_b), e = (cos, sin) of angle_b + z[TILT]: the axis is fixed in body b."""
-    c, s, x, y = np.cos(z[5] + z[TILT]), np.sin(z[5] + z[TILT]), z[0] - z[3], z[1] - z[4]
+    """g = e . (r_a - r_b), e = (cos, sin) of angle_b + z[AXIS_ANGLE]: the axis is fixed in body b."""
+    c, s, x, y = np.cos(z[5] + z[AXIS_ANGLE]), np.sin(z[5] + z[AXIS_ANGLE]), z[0] - z[3], z[1] - z[4]
     offset = c * x + s * y
     slope[0], slope[1], slope[3], slope[4], slope[5] = c, s, -c, -s, c * y - s * x
     bend[0, 5], bend[1, 5], bend[3, 5], bend[4, 5], bend[5, 5] = -s, c, s, -c, -offset

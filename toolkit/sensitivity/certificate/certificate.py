@@ -12,9 +12,9 @@ from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.certificate.differences import (
-    NEGLIGIBLE,
-    SETTLED,
-    UNFELT,
+    NEGLIGIBLE_DERIVATIVE,
+    SETTLED_DIFFERENCE,
+    UNIMPORTANT_EFFECT,
     Gradients,
     Quotient,
     best_quotients,
@@ -34,7 +34,7 @@ MOST_DIGITS = 16.0
 TINY = float(np.finfo(float).tiny)
 
 
-QUOTIENT, UNLUCKY = 1e-5, 10.0
+QUOTIENT_TOLERANCE, UNCERTAINTIES_ALLOWED = 1e-5, 10.0
 """Largest relative difference, by truncation, between a derivative along a direction and a difference quotient whose neighbours
 agree; and the largest such difference in multiples of the quotient's uncertainty."""
 
@@ -97,7 +97,11 @@ class Certificate:
 
         The differences are taken with steps that shrink.
         """
-        unknown = [f for f, each in self.quotients.items() if each.uncertainty > SETTLED * abs(self.along[f]) > self._blurred(f)]
+        unknown = [
+            f
+            for f, each in self.quotients.items()
+            if each.uncertainty > SETTLED_DIFFERENCE * abs(self.along[f]) > self._blurred(f)
+        ]
         lost = dict.fromkeys([*unknown, *self.jumping])
         text = (
             f"central differences along one direction do not settle on the derivative of {', '.join(lost)} as their "
@@ -152,7 +156,9 @@ class Certificate:
         """Refuse gradients whose derivative along the direction differs from that of the best difference quotient."""
         for f, quotient in self.quotients.items():
             off = abs(self.along[f] - quotient.slope)
-            if not off <= QUOTIENT * abs(self.along[f]) + UNLUCKY * quotient.uncertainty + self._blurred(f):
+            if not off <= QUOTIENT_TOLERANCE * abs(self.along[f]) + UNCERTAINTIES_ALLOWED * quotient.uncertainty + self._blurred(
+                f
+            ):
                 raise DisagreementError(
                     f"the gradient of {f} is contradicted by central differences: along one direction through all variables its "
                     f"derivative is {self.along[f]:.10g}, and {quotient.slope:.10g} by the best quotient, which is uncertain by "
@@ -169,7 +175,7 @@ class Certificate:
 
 
 def certify(
-    scene: Scene, design: list[str], kind: Kind, progress: Progress = lambda *_: None, unseen: float = UNFELT
+    scene: Scene, design: list[str], kind: Kind, progress: Progress = lambda *_: None, unseen: float = UNIMPORTANT_EFFECT
 ) -> Certificate:
     """Compare direct differentiation with the adjoint, a complex step, Taylor's remainder and central differences.
 
@@ -191,7 +197,7 @@ def certify(
 
 
 def compare(
-    exact: Run, kind: Kind, stepped: Gradients, progress: Progress = lambda *_: None, unseen: float = UNFELT
+    exact: Run, kind: Kind, stepped: Gradients, progress: Progress = lambda *_: None, unseen: float = UNIMPORTANT_EFFECT
 ) -> Certificate:
     """The certificate of a result of direct differentiation, whose gradients by a complex step are at hand."""
     system = exact.solution.system
@@ -252,6 +258,6 @@ def _zeros(scene: Scene, exact: Run, limits: Gradients, others: dict[str, Gradie
         found[f] = {
             x: max(abs(slope - other[f][x]) for other in others.values()) * sizes[x] / unit
             for x, slope in exact.gradients[f].items()
-            if limits[f][x] >= 1.0 or abs(slope) * sizes[x] <= NEGLIGIBLE * unit
+            if limits[f][x] >= 1.0 or abs(slope) * sizes[x] <= NEGLIGIBLE_DERIVATIVE * unit
         }
     return found

@@ -34,22 +34,23 @@ from toolkit.solvers.start.kept_start import moves_kept_run
 
 Gradients = dict[str, dict[str, float]]
 EPS = float(np.finfo(float).eps)
-TRIAL = 1e-3
+TRIAL_STEP = 1e-3
 """Relative step that tells whether a number can be moved at all."""
-LAST_DIGITS = 8 * EPS
+PERTURBATION = 8 * EPS
 """Relative change of the scene's numbers: enough to round everything anew, too little to change a gradient by itself."""
-UNFELT = 1e-14
+UNIMPORTANT_EFFECT = 1e-14
 """Part of a response's scale below which the effect of a variable (changed by its own size) cannot be told from none."""
-SAMPLES, SAFETY = 4, 10.0
+SAMPLES, SPREAD_FACTOR = 4, 10.0
 """Runs with other last digits, and how much further apart than those two methods may be: each is one more such sample, of a
 distribution with long tails."""
 
 
-def round_off(scene: Scene, exact: Run, kind: Kind, unseen: float = UNFELT) -> Gradients:
+def round_off(scene: Scene, exact: Run, kind: Kind, unseen: float = UNIMPORTANT_EFFECT) -> Gradients:
     """Estimated round-off of each derivative, as an absolute number.
 
     The scene is solved with other last digits of its own numbers, and differentiated directly and backwards. All that differs is
-    round-off; `SAFETY` times the largest difference seen is what two right methods may differ by, and at least the part `unseen` of what
+    round-off; `SPREAD_FACTOR` times the largest difference seen is what two right methods may differ by, and at least the part
+    `unseen` of what
     the response is or does.
     """
     design, rng = list(exact.solution.system.design.names), np.random.default_rng(1)
@@ -64,14 +65,14 @@ def round_off(scene: Scene, exact: Run, kind: Kind, unseen: float = UNFELT) -> G
         for sample in _by_exact_methods(rounded_anew(scene, paths, rng), design, kind):
             for f, slopes in sample.items():
                 for x, slope in slopes.items():
-                    found[f][x] = max(found[f][x], SAFETY * abs(slope - exact.gradients[f][x]))
+                    found[f][x] = max(found[f][x], SPREAD_FACTOR * abs(slope - exact.gradients[f][x]))
     return found
 
 
 def rounded_anew(scene: Scene, paths: list[str], rng: np.random.Generator) -> Scene:
     """The scene with other last digits of the numbers at these paths."""
     for path in paths:
-        scene = scene.with_number(path, np.real(scene.number(path)) * (1 + LAST_DIGITS * rng.uniform(-1, 1)))
+        scene = scene.with_number(path, np.real(scene.number(path)) * (1 + PERTURBATION * rng.uniform(-1, 1)))
     return scene
 
 
@@ -81,7 +82,7 @@ def can_move(scene: Scene, path: str) -> bool:
     if path not in scene.model_parameters():
         return True
     try:
-        for step in (-TRIAL, TRIAL):
+        for step in (-TRIAL_STEP, TRIAL_STEP):
             moved = loaded(scene.with_number(path, value + step * (abs(value) or 1.0)))
             evaluate_quantities(moved, number(moved))
             check_numbers(moved)
@@ -102,10 +103,10 @@ def _by_exact_methods(scene: Scene, design: list[str], kind: Kind) -> list[Gradi
 
 
 FAILURES = (ConvergenceError, InputError, SingularSystemError)
-UNSEEN = 1e-11
+REMAINDER_ROUND_OFF = 1e-11
 """Part of a response's scale below which a remainder is round-off of the run that computed it."""
 GOLDEN = 0.6180339887498949
-NEGLIGIBLE = 1e-6
+NEGLIGIBLE_DERIVATIVE = 1e-6
 """Part of a response's scale below which a directional derivative is compared with that instead of with itself."""
 
 
@@ -165,7 +166,7 @@ def taylor_rates(
 def _rate(steps: Sequence[float], remainders: list[float], scale: float) -> float:
     if len(steps) < 2:
         return np.nan
-    if max(remainders) <= UNSEEN * scale or min(remainders) == 0:
+    if max(remainders) <= REMAINDER_ROUND_OFF * scale or min(remainders) == 0:
         return np.inf
     return float(np.polyfit(np.log(steps), np.log(remainders), 1)[0])
 
@@ -174,7 +175,7 @@ STEPS = tuple(10.0 ** np.arange(-2, -11, -1.0))
 """Relative steps of central differences along a direction."""
 
 
-SMALL, SETTLED = 1e-3, 0.1
+SMALL_STEP, SETTLED_DIFFERENCE = 1e-3, 0.1
 """Relative step from which on differences of a response that is not far from linear are near its derivative, and how near."""
 
 
@@ -221,14 +222,19 @@ def jumping(
 ) -> tuple[str, ...]:
     """Responses that differ from their derivatives along the direction over a small step, though not over a smaller one.
 
-    Truncation vanishes like h^2 and round-off grows like 1/h, so that a smooth response is right wherever a smaller step is, up to `SMALL`.
-    Neither is measured by a slope that is zero, but by the response's scale: truncation leaves h^2 of it, round-off `UNSEEN` / h.
+    Truncation vanishes like h^2 and round-off grows like 1/h, so that a smooth response is right wherever a smaller step is, up to
+    `SMALL_STEP`.
+    Neither is measured by a slope that is zero, but by the response's scale: truncation leaves h^2 of it, round-off
+    `REMAINDER_ROUND_OFF` / h.
     """
     lost = []
     for f, slope in along.items():
-        off = {h: abs(each[f] - slope) for h, each in found.items() if h <= SMALL}
-        right = min((h for h, error in off.items() if error <= SETTLED / 10 * abs(slope)), default=np.inf)
-        if any(h > right and error > SETTLED * abs(slope) + (SMALL**2 + UNSEEN / h) * scales[f] for h, error in off.items()):
+        off = {h: abs(each[f] - slope) for h, each in found.items() if h <= SMALL_STEP}
+        right = min((h for h, error in off.items() if error <= SETTLED_DIFFERENCE / 10 * abs(slope)), default=np.inf)
+        if any(
+            h > right and error > SETTLED_DIFFERENCE * abs(slope) + (SMALL_STEP**2 + REMAINDER_ROUND_OFF / h) * scales[f]
+            for h, error in off.items()
+        ):
             lost.append(f)
     return tuple(lost)
 
@@ -253,7 +259,7 @@ def curve_of(scene: Scene, base: Run, quotients: Mapping[float, Mapping[str, flo
     """Step and largest relative difference of difference quotients, as `step_study`."""
     scene = frozen(scene, base.solution)
     slopes, scales = slopes_along(base, direction(scene, base)), response_scales(base, variable_sizes(scene, base))
-    sizes = {f: max(abs(slope), NEGLIGIBLE * scales[f], np.finfo(float).tiny) for f, slope in slopes.items()}
+    sizes = {f: max(abs(slope), NEGLIGIBLE_DERIVATIVE * scales[f], np.finfo(float).tiny) for f, slope in slopes.items()}
     return [
         (h, max((abs(each[f] - slope) / sizes[f] for f, slope in slopes.items()), default=0.0)) for h, each in quotients.items()
     ]

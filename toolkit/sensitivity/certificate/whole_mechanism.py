@@ -24,7 +24,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.deformation import LIMIT, has_places, is_moving, largest_displacement, node_places, relative_distance
 
 Slopes = dict[str, dict[str, float]]
-COUNTS = 1e-6
+DIFFERENCE_ROUND_OFF = 1e-6
 """Part of the largest value of its quantity that a difference has to be, not to be taken for round-off."""
 
 
@@ -71,7 +71,7 @@ class Mechanism:
         for name, value in self.own.values.items():
             alike = [abs(exact[f]) for f in exact if kinds[f] == kinds[name]]
             off = abs(value - exact[name])
-            if off > LIMIT * abs(exact[name]) and off > COUNTS * max(alike):
+            if off > LIMIT * abs(exact[name]) and off > DIFFERENCE_ROUND_OFF * max(alike):
                 found[name] = off / abs(exact[name]) if exact[name] else np.inf
         return found
 

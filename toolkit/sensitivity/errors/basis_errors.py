@@ -21,15 +21,15 @@ from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.few_shapes import FrozenBody, frozen_bodies
 
 FROZEN = "frozen-basis"
-TOLD = 0.02
+REMARK_ERROR = 0.02
 """Relative error by a frozen basis above which there is a remark; from `LIMIT` on it is a doubt."""
 UNIMPORTANT = 0.02
 """Effect of a gradient on its response, relative to that of the most important gradient, below which it is left out without a motion."""
-COUNTABLE = 1e3
+MEANINGLESS_ERROR = 1e3
 """Relative error of a number beyond which the number is taken for zero."""
-UNFELT = 1e-3
+UNIMPORTANT_CHANGE = 1e-3
 """Relative change of a value by a change of the variable by its size, below which the derivative is left out."""
-NAMED = 6
+MOST_NAMED = 6
 """Largest count of numbers that are named one by one."""
 
 Slopes = Mapping[str, Mapping[str, float]]
@@ -97,7 +97,7 @@ def basis_errors(
     found = {f: _compared(value, true[f], scale) for f, (value, scale) in values.items()}
     for f, row in gradients.items():
         most = max((abs(slopes[f][x]) * sizes[x] for x in row), default=0.0)
-        felt = UNFELT * max(abs(true[f]), abs(values[f][0]))
+        felt = UNIMPORTANT_CHANGE * max(abs(true[f]), abs(values[f][0]))
         for x, (slope, scale) in row.items():
             counts = felt if scale > 0 else max(UNIMPORTANT * most, felt)  # a scale is a small effect of the variable at least
             if max(abs(slope - slopes[f][x]), abs(slope)) * sizes[x] > counts:
@@ -136,13 +136,13 @@ def cautions_of_frozen(found: BasisErrors | None) -> Iterator[Caution]:
     known = [body for body in found.bodies if body.known]
     if found.failure:
         yield _not_known(known, f"the same analysis with more shapes fails. {found.failure}")
-    off = {name: each for name, each in found.numbers.items() if abs(each.part) > TOLD}
+    off = {name: each for name, each in found.numbers.items() if abs(each.part) > REMARK_ERROR}
     if off:
         worst = sorted(off, key=lambda name: -abs(off[name].part))
-        more = f" and {len(worst) - NAMED} more" if len(worst) > NAMED else ""
+        more = f" and {len(worst) - MOST_NAMED} more" if len(worst) > MOST_NAMED else ""
         yield Caution(
             FROZEN,
-            f"{'; '.join(map(_state, known))}: {', '.join(_words(name, off[name]) for name in worst[:NAMED])}{more}. Found by "
+            f"{'; '.join(map(_state, known))}: {', '.join(_words(name, off[name]) for name in worst[:MOST_NAMED])}{more}. Found by "
             f"repeating the analysis with {', '.join(f'{b.shapes[1]} shapes of {b.name} instead of {b.shapes[0]}' for b in known)}. "
             f"Fix: build {', '.join(b.model for b in known)} {_remedy(known[0])}.",
             doubt=abs(off[worst[0]].part) > LIMIT,
@@ -157,7 +157,7 @@ def _not_known(bodies: Sequence[FrozenBody], why: str) -> Caution:
 def _words(name: str, each: ComparedBases) -> str:
     part = abs(each.part)
     size = f" by {part:.2g} times" if part >= 10 else f" by {part:.0%}" if part >= 0.1 else f" by {part:.1%}"
-    return f"{name} is off{size if part < COUNTABLE else ''} ({each.told:.4g} instead of about {each.true:.4g})"
+    return f"{name} is off{size if part < MEANINGLESS_ERROR else ''} ({each.told:.4g} instead of about {each.true:.4g})"
 
 
 def _state(body: FrozenBody) -> str:

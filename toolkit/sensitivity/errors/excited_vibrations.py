@@ -66,12 +66,12 @@ def error_after(scheme: Scheme, rate: float, step: float, time: float) -> float:
     return float(min(abs(kept ** (time / step) - 1), 1.0))
 
 
-GONE, LIVES = 0.6, np.exp(-1)
+KEPT_AMPLITUDE, LIVES = 0.6, np.exp(-1)
 """Part of an amplitude that steps keep, from which on runs with other steps show the difference: at the end, or where damping has
 left so much of it."""
-EVEN = 1e-9
+EQUAL_PIECES = 1e-9
 """Part of a piece of a curve by which others may be longer and are as long: sixteen in a row turn a phase by no more."""
-SHAKES = 1e-3
+EXCITING_LOSS = 1e-3
 """Lost amplitude, relative to the variation of a curve, above which the curve excites vibrations that count."""
 LOOKED_FOR = np.geomspace(0.3, 30.0, 12)
 """Angular frequencies times step at which `shakes` examines a curve."""
@@ -142,19 +142,19 @@ def add_lost(middle, length, growth, before, which, fades, rates, at_once, keeps
             keep_x, keep_y = keeps[which[n], j, 0], keeps[which[n], j, 1]
             lasting *= np.sqrt(keep_x * keep_x + keep_y * keep_y) if lives > LIVES else 1.0
             lives *= fades[which[n], j]
-        if lasting >= GONE:
+        if lasting >= KEPT_AMPLITUDE:
             continue
         x, y, kept_x, kept_y = at_once, 0.0, at_once, 0.0
         known, size, turn_x, turn_y, c, s = -1.0, 1.0, 1.0, 0.0, 1.0, 0.0
         for n in range(len(which)):
             grown_x, grown_y = 0.0, 0.0
             for k in range(before[n], before[n + 1]):
-                alike = np.abs(length[k] - known) <= EVEN * length[k]
+                alike = np.abs(length[k] - known) <= EQUAL_PIECES * length[k]
                 if not alike:
                     known, half = length[k], rates[j] * length[k] / 2
                     size = np.sin(half) / half if half != 0 else 1.0
                     turn_x, turn_y = np.cos(2 * half), -np.sin(2 * half)
-                if alike and k > before[n] and np.abs(middle[k] - middle[k - 1] - known) <= EVEN * known:
+                if alike and k > before[n] and np.abs(middle[k] - middle[k - 1] - known) <= EQUAL_PIECES * known:
                     c, s = c * turn_x - s * turn_y, c * turn_y + s * turn_x
                 else:
                     c, s = np.cos(rates[j] * middle[k]), -np.sin(rates[j] * middle[k])
@@ -174,16 +174,16 @@ def shakes(solution: Solution, history: ForceHistory) -> bool:
     """Whether a curve excites what steps take out, whatever it acts on."""
     rates = LOOKED_FOR / float(np.diff(solution.times).max())
     lost = lost_parts(solution, history, float(solution.times[0]), rates, np.zeros(len(rates)))
-    return bool(np.abs(lost).max(initial=0.0) > SHAKES * np.ptp(history.values))
+    return bool(np.abs(lost).max(initial=0.0) > EXCITING_LOSS * np.ptp(history.values))
 
 
-QUIET = 1e-7
+QUIET_JUMP = 1e-7
 """Part of the model size (or rad) by which a jump of accelerations moves anything in a step, below which it excites nothing."""
 MOST_KICKS = 6
 """So many of them are looked at, the largest."""
 FORCES, ACCELERATIONS = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 """Levels of the joints: their gaps, as statics closes them, and their accelerations alone."""
-SAMPLES, MOST_SAMPLES, LEAST = 16, 20_000, 2
+SAMPLES, MOST_SAMPLES, LEAST_SAMPLES = 16, 20_000, 2
 """Instants of a step at which curves are looked at, in how many instants at most, and in how many of a step at least."""
 
 
@@ -218,7 +218,7 @@ def kicks(solution: Solution) -> list[Kick]:
     spans = system.weights[: system.n_b, None] * longest ** np.array([2.0, 3.0])
     sizes = [float((np.abs(kick.jumps[: system.n_b]) * spans).max(initial=0.0)) * _variation(kick.history) for kick in found]
     order = sorted(range(len(found)), key=lambda n: -sizes[n])[:MOST_KICKS]
-    return [found[n] for n in sorted(order) if sizes[n] > QUIET]
+    return [found[n] for n in sorted(order) if sizes[n] > QUIET_JUMP]
 
 
 def _variation(history: ForceHistory | None) -> float:
@@ -269,7 +269,7 @@ def _of_curves(solution: Solution) -> Iterator[Kick]:
 def _instants(solution: Solution, curve: Curve) -> np.ndarray:
     """Some in every step, and both sides of every corner."""
     times = solution.times
-    count = min(max(MOST_SAMPLES // len(times), LEAST), SAMPLES)
+    count = min(max(MOST_SAMPLES // len(times), LEAST_SAMPLES), SAMPLES)
     parts = times[:-1, None] + np.diff(times)[:, None] * np.arange(count) / count
     corners = np.array([float(np.real(t)) for t in curve.corners()])
     corners = corners[(corners >= times[0]) & (corners < times[-1])]
@@ -306,9 +306,9 @@ def _residual(solution: Solution, inputs: Inputs, q: np.ndarray, v: np.ndarray, 
     return terms.inertial + terms.applied, terms.I_x + terms.A_x
 
 
-VECTORS = 24
+MOST_RITZ_VECTORS = 24
 """Most Ritz vectors: some twenty modes of a load."""
-NOTHING = 1e-6
+DEPENDENT_VECTOR = 1e-6
 """Part of a vector that earlier ones leave of it, below which it is their sum."""
 
 
@@ -359,7 +359,7 @@ def excited_modes(system: System, terms: Terms, jumps: np.ndarray, shift: float)
     basis = _ritz_vectors(system, saddle, mass, _forces(system, stiffness, jumps))
     reduced = basis.T @ _forces(system, stiffness, basis)
     squares, turned = scipy.linalg.eigh((reduced + reduced.T) / 2)
-    kept = squares > (NOTHING * shift) ** 2
+    kept = squares > (DEPENDENT_VECTOR * shift) ** 2
     rates, shapes = np.sqrt(squares[kept]), basis @ turned[:, kept]
     damped = np.einsum("im,im->m", shapes, system.times(_of_coordinates(system, terms.A_v), shapes))
     held = saddle.solve(_forces(system, mass, shapes))[system.n_q :] * (rates**2 + shift**2)
@@ -384,7 +384,7 @@ def _ritz_vectors(system: System, saddle: Saddle, mass: np.ndarray, pushed: np.n
     """Vectors (n, m) with X^T M X = 1, zero for multipliers."""
     basis, masses = np.zeros((system.n, 0)), np.zeros((system.n, 0))
     block = pushed
-    while basis.shape[1] < VECTORS and block.shape[1]:
+    while basis.shape[1] < MOST_RITZ_VECTORS and block.shape[1]:
         found = saddle.solve(block)
         found[system.n_b :] = 0
         block = np.zeros((system.n, 0))
@@ -394,7 +394,7 @@ def _ritz_vectors(system: System, saddle: Saddle, mass: np.ndarray, pushed: np.n
                 each = each - basis @ (masses.T @ each)
             moved = _forces(system, mass, each[:, None])
             size = np.sqrt(max(each @ moved[:, 0], 0.0))
-            if size > NOTHING * before:
+            if size > DEPENDENT_VECTOR * before:
                 basis, masses = np.column_stack([basis, each / size]), np.column_stack([masses, moved / size])
                 block = np.column_stack([block, moved / size])
     return basis

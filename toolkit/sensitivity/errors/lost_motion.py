@@ -28,7 +28,7 @@ from toolkit.equations.equations import Inputs
 from toolkit.sensitivity.errors.excited_vibrations import FORCES, ExcitedModes, Kick, excited_modes, lost_parts, padded
 from toolkit.system.solution import Solution
 
-SLOW = 0.5
+RESOLVED_OMEGA_STEP = 0.5
 """Angular frequency times step from which on the scheme begins to take out what vibrates."""
 
 
@@ -72,7 +72,7 @@ def lost_motion(solution: Solution, kick: Kick, times: np.ndarray) -> Lost | Non
     system = solution.system
     q, v, _ = padded(solution, kick.state)
     terms = system.evaluate(system.inputs(solution.times[kick.state], FORCES), q, v, np.zeros(system.n))
-    modes = excited_modes(system, terms, kick.jumps, SLOW / float(np.diff(solution.times)[kick.state]))
+    modes = excited_modes(system, terms, kick.jumps, RESOLVED_OMEGA_STEP / float(np.diff(solution.times)[kick.state]))
     if not np.any(modes.damping < 1):
         return None
     first, second = modes.pushes
@@ -116,9 +116,9 @@ def _groups(solution: Solution) -> Iterator[tuple[int, np.ndarray | slice]]:
         yield 2, slice(None)
 
 
-FAR = 1e-4
+MODE_AMPLITUDE = 1e-4
 """Part of the model size (or rad) by which a mode is moved for the change of its stiffness."""
-TURNED = 1e-3
+DESIGN_PHASE_CHANGE = 1e-3
 """Change of any phase, in rad, or of any size, by a change of the design: small, but far above round-off."""
 
 
@@ -166,13 +166,13 @@ def derivatives_of_modes(solution: Solution, lost: Lost, at_peaks: bool) -> tupl
 
 
 def _step(own: Reduced, change: Reduced, time: float) -> float:
-    """Change of the design that turns no phase, and changes no size, by more than `TURNED`; 0 where it does nothing."""
+    """Change of the design that turns no phase, and changes no size, by more than `DESIGN_PHASE_CHANGE`; 0 where it does nothing."""
     w = np.sqrt(np.diag(own.stiffness))
     rates = np.abs(np.diag(change.stiffness) - w**2 * np.diag(change.mass)) / (2 * w)
     largest = np.abs(own.pushes).max()
     sizes = np.abs(change.pushes).max() / largest if largest > 0 else 0.0
     most = max(float((rates * time).max()), float((rates / w).max()), float(np.abs(change.mass).max()), float(sizes))
-    return TURNED / most if most > 0 else 0.0
+    return DESIGN_PHASE_CHANGE / most if most > 0 else 0.0
 
 
 def _changes(solution: Solution, kick: Kick, modes: ExcitedModes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -184,7 +184,7 @@ def _changes(solution: Solution, kick: Kick, modes: ExcitedModes) -> tuple[np.nd
     stiffness, mass = [], []
     for shape in shapes.T:
         move = np.append(shape, np.zeros(system.n - n_q))
-        far = FAR / float((system.weights[: system.n_b] * np.abs(shape[: system.n_b])).max())
+        far = MODE_AMPLITUDE / float((system.weights[: system.n_b] * np.abs(shape[: system.n_b])).max())
         there, back = (_by_design(solution, inputs, q + side * far * move, rest) for side in (1, -1))
         stiffness.append((there - back)[:n_q] / (2 * far))
         mass.append((_by_design(solution, inputs, q, far * move) - at_rest)[:n_q] / far)

@@ -27,17 +27,17 @@ from toolkit.sensitivity.errors.lost_motion import Lost, derivatives_of_modes, l
 from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.system.solution import Solution
 
-FEW, LOOKED_AT = 40, 120
+FIRST_STATES, MOST_STATES = 40, 120
 """Number of states at which responses with lost vibrations are evaluated: to see whether these count, and by how much."""
-LASTING = 3.0
+LASTING_DECAYS = 3.0
 """Decays, of the logarithm of the amplitude, that a vibration lasts."""
-FELT = 1e-3
+UNIMPORTANT_MOTION = 1e-3
 """Part of the motion of a body, or of its deformation, of velocities and of joint forces below which a vibration changes no response."""
-WRONG = 0.05
+WANTED_ERROR = 0.05
 """Largest relative error of lost vibrations in a run that is to keep them: 0.05 rad of their phase."""
-MODES = 6
+MOST_MODES = 6
 """Largest number of modes that are examined one by one."""
-COUNTS = 0.02
+IMPORTANT_CHANGE = 0.02
 """Change of a response by lost vibrations that counts, relative to its largest magnitude."""
 
 
@@ -112,12 +112,12 @@ def _lost_by_kicks(solution: Solution, looked: Mapping[str, Response], scales: M
     """Vibrations that a motion with inertia has lost after its kicks; None if none of them counts."""
     if not (found := kicks(solution)):
         return None
-    seen = _at(solution, _looked_at(solution, looked, LOOKED_AT))
+    seen = _at(solution, _looked_at(solution, looked, MOST_STATES))
     lost = [each for kick in found if (each := lost_motion(solution, kick, seen.times)) is not None]
     sizes = [sizes_in_motion(seen, each) for each in lost]
-    if not max((float(each.max(initial=0.0)) for each in sizes), default=0.0) > FELT:
+    if not max((float(each.max(initial=0.0)) for each in sizes), default=0.0) > UNIMPORTANT_MOTION:
         return None
-    few = _looked_at(seen, looked, FEW)
+    few = _looked_at(seen, looked, FIRST_STATES)
     first = VibrationComparison(_at(seen, few), [each.at(few) for each in lost], looked, scales)
     return _found(solution, VibrationComparison(seen, lost, looked, scales), sizes) if first.counts else None
 
@@ -195,21 +195,21 @@ class VibrationComparison:
 
     @property
     def counts(self) -> bool:
-        """Whether the lost vibrations change any response by more than `COUNTS`."""
-        return max(self.swings.values(), default=0.0) > COUNTS
+        """Whether the lost vibrations change any response by more than `IMPORTANT_CHANGE`."""
+        return max(self.swings.values(), default=0.0) > IMPORTANT_CHANGE
 
 
 def _found(solution: Solution, compared: VibrationComparison, sizes: list[np.ndarray]) -> LostVibrations | None:
     """Lost vibrations that count; None if none does."""
     if not compared.counts:
         return None
-    largest = sorted(((size, k, i) for k, each in enumerate(sizes) for i, size in enumerate(each)), reverse=True)[:MODES]
+    largest = sorted(((size, k, i) for k, each in enumerate(sizes) for i, size in enumerate(each)), reverse=True)[:MOST_MODES]
     vibrations = []
     for _, k, i in largest:
         each, share = compared.lost[k], compared.swing(k, i)
-        if share > COUNTS / 4:
+        if share > IMPORTANT_CHANGE / 4:
             fading = float(each.modes.damping[i] * each.modes.rates[i])
-            lasts = min(float(each.passed[-1]), LASTING / fading if fading > 0 else np.inf)
+            lasts = min(float(each.passed[-1]), LASTING_DECAYS / fading if fading > 0 else np.inf)
             vibrations.append(LostVibration(float(each.modes.rates[i]), share, lasts))
     errors = compared.errors(compared.with_all)
     return (
@@ -257,7 +257,7 @@ def steps_that_keep(lost: LostVibrations, options: RunOptions, least: int, most:
     while steps <= most:
         step = options.end_time / steps
         wrong = sum(each.share * error_after(scheme, each.rate, step, each.lasts) for each in lost.vibrations)
-        if wrong <= WRONG * total:
+        if wrong <= WANTED_ERROR * total:
             return steps
         steps = -(-5 * steps // 4)
     return None

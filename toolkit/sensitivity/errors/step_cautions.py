@@ -28,25 +28,25 @@ from toolkit.foundation.value_types import Scalar
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.motion import Displacement
 from toolkit.scene.resolution import ResolvedScene
-from toolkit.sensitivity.errors.step_error import LENIENT, Gradients, StepError, Values, first_order, shorter_steps
+from toolkit.sensitivity.errors.step_error import DERIVATIVE_FACTOR, Gradients, StepError, Values, first_order, shorter_steps
 from toolkit.sensitivity.preparation import evaluate_with_gradients
 from toolkit.system.renewal import softened
 from toolkit.system.solution import Solution, deforming, elastic_coordinates
 from toolkit.validity.bodies.deformation import LIMIT
 from toolkit.validity.bodies.known_chain import chain
 from toolkit.validity.energy_balance import energy_defects
-from toolkit.validity.motion import ENERGY, Measures
+from toolkit.validity.motion import ENERGY_DEFECT_LIMIT, Measures
 from toolkit.validity.scene_cautions import bodies_of_stress
 
 K = TypeVar("K")
 
-VALUES, GRADIENTS = 0.042, 0.1
+VALUE_LIMIT, GRADIENT_LIMIT = 0.042, 0.1
 """Estimated errors above which values and gradients are not trusted: estimates are right to a factor of about two."""
-ROUGH = 0.05
+ROUGH_GRADIENT = 0.05
 """Estimated error above which gradients that are trusted have a remark."""
-WANTED = 0.01
+WANTED_ERROR = 0.01
 """Error for which a shorter step is proposed."""
-MOST = 3
+MOST_NAMED_NUMBERS = 3
 """So many numbers are named at the most."""
 
 
@@ -67,13 +67,13 @@ def step_cautions(found: StepError | None, values: Values, gradients: Gradients,
             "solver.step.",
         )
         return
-    wrong = {f: error for f, error in found.values.items() if not error <= VALUES}
+    wrong = {f: error for f, error in found.values.items() if not error <= VALUE_LIMIT}
     of_values = (
         f"{'; '.join(_told(f, error, values[f], found.other_values[f], found.how) for f, error in _worst(wrong))}{_more(wrong)}."
     )
     if wrong and not found.vibrations:
         yield Caution("steps", f"{of_values} {_remedy(wrong, found, options)}")
-    slopes = {(f, x): error for f, each in found.gradients.items() for x, error in each.items() if not error <= GRADIENTS}
+    slopes = {(f, x): error for f, each in found.gradients.items() for x, error in each.items() if not error <= GRADIENT_LIMIT}
     told = [
         _told(f"the derivative of {f} by {x}", error, gradients[f][x], found.other_gradients[f][x], _how(found, f, x))
         for (f, x), error in _worst(slopes)
@@ -86,12 +86,12 @@ def step_cautions(found: StepError | None, values: Values, gradients: Gradients,
         yield Caution("lost-vibrations" if wrong else "gradient-steps", f"{both} {_against_vibrations(found)}")
     if not slopes:
         yield from _rough_gradients(found.gradients)
-    small = {f: error for f, error in found.own_values.items() if f not in wrong and error > VALUES}
+    small = {f: error for f, error in found.own_values.items() if f not in wrong and error > VALUE_LIMIT}
     small |= {
         f"the derivative of {f} by {x}": error
         for f, errors in found.own_gradients.items()
         for x, error in errors.items()
-        if (f, x) not in slopes and error > GRADIENTS
+        if (f, x) not in slopes and error > GRADIENT_LIMIT
     }
     if small:
         told = [f"{what} by about {error:.0%}" for what, error in _worst(small)]
@@ -105,12 +105,18 @@ def step_cautions(found: StepError | None, values: Values, gradients: Gradients,
 
 def _rough_gradients(errors: Gradients) -> Iterator[Caution]:
     """A remark on derivatives that are trusted, and whose estimated error is no small one."""
-    rough = {f"{f} by {x}": error for f, each in errors.items() for x, error in each.items() if ROUGH < error <= GRADIENTS}
+    rough = {
+        f"{f} by {x}": error
+        for f, each in errors.items()
+        for x, error in each.items()
+        if ROUGH_GRADIENT < error <= GRADIENT_LIMIT
+    }
     if rough:
         told = [f"{name} by about {error:.1%}" for name, error in _worst(rough)]
         yield Caution(
             "rough-gradients",
-            f"derivatives are off by the length of the steps: {'; '.join(told)}{_more(rough)} (they are doubted above {GRADIENTS:.0%}). "
+            f"derivatives are off by the length of the steps: {'; '.join(told)}{_more(rough)} (they are doubted above "
+            f"{GRADIENT_LIMIT:.0%}). "
             "Fix: a shorter solver.step.",
             doubt=False,
         )
@@ -118,7 +124,7 @@ def _rough_gradients(errors: Gradients) -> Iterator[Caution]:
 
 def _worst(errors: Mapping[K, float]) -> list[tuple[K, float]]:
     """The largest ones, undefined ones first."""
-    return sorted(errors.items(), key=lambda item: -np.nan_to_num(item[1], nan=np.inf))[:MOST]
+    return sorted(errors.items(), key=lambda item: -np.nan_to_num(item[1], nan=np.inf))[:MOST_NAMED_NUMBERS]
 
 
 def _told(what: str, error: float, ours: Scalar, other: Scalar, how: str) -> str:
@@ -133,14 +139,14 @@ def _how(found: StepError, response: str, variable: str) -> str:
 
 
 def _more(errors: Sized) -> str:
-    return f" (and {len(errors) - MOST} more)" if len(errors) > MOST else ""
+    return f" (and {len(errors) - MOST_NAMED_NUMBERS} more)" if len(errors) > MOST_NAMED_NUMBERS else ""
 
 
 def _remedy(errors: Mapping[str, float] | Mapping[tuple[str, str], float], found: StepError, options: RunOptions) -> str:
     """A step, or an error of a step, that is expected to be short enough."""
     worst = min(1.0, max(np.nan_to_num(error, nan=1.0) for error in errors.values()))
     order = 1 if found.at_peaks & set(errors) else found.order  # a peak lies within a step, however exact this is
-    part = (WANTED / worst) ** (1 / order)
+    part = (WANTED_ERROR / worst) ** (1 / order)
     if options.local_error is not None:
         return f"Try solver.local_error = {options.local_error * part**3:.1g} and solver.step = {options.step * part:.1g}, the longest one."
     if options.times is not None:
@@ -158,15 +164,15 @@ def _against_vibrations(found: StepError) -> str:
     )
 
 
-SLOWER = 1.5
+ENERGY_ORDER_SLACK = 1.5
 """Factor by which the energy defect may fall less than by the order: it is a maximum over time, and steps are not yet short."""
 
-AT_MOST = 0.5
+LARGEST_DEFLECTION_ERROR = 0.5
 """Relative error of deflections above which their effect on the answers is not estimated."""
-UNCERTAIN = 2.0
+ESTIMATE_FACTOR = 2.0
 """The estimated errors of deflections may be too small by this factor."""
 
-STILL = 1e-5
+UNMOVED_DISPLACEMENT = 1e-5
 """Displacement, relative to the model size, below which there is no caution."""
 
 
@@ -194,7 +200,8 @@ def unless_it_converges(
     yield from (each for each in told if each.code != "energy")
     yield Caution(
         "energy",
-        f"energy balance: {max(balance.values()):.1%} of the largest energy or work is gained or lost (limit {ENERGY:.0%}). The responses "
+        f"energy balance: {max(balance.values()):.1%} of the largest energy or work is gained or lost (limit "
+        f"{ENERGY_DEFECT_LIMIT:.0%}). The responses "
         "are not affected: with steps half as long this falls with the order of the scheme, and their estimated time-step error is "
         f"{max(error.values.values()):.1e} of their peaks.",
         doubt=False,
@@ -203,7 +210,7 @@ def unless_it_converges(
 
 def _converges(solution: Solution, error: StepError, balance: Mapping[str, float]) -> bool:
     """Whether values are known to be right, and no defect stays."""
-    if not error.by_shorter_steps or not max(error.values.values(), default=0.0) <= VALUES:
+    if not error.by_shorter_steps or not max(error.values.values(), default=0.0) <= VALUE_LIMIT:
         return False
     options = solution.options or solution.system.scene.solver
     try:
@@ -212,9 +219,9 @@ def _converges(solution: Solution, error: StepError, balance: Mapping[str, float
         )
     except ToolkitError:
         return False
-    allowed = SLOWER / 2 ** (1 if first_order(options) else 2)
+    allowed = ENERGY_ORDER_SLACK / 2 ** (1 if first_order(options) else 2)
     before = (balance["created"], balance["lost"])
-    return all(now <= max(allowed * then, allowed * ENERGY) for now, then in zip(halved, before, strict=True))
+    return all(now <= max(allowed * then, allowed * ENERGY_DEFECT_LIMIT) for now, then in zip(halved, before, strict=True))
 
 
 def unless_unfelt(cautions: Iterable[Caution], solution: Solution, answers: Answers) -> Iterator[Caution]:
@@ -235,19 +242,19 @@ def unless_unfelt(cautions: Iterable[Caution], solution: Solution, answers: Answ
 
 
 def _felt(solution: Solution, answers: Answers, parts: Mapping[str, float]) -> float:
-    """Largest change of an answer where deflections are off by twice these parts; that of derivatives is divided by `LENIENT`."""
+    """Largest change of an answer where deflections are off by twice these parts; that of derivatives is divided by `DERIVATIVE_FACTOR`."""
     asked = bodies_of_stress(solution.system.scene)
-    known = max(parts.values()) <= AT_MOST and not asked & set(parts) and solution.run_times is None
+    known = max(parts.values()) <= LARGEST_DEFLECTION_ERROR and not asked & set(parts) and solution.run_times is None
     if not known or (answers.gradients and not solution.system.n_x):
         return LIMIT
-    other = softened(solution.system, {body: 1 / (1 + UNCERTAIN * part) for body, part in parts.items()})
+    other = softened(solution.system, {body: 1 / (1 + ESTIMATE_FACTOR * part) for body, part in parts.items()})
     try:
         values, gradients = evaluate_with_gradients(simulate(other, _same_steps(solution)))
     except ToolkitError:
         return LIMIT
     changes = [_part(float(np.real(values[f])) - value, answers.scales[f]) for f, value in answers.values.items()]
     slopes = [
-        _part(gradients[f][x] - slope, max(abs(slope), answers.slope_scales[f][x])) / LENIENT
+        _part(gradients[f][x] - slope, max(abs(slope), answers.slope_scales[f][x])) / DERIVATIVE_FACTOR
         for f, each in answers.gradients.items()
         for x, slope in each.items()
     ]
@@ -273,7 +280,7 @@ def turned_displacements(solution: Solution, values: Mapping[str, float], scales
         response = scene.responses.get(name)
         if isinstance(response, Displacement) and _is_held_by_its_frame(scene, response.body):
             off = _missed(solution, response)
-            if scales[name] > 0 and off > max(LIMIT * scales[name], STILL * scene.size):
+            if scales[name] > 0 and off > max(LIMIT * scales[name], UNMOVED_DISPLACEMENT * scene.size):
                 yield Caution(
                     "large-deformation",
                     f"{name} is off by about {off / scales[name]:.1%} of the largest that it is: {response.body} bends aside by more, and "

@@ -37,21 +37,21 @@ Repeat = Callable[[RunOptions], tuple[Values, Gradients]]
 
 LONGER = (2, 4)
 """Ratios of the longer steps of comparison runs to the steps of the run."""
-CONTRADICTED = 0.04
+CONTRADICTED_ERROR = 0.04
 """Error by longer steps that steps half as long contradict: these may agree by chance, so that shorter ones decide."""
 TIMES_AS_SHORT = {2: "with steps half as long", 4: "with steps a quarter as long"}
 """Scalar of parts of a step in runs with shorter steps -> the phrase for it, in the order in which they are tried."""
-LENIENT = 2.0
+DERIVATIVE_FACTOR = 2.0
 """Factor by which errors of derivatives may be larger than those of values."""
-NOTHING = 1e-6
+ZERO_NUMBER = 1e-6
 """Part of the largest magnitude in the motion below which a number is taken for zero."""
 MOST_STEPS, MOST_NUMBERS = 10_000, 2_000_000
 """Steps, and numbers in all their states, up to which a run that keeps vibrations is affordable: about a second."""
-LOST = 0.5
+VIBRATION_SHARE = 0.5
 """Error of a value half of which vibrations must explain, or half of all that is larger, to be told as theirs."""
-SAMPLED = 20
+STEPS_PER_PERIOD = 20
 """Scalar of steps in a period of a vibration that is to last."""
-SURE = 0.01
+CERTAIN_ERROR = 0.01
 """Estimated error by longer steps up to which no shorter ones are asked: it was never too small by more than a factor of four in 200
 random scenes (`tests.benchmarks.random_scenes`)."""
 
@@ -105,8 +105,8 @@ class StepError:
 
     @property
     def largest(self) -> float:
-        """Largest error of any value or derivative; those of derivatives are divided by `LENIENT`."""
-        slopes = (error / LENIENT for each in self.gradients.values() for error in each.values())
+        """Largest error of any value or derivative; those of derivatives are divided by `DERIVATIVE_FACTOR`."""
+        slopes = (error / DERIVATIVE_FACTOR for each in self.gradients.values() for error in each.values())
         return max([*self.values.values(), *slopes], default=0.0)
 
 
@@ -153,13 +153,13 @@ def step_error(
         return resolved
     longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
     found = _estimate(known, longer) if longer else None
-    if found is None or suspicious or not found.largest <= SURE:
+    if found is None or suspicious or not found.largest <= CERTAIN_ERROR:
         wanted = [
             (1 / parts, words, shorter_steps(options, solution.whole_run, parts)) for parts, words in TIMES_AS_SHORT.items()
         ]
         shorter = _tried(repeat, wanted[:1])
         half = _estimate(known, shorter) if shorter else None
-        if found and half and found.largest > CONTRADICTED >= half.largest:
+        if found and half and found.largest > CONTRADICTED_ERROR >= half.largest:
             half = _estimate(known, shorter + _tried(repeat, wanted[1:]))
         found = half or found
     return found if lost is None or found is None else _with_lost(found, known, lost, solution)
@@ -179,7 +179,7 @@ def _resolved(known: JudgedNumbers, lost: LostVibrations, solution: Solution, re
     if not found:
         return None
     estimate = _estimate(known, found)
-    its_doing = max(lost.swings.values()) >= min(LOST, max(estimate.values.values())) / 2
+    its_doing = max(lost.swings.values()) >= min(VIBRATION_SHARE, max(estimate.values.values())) / 2
     return replace(estimate, vibrations=vibrations, step=options.end_time / steps) if its_doing else estimate
 
 
@@ -204,7 +204,7 @@ def _with_lost(found: StepError, known: JudgedNumbers, lost: LostVibrations, sol
         other_values={**found.other_values, **{f: lost.values[f] for f in more}},
         changes={**found.changes, **{f: float(np.real(lost.values[f] - known.values[f])) for f in more}},
         vibrations=vibrations,
-        step=2 * np.pi / (lost.vibrations[0].rate * SAMPLED),
+        step=2 * np.pi / (lost.vibrations[0].rate * STEPS_PER_PERIOD),
     )
 
 
@@ -290,7 +290,7 @@ def _with_the_first(numbers: list[float]) -> list[tuple[float, float]]:
 def _own(error: float, number: Scalar, scale: float) -> float:
     """An error relative to the number itself, from one relative to its scale; unchanged where the number is only round-off."""
     size = abs(float(np.real(number)))
-    return error * scale / size if size > NOTHING * scale else error
+    return error * scale / size if size > ZERO_NUMBER * scale else error
 
 
 def _relative(error: float, scale: float) -> float:

@@ -22,7 +22,7 @@ from toolkit.system.system import System
 
 POSITION_TOLERANCE = 1e-8
 """Largest violation of a constraint at the start, relative to the model size (or rad): round-off of input with 9 digits."""
-SEVERAL = 64
+VARIABLES_AT_ONCE = 64
 """Design variables whose derivatives of the constraints are looked at together."""
 
 
@@ -181,9 +181,9 @@ def _violating(system: System, terms: Terms, by_design: np.ndarray, dq: np.ndarr
     Some variables at a time, because new memory for many takes longer than all else.
     """
     plan, n_q, found = system.plan, system.n_q, [np.zeros((0, 2), np.int64)]
-    for first in range(0, system.n_x, SEVERAL):
-        moved = dq[:, first : first + SEVERAL]
-        own = (plan.touched_row >= n_q) & (plan.touched_variable // SEVERAL == first // SEVERAL)
+    for first in range(0, system.n_x, VARIABLES_AT_ONCE):
+        moved = dq[:, first : first + VARIABLES_AT_ONCE]
+        own = (plan.touched_row >= n_q) & (plan.touched_variable // VARIABLES_AT_ONCE == first // VARIABLES_AT_ONCE)
         change: np.ndarray = np.zeros((system.n - n_q, moved.shape[1]), system.dtype)
         change[plan.touched_row[own] - n_q, plan.touched_variable[own] - first] = by_design[own]
         sizes = np.abs(change + system.times(terms.A_q, moved, n_q) if np.any(moved) else change)
@@ -227,9 +227,9 @@ def total_change(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -
     return system.times(terms.I_q + terms.A_q, dq) + change if np.any(dq) else change
 
 
-MOVED = 10.0
+LARGEST_CLOSING_MOVE = 10.0
 """Times `solver.drift_tolerance` that coordinates may move: closing a joint by a little can take a larger motion."""
-CHANGED = 0.05
+VELOCITY_TOLERANCE = 0.05
 """Part of the largest velocity by which one may be off those that the joints allow: what coarse steps leave."""
 AGAIN = (
     "A motion with a start begins at t = 0 again, and so do its time curves: give the drivers curves that begin where the start is, and "
@@ -278,7 +278,7 @@ def closed_start(
     largest = float(np.max(weights * np.abs(v), initial=0.0))
     changed = float(np.max(weights * np.abs(velocity[:n_q] - v), initial=0.0))
     slow = options.drift_tolerance / options.end_time  # of a scene that rests, whose velocities are round-off
-    if moved > MOVED * options.drift_tolerance or changed > CHANGED * max(largest, slow):
+    if moved > LARGEST_CLOSING_MOVE * options.drift_tolerance or changed > VELOCITY_TOLERANCE * max(largest, slow):
         raise InputError(
             f"the start is off the joints of this scene at t = 0: by {moved:.1e} of the model size in position, by {changed:.1e} of "
             f"it per unit of time in velocity, of at most {largest:.1e}. {AGAIN}"

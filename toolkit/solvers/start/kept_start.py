@@ -125,7 +125,7 @@ def _digest_of(path: Path, _changed: int, _size: int) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-SAME = 1e-12
+EQUAL_NUMBERS = 1e-12
 """Relative difference of two numbers that is round-off."""
 
 
@@ -222,7 +222,7 @@ def _weights(end: EndState, acted: Mapping[str, float]) -> np.ndarray | None:
 
 
 def _equal(one: float, other: float) -> bool:
-    return abs(one - other) <= SAME * max(abs(one), abs(other))
+    return abs(one - other) <= EQUAL_NUMBERS * max(abs(one), abs(other))
 
 
 def _same(column: Mapping[str, float], shares: Mapping[str, float]) -> bool:

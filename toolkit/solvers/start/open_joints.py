@@ -11,16 +11,16 @@ import numpy as np
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.units import unit
 from toolkit.joints.distance import KeptDistance
-from toolkit.solvers.start.rigid_bodies import CLOSED, Nearest, RigidBodies, joint_of, label, nearest, opening
+from toolkit.solvers.start.rigid_bodies import CLOSED_GAP, Nearest, RigidBodies, joint_of, label, nearest, opening
 from toolkit.system.system import System
 
-AGAIN, FEW, ASIDE = 6, 60, 0.7
+RESTARTS, MOST_RESTARTED_COORDINATES, RESTART_DISTANCE = 6, 60, 0.7
 """Number of times that the search begins from other positions if it has found none that close; most coordinates for which it
 does; distance of these positions."""
-TAKES_PART, LARGE = 0.05, 0.25
+NEARLY_EQUAL_GAPS, LARGE_GAP_PART = 0.05, 0.25
 """Part of the largest gap from which a joint may be the one that is told to be open; of two the first one is, if their gaps differ by less
 than some such part."""
-TRIED, OTHERS = 6, 1e-5
+JOINTS_TRIED, OTHER_GAPS = 6, 1e-5
 """Number of joints that are tried, and the gap, a part of the model size (or rad), of the others that is none then."""
 REPEATED_JOINTS = 1e-9
 """Singular value, in parts of the largest, of joints that repeat each other."""
@@ -28,13 +28,13 @@ REPEATED_JOINTS = 1e-9
 
 def search(bodies: RigidBodies, inputs: Inputs, q: np.ndarray) -> Nearest | None:
     """Positions that close the joints, or the nearest to that; None where it is not known, or where the given ones (n,) close them."""
-    if not bodies.countable or np.abs(bodies.gaps(inputs, q)).max() <= CLOSED:
+    if not bodies.countable or np.abs(bodies.gaps(inputs, q)).max() <= CLOSED_GAP:
         return None
     best = nearest(bodies, inputs, q)
-    for n in range(0 if best.closes or len(bodies.frames) > FEW else AGAIN):
-        aside = ASIDE * np.sin((n + 1) * (1 + np.arange(len(bodies.frames))))
+    for n in range(0 if best.closes or len(bodies.frames) > MOST_RESTARTED_COORDINATES else RESTARTS):
+        aside = RESTART_DISTANCE * np.sin((n + 1) * (1 + np.arange(len(bodies.frames))))
         other = nearest(bodies, inputs, bodies.moved(q, aside))
-        best = other if np.linalg.norm(other.gaps) < (1 - CLOSED) * np.linalg.norm(best.gaps) else best
+        best = other if np.linalg.norm(other.gaps) < (1 - CLOSED_GAP) * np.linalg.norm(best.gaps) else best
         if best.closes:
             break
     return best
@@ -60,10 +60,10 @@ def told_gap(bodies: RigidBodies, inputs: Inputs, found: Nearest) -> str:
 
 def _what_stays_open(bodies: RigidBodies, inputs: Inputs, found: Nearest) -> str:
     candidates = _candidates(bodies, found.gaps)
-    for rows in candidates[:TRIED]:
+    for rows in candidates[:JOINTS_TRIED]:
         soft = np.isin(bodies.rows, rows)
         gaps = nearest(bodies, inputs, found.q, soft).gaps
-        if np.abs(gaps[~soft]).max(initial=0) <= OTHERS:
+        if np.abs(gaps[~soft]).max(initial=0) <= OTHER_GAPS:
             return f"{_gap_sentence(bodies.system, inputs, rows, gaps[soft] / bodies.system.weights[rows])}, while all others are closed"
     rows = candidates[0]
     gaps = found.gaps[np.isin(bodies.rows, rows)] / bodies.system.weights[rows]
@@ -84,10 +84,10 @@ def _candidates(bodies: RigidBodies, gaps: np.ndarray) -> list[np.ndarray]:
     }
     kinds: dict[int, list[str]] = {0: [], 1: [], 2: []}
     for name, size in sizes.items():
-        if size >= TAKES_PART * max(sizes.values()):
+        if size >= NEARLY_EQUAL_GAPS * max(sizes.values()):
             kinds[_kind(system, name)].append(name)
     for each in kinds.values():
-        each.sort(key=lambda name: -round(sizes[name] / max(sizes.values()) / LARGE))
+        each.sort(key=lambda name: -round(sizes[name] / max(sizes.values()) / LARGE_GAP_PART))
     return [
         np.array([row for row, owner in zip(rows, owners, strict=True) if owner == name], np.int64)
         for each in kinds.values()
@@ -121,13 +121,13 @@ def _gap_sentence(system: System, inputs: Inputs, rows: np.ndarray, gaps: np.nda
 
 SAMPLES, CORRECTIONS = 100, 20
 """Steps of the way at first, and how often coordinates are corrected in one."""
-REACH = 0.3
+LONGEST_MOVE = 0.3
 """Furthest move in a step of the way, a part of the model size (or rad): more is a jump to another way of assembling the bodies."""
 REPEATED = 1e-10
 """Singular value, in parts of the largest, of joints that repeat each other."""
-FINEST = 1e-7
+LIMIT_TOLERANCE = 1e-7
 """Part of the way to which a limit is found."""
-BEYOND = 1e-4
+WAY_BEYOND_LIMIT = 1e-4
 """Part of the way behind a limit where the joints have to stay open, however the bodies are moved."""
 Acting = Callable[[float], Inputs]
 
@@ -145,7 +145,7 @@ def limit_position(bodies: RigidBodies, acting: Acting, q: np.ndarray, first: fl
     None if it is not known to end.
     """
     here = closed(bodies, acting(first), q)
-    place, step, finest = first, (last - first) / SAMPLES, FINEST * abs(last - first)
+    place, step, finest = first, (last - first) / SAMPLES, LIMIT_TOLERANCE * abs(last - first)
     while here is not None and abs(step) > finest and place < last:
         further = min(place + step, last)
         there = closed(bodies, acting(further), here)
@@ -156,8 +156,8 @@ def limit_position(bodies: RigidBodies, acting: Acting, q: np.ndarray, first: fl
         step = min(2 * step, (last - first) / SAMPLES)
     if here is None or place >= last:
         return None
-    beyond = min(place + BEYOND * (last - first), last)
-    opens = np.abs(nearest(bodies, acting(beyond), here).gaps).max() > 10 * CLOSED
+    beyond = min(place + WAY_BEYOND_LIMIT * (last - first), last)
+    opens = np.abs(nearest(bodies, acting(beyond), here).gaps).max() > 10 * CLOSED_GAP
     return LimitPosition(place, here) if opens else None
 
 
@@ -165,22 +165,22 @@ def closed(bodies: RigidBodies, inputs: Inputs, q: np.ndarray) -> np.ndarray | N
     """Coordinates next to others that close all joints, by the smallest moves; None if there are none within reach."""
     given, gaps = q, bodies.gaps(inputs, q)
     for _ in range(CORRECTIONS):
-        if np.abs(gaps).max() <= CLOSED:
+        if np.abs(gaps).max() <= CLOSED_GAP:
             return q
         move = np.linalg.lstsq(bodies.jacobian(inputs, q), -gaps, rcond=REPEATED)[0]
         q = bodies.moved(q, move)
-        if not np.abs(bodies.way(given, q)).max() <= REACH:
+        if not np.abs(bodies.way(given, q)).max() <= LONGEST_MOVE:
             return None
         gaps = bodies.gaps(inputs, q)
     return None
 
 
-MOVES = 1e-9
+MOVING_DRIVER = 1e-9
 """Change of a driver, in parts of the largest of its values, that is one."""
 BACK = (0.0, 1e-4, 1e-2)
 """Parts of the way by which the search begins before a state, which a step may have led a little beyond the limit. From one that is far
 off the joints it cannot begin at all, and does so at the start."""
-LATE = 0.5
+LATE_PART = 0.5
 """Part of the way to a failure at which bodies that bend have to be stopped at least if they did not: otherwise their bending is what the
 drivers work on."""
 
@@ -201,7 +201,7 @@ def limit_of_drivers(system: System, acting: Acting, q: np.ndarray, places: tupl
     if found is None or not bodies.bend:
         return found
     stiff = limit_position(bodies, acting, start, first, last)
-    return found if stiff is not None and stiff.place >= first + LATE * (found.place - first) else None
+    return found if stiff is not None and stiff.place >= first + LATE_PART * (found.place - first) else None
 
 
 def told_limit(system: System, acting: Acting, limit: LimitPosition, last: float, where: str) -> str:
@@ -221,7 +221,7 @@ def _still_driven(system: System, acting: Acting, here: float, last: float) -> l
     """Joints that follow a curve which goes on from here, and the numbers of these curves."""
     curves = zip(system.scene.joints, system.plan.joints.curve, strict=True)
     ways = [(name, int(c), _way(acting, int(c), here, last)) for name, c in curves if c >= 0]
-    return [(name, c) for name, c, way in ways if np.ptp(way) > MOVES * np.abs(way).max()]
+    return [(name, c) for name, c, way in ways if np.ptp(way) > MOVING_DRIVER * np.abs(way).max()]
 
 
 def _way(acting: Acting, curve: int, here: float, last: float) -> np.ndarray:

@@ -104,16 +104,16 @@ class RigidBodies:
         return self.system.evaluate(inputs._replace(joints_only=True), q, np.zeros_like(q), forces, linearize=linearize)
 
 
-CLOSED = 1e-9
+CLOSED_GAP = 1e-9
 """Gap, a part of the model size (or rad), that is none."""
 MOST_ITERATIONS = 100
-LONGEST, SHORTEST = 0.3, 1e-12
+FIRST_TRUST_RADIUS, LAST_TRUST_RADIUS = 0.3, 1e-12
 """First and last radius within which a model of second order is believed, in parts of the model size (or rad)."""
-FLAT = 1e-9
+FLAT_CURVATURE = 1e-9
 """Part of the largest curvature below which one is round-off."""
-GAINS = 1e-13
+LEAST_GAIN = 1e-13
 """Part of the sum of squares by which a step has to lessen it, to be worth taking."""
-HARD = 1e3
+CLOSED_GAP_WEIGHT = 1e3
 """Factor by which a gap that is to stay closed counts more than others; each time when the search begins anew."""
 
 
@@ -126,14 +126,14 @@ class Nearest(NamedTuple):
     @property
     def closes(self) -> bool:
         """Whether every joint is closed."""
-        return bool(np.abs(self.gaps).max() <= CLOSED)
+        return bool(np.abs(self.gaps).max() <= CLOSED_GAP)
 
 
 def nearest(bodies: RigidBodies, inputs: Inputs, q: np.ndarray, soft: np.ndarray | None = None) -> Nearest:
     """Position where all gaps are smallest, or those of `soft` constraints (n_c,) while the others stay closed; from q on."""
     hard = bodies.inner if soft is None else ~soft
     found = Nearest(q, bodies.gaps(inputs, q))
-    for factor in (HARD**0.5, HARD, HARD**1.5):
+    for factor in (CLOSED_GAP_WEIGHT**0.5, CLOSED_GAP_WEIGHT, CLOSED_GAP_WEIGHT**1.5):
         found = _descended(bodies, inputs, found.q, np.where(hard, factor**2, 1.0))
         if found.closes or not np.any(hard):
             break
@@ -142,17 +142,17 @@ def nearest(bodies: RigidBodies, inputs: Inputs, q: np.ndarray, soft: np.ndarray
 
 def _descended(bodies: RigidBodies, inputs: Inputs, q: np.ndarray, stiff: np.ndarray) -> Nearest:
     """Position where the sum of squared gaps is smallest, for weights `stiff` of the squares (n_c,)."""
-    radius, gaps = LONGEST, bodies.gaps(inputs, q)
+    radius, gaps = FIRST_TRUST_RADIUS, bodies.gaps(inputs, q)
     for _ in range(MOST_ITERATIONS):
         gaps, slopes, bent = bodies.linearised(inputs, q, stiff)
         move, foreseen = _step(slopes.T @ (stiff * gaps), slopes.T @ (stiff[:, None] * slopes) + bent, radius)
         before = stiff @ gaps**2 / 2
-        if np.abs(gaps).max() <= CLOSED or radius < SHORTEST or foreseen <= GAINS * before:
+        if np.abs(gaps).max() <= CLOSED_GAP or radius < LAST_TRUST_RADIUS or foreseen <= LEAST_GAIN * before:
             break
         trial = bodies.moved(q, move)
         after = stiff @ bodies.gaps(inputs, trial) ** 2 / 2
         good = (before - after) / foreseen
-        radius = min(2 * radius, LONGEST) if good > 0.7 else radius / 4 if not good > 0.2 else radius
+        radius = min(2 * radius, FIRST_TRUST_RADIUS) if good > 0.7 else radius / 4 if not good > 0.2 else radius
         q = trial if after < before else q
     return Nearest(q, bodies.gaps(inputs, q))
 
@@ -160,7 +160,7 @@ def _descended(bodies: RigidBodies, inputs: Inputs, q: np.ndarray, stiff: np.nda
 def _step(gradient: np.ndarray, curvature: np.ndarray, radius: float) -> tuple[np.ndarray, float]:
     """Newton's step downhill, no longer than the radius, and the predicted decrease of the sum."""
     sizes, motions = np.linalg.eigh(curvature)
-    least = FLAT * np.abs(sizes).max()
+    least = FLAT_CURVATURE * np.abs(sizes).max()
     pull = motions.T @ gradient
     step = -pull / np.maximum(np.abs(sizes), least)
     if sizes[0] < -least and abs(step[0]) < radius / 2:

@@ -34,14 +34,14 @@ from toolkit.solvers.start.open_joints import repeat_each_other, search, told_ga
 from toolkit.solvers.start.rigid_bodies import RigidBodies
 from toolkit.system.system import System
 
-CLOSED = 1e-13
+LAST_CORRECTION = 1e-13
 """Last correction, as a part of the model size: Newton's method is quadratic, so that round-off is left."""
 ROUND_OFF = 1e-13
 """Correction, per distance of the bodies from the origin, that is round-off if it does not shrink any more."""
-REACH = 0.3
+LONGEST_MOVE = 0.3
 """Furthest move that is an adjustment, as a part of the model size; more is another configuration, or a mistake. Of a rotation half the
 angle counts, as it does in the quaternions of bodies in space: bodies turn by up to 0.6 rad."""
-MOST = 30
+MOST_CORRECTIONS = 30
 LEVELS = np.array([0.0, 0.0, 1.0])
 WHERE_CLOSED = "closing of the joints at the start"
 
@@ -72,13 +72,13 @@ def _closed(system: System, given: np.ndarray, time: float) -> tuple[np.ndarray,
     is_q, q, acc, largest, before = np.arange(system.n) < system.n_q, given.copy(), np.zeros_like(given), np.inf, np.inf
     counted = _counted(system)
     far = (system.weights * np.abs(np.real(given)))[: system.n_q].max()
-    for _ in range(MOST):
+    for _ in range(MOST_CORRECTIONS):
         stagnated = largest <= ROUND_OFF * far and largest > 0.5 * before
-        closed = largest <= CLOSED or stagnated  # once more then: an imaginary part is as exact as the last solve
+        closed = largest <= LAST_CORRECTION or stagnated  # once more then: an imaginary part is as exact as the last solve
         terms = _evaluate(system, q, acc, time)
         step = solve_linear(system, _closing_matrix(system, terms), -np.where(is_q, terms.inertial, terms.applied), WHERE_CLOSED)
         q, acc = q + np.where(is_q, step, 0), acc + step
-        near = np.all(counted * np.abs(np.real(q - given))[: system.n_q] <= REACH)
+        near = np.all(counted * np.abs(np.real(q - given))[: system.n_q] <= LONGEST_MOVE)
         if closed and near:
             return q, acc
         if closed or not near:
@@ -95,7 +95,7 @@ def _change(system: System, q: np.ndarray, acc: np.ndarray, dgiven: np.ndarray, 
 
 
 def _counted(system: System) -> np.ndarray:
-    """Weights (n_q,) that make moves of coordinates comparable, as `REACH` counts them."""
+    """Weights (n_q,) that make moves of coordinates comparable, as `LONGEST_MOVE` counts them."""
     first, found = system.numbering.first, system.weights[: system.n_q].copy()
     found[[first[name] + body.moves for name, body in system.scene.all_bodies().items() if body.turns == 1]] /= 2  # in the plane
     return found
@@ -122,7 +122,7 @@ def _told_by_search(system: System, given: np.ndarray, time: float) -> str:
     if repeat_each_other(bodies, inputs, found.q):
         return ""
     moved = _counted(system) * np.abs(np.real(found.q - given))[: system.n_q]
-    if moved.max() > REACH:
+    if moved.max() > LONGEST_MOVE:
         return _far(system, given, found.q)
     name = system.numbering.names[first_largest(moved)]
     return (
@@ -160,11 +160,11 @@ def _closing_matrix(system: System, terms: Terms) -> np.ndarray:
 
 ELASTIC = "elastic_velocity"
 """Key of a flexible body's table that writes velocities of its points in its own axes."""
-HOLDS = 1e-6
+VELOCITY_TOLERANCE = 1e-6
 """Part of the fastest velocity of the start by which a written one may miss what the joints allow: it was written with seven digits."""
-DERIVATIVE_HOLDS = 1e-8
+DERIVATIVE_TOLERANCE = 1e-8
 """Part of the fastest derivative by a design variable by which one may miss what the joints allow; it has no written digits."""
-ALIKE = 0.9
+NEARLY_LARGEST_MISS = 0.9
 """Part of the largest miss from which the first one is named, so that no round-off decides."""
 
 
@@ -195,8 +195,8 @@ def refuse_own_velocities(system: System, given: np.ndarray, found: np.ndarray) 
         Names the coordinate with both velocities.
     """
     missed, fastest = _missed(system, np.real(given), np.real(found))
-    if missed.max(initial=0) > HOLDS * fastest:
-        i = int(np.argmax(missed >= ALIKE * missed.max()))
+    if missed.max(initial=0) > VELOCITY_TOLERANCE * fastest:
+        i = int(np.argmax(missed >= NEARLY_LARGEST_MISS * missed.max()))
         raise InputError(
             f"the velocities that were given as a start contradict the joints: that of {system.numbering.names[i]} is "
             f"{np.real(given[i]):.9g}, and {np.real(found[i]):.9g} in the nearest motion that the joints allow. Give velocities that fit, "
@@ -213,16 +213,16 @@ def refuse_contradictions(system: System, q: np.ndarray, given: np.ndarray, foun
         Names the path with both velocities.
     """
     missed, fastest = _missed(system, np.real(given), np.real(found))
-    wrong = [i for i in written if missed[i] > HOLDS * fastest]
+    wrong = [i for i in written if missed[i] > VELOCITY_TOLERANCE * fastest]
     if wrong:
-        first = next(i for i in wrong if missed[i] >= ALIKE * missed[wrong].max())
+        first = next(i for i in wrong if missed[i] >= NEARLY_LARGEST_MISS * missed[wrong].max())
         path, wish, allowed = _in_numbers(system, first, written[first], q, given, found)
         raise InputError(
             f"{path} is written as {wish} at the start, but the joints, with what else is written, allow {allowed}. Write what fits, or "
             f"leave velocities out: those that are not written are found by the joints.{_advice(system, path)}"
         )
     changed, largest = _missed(system, np.imag(given), np.imag(found))
-    moved = [i for i in written if changed[i] > DERIVATIVE_HOLDS * max(largest, STEP * fastest)]
+    moved = [i for i in written if changed[i] > DERIVATIVE_TOLERANCE * max(largest, STEP * fastest)]
     if moved:
         raise InputError(_contradiction(system, "the design variable of the complex step", written[moved[0]]))
 
@@ -243,7 +243,7 @@ def refuse_variables_that_contradict(
     missed = weights * np.abs(dfound - dgiven)[:n_q]
     largest = np.maximum(fastest / sizes, (weights * np.abs(dfound)[:n_q]).max(axis=0, initial=0))
     for i, path in written.items():
-        for x in np.flatnonzero(missed[i] > DERIVATIVE_HOLDS * largest):
+        for x in np.flatnonzero(missed[i] > DERIVATIVE_TOLERANCE * largest):
             raise InputError(_contradiction(system, f"design variable {system.design.names[x]!r}", path))
 
 
@@ -297,9 +297,9 @@ def _advice(system: System, path: str) -> str:
     return ""
 
 
-INDEPENDENT = 1e-10
+INDEPENDENT_SINE_SQUARED = 1e-10
 """Square of the sine between a velocity and those that the joints and other written ones determine, above which it is its own."""
-NEARLY_LARGEST = 0.1
+NEARLY_MOST_INDEPENDENT = 0.1
 """Part of the most independent velocity's square of the sine from which the first one is taken, so that no round-off decides."""
 WHERE = "velocities at the start"
 
@@ -408,8 +408,8 @@ def independent(system: System, terms: Terms, coordinates: list[int]) -> list[in
     impulses[coordinates, np.arange(len(coordinates))] = weights[coordinates]
     P = np.real(weights[coordinates, None] * solve_linear(system, matrix, impulses, WHERE)[coordinates])
     chosen: list[int] = []
-    while (squares := np.diag(P)).max(initial=0) > INDEPENDENT:
-        k = int(np.argmax(squares >= NEARLY_LARGEST * squares.max()))
+    while (squares := np.diag(P)).max(initial=0) > INDEPENDENT_SINE_SQUARED:
+        k = int(np.argmax(squares >= NEARLY_MOST_INDEPENDENT * squares.max()))
         P = P - np.outer(P[:, k], P[k]) / P[k, k]
         P[k], P[:, k] = 0, 0
         chosen.append(coordinates[k])

@@ -36,11 +36,11 @@ from toolkit.system.system import System
 if TYPE_CHECKING:
     pass
 
-EXACT = 1e-12
+ARC_TOLERANCE = 1e-12
 """Part of an arc to which a place on it is found; at a limit point the load is exact to the square of it."""
-ALLOWED = 0.1
+LARGEST_CUBIC_CORRECTION = 0.1
 """Part of an arc by which Newton may correct a point of the cubic through its ends."""
-FULL = 1 - 1e-12
+FULL_LOAD = 1 - 1e-12
 """Load factor that is the full load to round-off."""
 
 
@@ -54,7 +54,7 @@ class PathPlace(NamedTuple):
     @property
     def loaded(self) -> bool:
         """Whether the point bears the full load, or more."""
-        return bool(self.z[-1] >= FULL)
+        return bool(self.z[-1] >= FULL_LOAD)
 
 
 def ends(arc: Arc) -> tuple[PathPlace, PathPlace]:
@@ -76,7 +76,7 @@ def full_load(equations: PathEquations, arc: Arc, first: PathPlace, last: PathPl
     """Place between two of an arc where the load factor is one, if they lie on both sides of it."""
     if first.loaded == last.loaded:
         return None
-    near = [place for place in (first, last) if abs(place.z[-1] - 1) <= 1 - FULL]
+    near = [place for place in (first, last) if abs(place.z[-1] - 1) <= 1 - FULL_LOAD]
     return near[0] if near else _where(equations, arc, first, last, _missing_load)
 
 
@@ -100,7 +100,7 @@ def _where(
 
     from scipy.optimize import brentq  # for limit points alone: it takes longer to import than a wing to solve
 
-    length = brentq(value, first.length, last.length, xtol=EXACT * arc.length, rtol=EXACT)
+    length = brentq(value, first.length, last.length, xtol=ARC_TOLERANCE * arc.length, rtol=ARC_TOLERANCE)
     value(length)
     return found[length]
 
@@ -108,16 +108,16 @@ def _where(
 def _place(equations: PathEquations, arc: Arc, length: float) -> PathPlace:
     """Place on the path at a distance across the planes of an arc, to round-off."""
     cubic = arc.cubic
-    allowed = ALLOWED * measure(equations, cubic.end - cubic.begin)
+    allowed = LARGEST_CUBIC_CORRECTION * measure(equations, cubic.end - cubic.begin)
     point: Corrected = correct(equations, arc.border, cubic.at(length), allowed, exact=True)
     return PathPlace(length, point.z, point.crossing.ahead())
 
 
-NEAR = 1e-6
+FULL_LOAD_MOVE = 1e-6
 """Distance, in parts of the model size (or rad), that Newton may move a point of the path that is under the full load to
 round-off."""
 
-LEVEL = 1e-6
+LEAST_LOAD_GROWTH = 1e-6
 """Part of the path's way by which the load grows at least; its square is the part of the load by which a limit point is missed."""
 
 
@@ -166,7 +166,7 @@ def to_full_load(
     """
     equations = PathEquations(system, options, GrowingLoads(system, options))
     trail = Trail([np.real(np.concatenate([state.q[: system.n_q], state.acc[system.n_q :], [factor]]))])
-    if factor >= FULL:
+    if factor >= FULL_LOAD:
         return Arrival(state, trail.path(system.n_q), 0, 0)
     start = first_point(equations, trail.points[0])
     for step, arc in enumerate(islice(arcs(equations, start, 1.0 / options.load_steps), options.path_steps), 1):
@@ -193,7 +193,7 @@ def _stable_end(equations: PathEquations, trail: Trail, place: PathPlace) -> Equ
     system, options = equations.system, equations.options
     q, acc = equations.padded(place.z)
     try:
-        state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
+        state, count = find_equilibrium(system, options, 1.0, q, acc, FULL_LOAD_MOVE)
     except ConvergenceError as error:
         if place.slope[-1] > 0 and not _turns_here(equations, trail, q, place.slope / place.slope[-1]):
             raise _rounded_off(options, error) from error
@@ -237,7 +237,7 @@ def _turns_here(equations: PathEquations, trail: Trail, q: np.ndarray, tangent: 
     n_b = equations.system.n_b
     way = np.real(np.ptp([*np.array(trail.points)[:, :n_b], np.real(q[:n_b])], axis=0))
     weights = equations.system.weights[:n_b]
-    return bool(LEVEL * parts(weights * np.real(tangent[:n_b]), weights * way) >= 1)
+    return bool(LEAST_LOAD_GROWTH * parts(weights * np.real(tangent[:n_b]), weights * way) >= 1)
 
 
 def _rounded_off(options: RunOptions, error: Exception) -> ConvergenceError:

@@ -20,16 +20,24 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import CriticalStateError, SingularSystemError
 from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, made_of
 from toolkit.solvers.static.equilibrium import Equilibrium, inputs_at
-from toolkit.solvers.static.static_matrix import HOLD, SYMMETRIC, StaticArray, as_dense, factorised, is_positive, static_array
+from toolkit.solvers.static.static_matrix import (
+    ASYMMETRY_ROUND_OFF,
+    JOINT_STIFFNESS,
+    StaticArray,
+    as_dense,
+    factorised,
+    is_positive,
+    static_array,
+)
 from toolkit.system.system import System
 
-NEAREST = 1e-6
+NEAREST_LIMIT = 1e-6
 """Gradients of a state whose softest stiffness vanishes within this part of the load are refused. They grow as 1 / sqrt(distance), and
 they hold for changes that are small against the distance: nobody knows a load, or sets it, to so many digits."""
-REACH = 1e-4
+STIFFNESS_CHANGE_MOVE = 1e-4
 """Part of the model size (or rad) over which the change of the stiffness is taken: a thousandth of it is told from
 round-off."""
-SHIFT = 1e-10
+SINGULAR_SHIFT = 1e-10
 """Part of the largest stiffness that makes a singular matrix regular."""
 ITERATIONS = 8
 """Iterations of the inverse iteration: a stiffness that vanishes a million times sooner than others is found in two."""
@@ -69,10 +77,10 @@ def refuse_gradients_of_critical(system: System, options: RunOptions, state: Equ
     Raises
     ------
     CriticalStateError
-        The softest stiffness vanishes within `NEAREST` of the load; names the coordinate that moves most.
+        The softest stiffness vanishes within `NEAREST_LIMIT` of the load; names the coordinate that moves most.
     """
     distance, motion = load_to_critical(system, options, state)
-    if distance < NEAREST:
+    if distance < NEAREST_LIMIT:
         raise CriticalStateError(
             f"there is no gradient at a limit point or bifurcation: the stiffness against a motion of {system.most_moved(motion)} "
             f"vanishes within {distance:.1e} of the load, and derivatives become infinite. Take a load that is further from the "
@@ -91,7 +99,7 @@ def load_to_critical(system: System, options: RunOptions, state: Equilibrium) ->
     if 2 * n_b <= system.n:
         return np.inf, np.zeros(system.n)  # the joints leave no motion
     moved = system.weights[:n_b] * np.abs(np.real(state.tangent[:n_b]))
-    step = REACH / max(moved.max(initial=0), REACH)  # at most the whole load
+    step = STIFFNESS_CHANGE_MOVE / max(moved.max(initial=0), STIFFNESS_CHANGE_MOVE)  # at most the whole load
     here, motion = softest_motion(system, _matrix(system, options, state.q, state.acc, 1.0))
     of_q = np.arange(system.n) < n_q
     sides = []
@@ -116,7 +124,7 @@ def softest_motion(system: System, matrix: StaticArray) -> tuple[float, np.ndarr
     motion = np.random.default_rng(0).normal(size=system.n) / system.weights
     solution, singular = _solution(matrix, metric), False
     if solution is None:
-        shift = SHIFT * np.abs(matrix.diagonal() / system.weights**2)[: system.n_b].max() * metric
+        shift = SINGULAR_SHIFT * np.abs(matrix.diagonal() / system.weights**2)[: system.n_b].max() * metric
         is_dense = isinstance(matrix, np.ndarray)
         solution, singular = _solution(matrix + (np.diag(shift) if is_dense else scipy.sparse.diags_array(shift)), metric), True
     if solution is None:
@@ -212,12 +220,12 @@ def are_positive(system: System, static: StaticEntries) -> bool:
     n_b = system.n_b
     scaled = _in_comparable_sizes(system, static)
     largest = np.abs(scaled.values).max(axis=1)
-    if not np.all(scaled.asymmetry() <= SYMMETRIC * largest):
+    if not np.all(scaled.asymmetry() <= ASYMMETRY_ROUND_OFF * largest):
         return False
     differing = _differing(n_b, scaled)
     S, N, ties = np.flatnonzero(differing), np.flatnonzero(~differing), np.arange(n_b, system.n)
     K_NN, K_NS, K_SS, J = scaled.block(N, N, slice(1)), scaled.block(N, S), scaled.block(S, S), scaled.block(ties, S)
-    held = K_SS + (HOLD / largest)[:, None, None] * (J.transpose(0, 2, 1) @ J)
+    held = K_SS + (JOINT_STIFFNESS / largest)[:, None, None] * (J.transpose(0, 2, 1) @ J)
     try:
         np.linalg.cholesky(K_NN)
         K_NS = K_NS[:1] if np.all(K_NS[0] == K_NS) else K_NS

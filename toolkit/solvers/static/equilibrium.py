@@ -30,13 +30,13 @@ LEVELS = np.array([0.0, 0.0, 1.0])
 ROUND_OFF = 1e-15
 """Correction below which nothing is left to gain. A static Newton iteration goes on, beyond its tolerance, until round-off stops it from
 halving its correction: few solves, and gradients feel the last digits of the state."""
-FAR = 1e3
+COORDINATE_ROUNDINGS = 1e3
 """Corrections of this many roundings of the coordinates are still round-off: far from the origin they are larger than any tolerance."""
-SETTLED = 1e-12
+SETTLED_COMPLEX_STEP = 1e-12
 """Correction of a complex step, in parts of it, after which the next one is round-off: factors are rounded as the products of a stiffness'
 entries, so that one solve leaves 2e-10 of a skin of 30 elements and 3e-9 of one of 300."""
 
-PART = 2.0**-10
+DIRECTION_LOAD_PART = 2.0**-10
 """Part of the load over which its direction is taken in space, where an angle counts only up to half a turn."""
 
 
@@ -90,7 +90,7 @@ def find_equilibrium(
     inputs, rest, n_q = inputs_at(system, options, factor), np.zeros_like(q), system.n_q
     n_b, moved, size, step = system.n_b, np.zeros_like(q), np.inf, np.inf
     far = (system.weights * np.abs(np.real(q)))[:n_b].max(initial=0)
-    reachable = max(options.tolerance, ROUND_OFF, FAR * ROUND_OFF * far)
+    reachable = max(options.tolerance, ROUND_OFF, COORDINATE_ROUNDINGS * ROUND_OFF * far)
     for iteration in range(options.max_iterations):
         terms = system.evaluate(inputs, q + moved, rest, acc)
         residual = terms.inertial + terms.applied
@@ -103,7 +103,7 @@ def find_equilibrium(
         strayed = (system.weights * np.abs(np.real(moved)))[:n_b].max(initial=0)
         if not np.isfinite(size) or strayed > allowed:
             raise ConvergenceError(f"Newton strays from the path at {system.most_moved(correction)}")
-        settled = step <= SETTLED or step > 0.5 * step_before
+        settled = step <= SETTLED_COMPLEX_STEP or step > 0.5 * step_before
         if settled and ((size <= reachable and size > 0.5 * before) or size <= ROUND_OFF):
             return _with_tangent(system, options, factor, q + moved, acc), iteration + 1
     worst = system.most_moved(correction)
@@ -124,7 +124,7 @@ def _with_tangent(system: System, options: RunOptions, factor: float, q: np.ndar
 
     The residual is linear in the factor apart from a driver's turning axis.
     """
-    step = 1.0 if system.scene.space.rotations_add else PART
+    step = 1.0 if system.scene.space.rotations_add else DIRECTION_LOAD_PART
     rest, low, high = np.zeros_like(q), inputs_at(system, options, factor), inputs_at(system, options, factor + step)
     terms, further = system.evaluate(low, q, rest, acc), system.evaluate(high, q, rest, acc)
     change = (further.inertial + further.applied - terms.inertial - terms.applied) / step
@@ -134,7 +134,7 @@ def _with_tangent(system: System, options: RunOptions, factor: float, q: np.ndar
 
 MOST_REFINEMENTS = 4
 """Refinements at most: of 2000 elements the entries leave 1e-5 of a solution, and so each refinement of what was left before."""
-LEFT = 1e-13
+SETTLED_SOLUTION = 1e-13
 """Change of a solution, in parts of it, after which the next one is round-off."""
 
 
@@ -185,7 +185,7 @@ def static_change(
         left = forces - rest @ found - strains.T @ (weight * (strains @ found))
         change = solve_linear(system, whole, left, where)
         found = found + change
-        if _largest(system, change) <= LEFT * _largest(system, found):
+        if _largest(system, change) <= SETTLED_SOLUTION * _largest(system, found):
             break
     return found
 
@@ -219,11 +219,11 @@ def refuse_open_joints_left_out(system: System, options: RunOptions, q: np.ndarr
         )
 
 
-SLACK = 1e-10
+NO_STIFFNESS = 1e-10
 """Stiffness, in parts of the largest, that is none: those of a thin body and of its bearing are some eight orders apart."""
-TAKES_PART = 0.1
+LARGE_MOVEMENT = 0.1
 """Part of the largest movement from which a coordinate takes part."""
-ASIDE = 1e-9
+CENTRE_OFF_AXIS = 1e-9
 """Of the line between two joints: how far the centre of mass may be off it so that weight does not turn the body about it."""
 MOST_COORDINATES = 1000
 """Coordinates up to which one looks: the matrices are dense."""
@@ -240,7 +240,7 @@ def told_loose(system: System, options: RunOptions) -> str:
     if not motions.shape[1]:
         return ""
     moved = np.linalg.norm(system.weights[: system.n_b, None] * motions, axis=1)
-    bodies = system.numbering.bodies_of(np.flatnonzero(moved > TAKES_PART * moved.max()))
+    bodies = system.numbering.bodies_of(np.flatnonzero(moved > LARGE_MOVEMENT * moved.max()))
     ways = motions.shape[1]
     return (
         f" Without loads {quoted(bodies)} can move freely in {ways} way{'s' * (ways > 1)}, which no joint and no stiffness prevents: is a "
@@ -258,7 +258,7 @@ def _told_idle(system: System, body: str) -> str:
     start, end = (np.real(scene.position(point)) for point in points)
     line, centre = end - start, np.real(written.mass_properties(system.scene)[1])
     aside = np.cross(line, centre - start)
-    if not line @ line > 0 or np.sqrt(aside @ aside) > ASIDE * (line @ line):
+    if not line @ line > 0 or np.sqrt(aside @ aside) > CENTRE_OFF_AXIS * (line @ line):
         return ""
     first = np.cross(line, np.eye(3)[first_largest(-np.abs(line))])
     axes = [(each / np.sqrt(each @ each)).round(9).tolist() for each in (first, np.cross(line, first))]
@@ -279,4 +279,4 @@ def loose_motions(system: System, options: RunOptions) -> np.ndarray:
     if not free.shape[1] or not np.all(np.isfinite(stiffness)):
         return free[:, :0]
     values, vectors = scipy.linalg.eigh((stiffness + stiffness.T) / 2)
-    return free @ vectors[:, np.abs(values) <= SLACK * np.abs(matrix[:n_b, :n_b]).max(initial=0)]
+    return free @ vectors[:, np.abs(values) <= NO_STIFFNESS * np.abs(matrix[:n_b, :n_b]).max(initial=0)]

@@ -21,18 +21,18 @@ from toolkit.foundation.errors import (
     SingularSystemError,
 )
 from toolkit.solvers.start.open_joints import limit_of_drivers, told_limit
-from toolkit.solvers.static.continuation import FULL, limit_point
+from toolkit.solvers.static.continuation import FULL_LOAD, limit_point
 from toolkit.solvers.static.critical_state import has_negative_stiffness
 from toolkit.solvers.static.equilibrium import LEVELS, inputs_at
 from toolkit.solvers.static.path_equations import PassingTime, PathEquations, parts
-from toolkit.solvers.static.path_steps import PREDICTED, Arc, arcs, first_point
+from toolkit.solvers.static.path_steps import PREDICTION_MISS, Arc, arcs, first_point
 from toolkit.system.system import System
 
-LOOKED_AT = 50
+MOST_STATES = 50
 """Most states whose stability is looked at to begin with."""
-SAME = 1e-2
+SAME_STATE = 1e-2
 """Part of the box within which the path leads to a state that was found."""
-HALF = 0.5
+LONGEST_PART = 0.5
 """Longest step along the path between two states, a part of the time between them."""
 
 
@@ -64,7 +64,7 @@ def _unsure(system: System, times: np.ndarray, z: np.ndarray) -> np.ndarray:
     extent = np.maximum.accumulate(q) - np.minimum.accumulate(q)
     follows, precedes = _off(times, q), _off(times[::-1], q[::-1])[::-1]
     error = np.minimum(parts(follows[1:], extent[1:]), parts(precedes[:-1], extent[1:]))
-    found: np.ndarray = error > PREDICTED
+    found: np.ndarray = error > PREDICTION_MISS
     return found
 
 
@@ -92,17 +92,17 @@ def _follow(system: System, options: RunOptions, times: np.ndarray, z: np.ndarra
             raise _passed(begin + span * limit.z[-1], system.most_moved(limit.slope))
         if arc.branching:
             raise _unstable(begin + span * arc.begin.factor)
-        if arc.end.factor >= FULL:
+        if arc.end.factor >= FULL_LOAD:
             break
     extent = system.weights[:n_b] * np.ptp(z[:, :n_b], axis=0)
     off = arc.end.z[:-1] - z[-1]
-    if arc.end.factor < FULL or parts(system.weights[:n_b] * off[:n_b], extent) > SAME:
+    if arc.end.factor < FULL_LOAD or parts(system.weights[:n_b] * off[:n_b], extent) > SAME_STATE:
         raise _passed(times[1], system.most_moved(off))
 
 
 def _path(equations: PathEquations, z: np.ndarray, time: float) -> Iterator[Arc]:
     try:
-        yield from arcs(equations, first_point(equations, np.append(z, 0.0)), HALF)
+        yield from arcs(equations, first_point(equations, np.append(z, 0.0)), LONGEST_PART)
     except (ConvergenceError, SingularSystemError) as error:
         raise ConvergenceError(
             f"without inertia the motion ends after t = {time:g}: the path of equilibria cannot be followed there ({error}). "
@@ -122,7 +122,7 @@ def _refuse_unstable(system: System, times: np.ndarray, z: np.ndarray) -> None:
         return has_negative_stiffness(system, matrix, equations.padded(z[n])[1])
 
     low = 0
-    for n in np.unique(np.linspace(0, len(times) - 1, LOOKED_AT).astype(int)):
+    for n in np.unique(np.linspace(0, len(times) - 1, MOST_STATES).astype(int)):
         if unstable(n):
             high = int(n)
             while high - low > 1:
@@ -146,7 +146,7 @@ def _passed(time: float, coordinate: str) -> ConvergenceError:
     )
 
 
-NEARBY = 0.01
+SAME_LIMIT = 0.01
 """Part of the way of the drivers within which a limit position is the limit point that the path of equilibria has met."""
 
 
@@ -160,7 +160,7 @@ def at_limit_position(
 
     limit = limit_of_drivers(system, acting, q, (0.0, factor, 1.0))
     met = error.load_factor if isinstance(error, CriticalPointError) else 1.0
-    if limit is None or limit.place > met + NEARBY:
+    if limit is None or limit.place > met + SAME_LIMIT:
         return error
     text = told_limit(system, acting, limit, 1.0, f"at {100 * limit.place:.4g} % of the way of its drivers")
     if isinstance(error, CriticalPointError):

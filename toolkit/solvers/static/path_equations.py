@@ -130,7 +130,7 @@ class PathEquations:
         return rows
 
 
-TRUSTED = 1e-10
+TRUSTED_REFINEMENT = 1e-10
 """Refinement of a solution, in parts of it, up to which it is believed: near a limit point the matrix alone is singular."""
 
 
@@ -187,7 +187,7 @@ class Bordered:
         with np.errstate(all="ignore"):
             found = solved(rhs)
             change = solved(rhs - self._times(found))
-        good = np.all(np.isfinite(change)) and np.abs(change).max() <= TRUSTED * np.abs(found).max()
+        good = np.all(np.isfinite(change)) and np.abs(change).max() <= TRUSTED_REFINEMENT * np.abs(found).max()
         return found + change if good else None
 
     def _by_sparse_factors(self, rhs: np.ndarray) -> np.ndarray | None:
@@ -204,7 +204,7 @@ class Bordered:
         return np.append(self.matrix @ inside + self.column * last, self.row @ inside + self.corner * last)
 
 
-SMALLEST, PART = 1e-7, 1e-2
+SMALLEST_EXTENT, SMALLEST_EXTENT_PART = 1e-7, 1e-2
 """Least extent of a coordinate that counts, in parts of the model size (or rad), and in parts of that of the one that moves most."""
 
 
@@ -236,7 +236,7 @@ class Box:
         n_q, extent = len(self.weights), self.high - self.low
         found = np.zeros(len(self.low))
         length = np.linalg.norm(self.weights * extent[:n_q])
-        found[:n_q] = (self.weights / max(length, SMALLEST)) ** 2
+        found[:n_q] = (self.weights / max(length, SMALLEST_EXTENT)) ** 2
         found[-1] = 1 / extent[-1] ** 2
         return found
 
@@ -246,7 +246,7 @@ def parts(change: np.ndarray, extent: np.ndarray) -> np.ndarray:
 
     Where the model size (or rad) is larger than the box, it is compared with that.
     """
-    least = np.clip(PART * extent.max(axis=-1, initial=0, keepdims=True), SMALLEST, PART)
+    least = np.clip(SMALLEST_EXTENT_PART * extent.max(axis=-1, initial=0, keepdims=True), SMALLEST_EXTENT, SMALLEST_EXTENT_PART)
     found: np.ndarray = (np.abs(change) / np.clip(extent, least, 1.0)).max(axis=-1, initial=0)
     return found
 

@@ -23,7 +23,7 @@ from toolkit.solvers.static.static_matrix import StaticArray, balanced, factoris
 
 ROUND_OFF = 1e-13
 """Correction below which nothing is left to gain; one that no longer halves has met round-off above it."""
-QUADRATIC = 0.1
+QUADRATIC_CONTRACTION = 0.1
 """Contraction from which the next correction is known well enough: its square."""
 SECANT_PART = 1e-4
 """Part of the way to another point at which the change of the stiffness is taken."""
@@ -98,7 +98,7 @@ def correct(
         before, size = size, measure(equations, correction)
         if not np.isfinite(size) or measure(equations, z - predicted) > allowed + options.tolerance:
             raise ConvergenceError(f"Newton strays from the path at {system.most_moved(correction)}")
-        left = size if exact or iteration == 1 or size > QUADRATIC * before else size * size / before
+        left = size if exact or iteration == 1 or size > QUADRATIC_CONTRACTION * before else size * size / before
         if left <= options.tolerance and (not exact or size > 0.5 * before or size <= ROUND_OFF):
             return Corrected(z, matrix, crossing, iteration)
     raise ConvergenceError(f"Newton did not converge in {options.max_iterations} iterations: correction {size:.1e}")
@@ -173,21 +173,21 @@ class Cubic(NamedTuple):
         return found
 
 
-PREDICTED, FIRST = 5e-3, 1e-2
+PREDICTION_MISS, FIRST_PREDICTION_MISS = 5e-3, 1e-2
 """Parts of the box by which a step may end elsewhere than predicted by a cubic; and the first one than its two directions say."""
-SUSPECT = 10 * PREDICTED
+SUSPECT_PREDICTION = 10 * PREDICTION_MISS
 """Error of the second step's prediction that casts doubt on the first."""
-STEEP = 0.3
+LEAST_LOAD_SHARE = 0.3
 """Least part of the load in the direction of the step that ends under the full load; others have a given length."""
 LENGTH_TOLERANCE = 1e-3
 """Part of its length by which that step may be longer than others."""
-SHORTEST, RESOLVED = 1e-7, 1e-4
+SHORTEST_STEP, RESOLVED_STEP = 1e-7, 1e-4
 """Parts of the box: the shortest step, and one in which nothing hides."""
-TURN = 0.8
+LEAST_TURN_COSINE = 0.8
 """Least cosine between the directions at both ends of a step of given length."""
-TRUSTED = 0.2
+LARGEST_END_CORRECTION = 0.2
 """Part of a step by which Newton may correct its end."""
-GROWTH, SHRINK, USUAL = 2.0, 0.125, 0.5
+LARGEST_GROWTH, SMALLEST_SHRINKING, USUAL_SHRINKING = 2.0, 0.125, 0.5
 """Largest ratio of a step's length to that of the last; smallest and usual part of a rejected length."""
 
 
@@ -234,9 +234,9 @@ class _TooLong(ConvergenceError):
     It holds the part of its length that is to be tried, and how far the step ends from its prediction.
     """
 
-    def __init__(self, why: str, part: float = USUAL, error: float = 0.0) -> None:
+    def __init__(self, why: str, part: float = USUAL_SHRINKING, error: float = 0.0) -> None:
         super().__init__(why)
-        self.part, self.error = min(max(part, SHRINK), USUAL), error
+        self.part, self.error = min(max(part, SMALLEST_SHRINKING), USUAL_SHRINKING), error
 
 
 class _Doubt(ConvergenceError):
@@ -256,9 +256,9 @@ def arcs(equations: PathEquations, start: PathPoint, most: float) -> Iterator[Ar
         first = _step(equations, empty, start, None, most, length)
         box = empty.with_point(first.end.z)
         try:
-            last = _step(equations, box, first.end, first, most, doubtful=first.part > RESOLVED)
+            last = _step(equations, box, first.end, first, most, doubtful=first.part > RESOLVED_STEP)
         except _Doubt:
-            length = USUAL * first.length
+            length = USUAL_SHRINKING * first.length
         except ConvergenceError:
             yield first
             raise
@@ -284,11 +284,11 @@ def _step(
         try:
             return _attempt(equations, box, begin, before, plan)
         except (ConvergenceError, SingularSystemError) as error:
-            if plan.part < SHORTEST:
+            if plan.part < SHORTEST_STEP:
                 raise (_nothing_near(error) if before is None else _lost(begin.factor, error)) from error
-            if doubtful and isinstance(error, _TooLong) and error.error > SUSPECT:
+            if doubtful and isinstance(error, _TooLong) and error.error > SUSPECT_PREDICTION:
                 raise _Doubt(str(error)) from error
-            length = plan.length * (error.part if isinstance(error, _TooLong) else USUAL)
+            length = plan.length * (error.part if isinstance(error, _TooLong) else USUAL_SHRINKING)
 
 
 def _plan(box: Box, begin: PathPoint, before: Arc | None, most: float, length: float) -> StepPlan:
@@ -305,9 +305,9 @@ def _plan(box: Box, begin: PathPoint, before: Arc | None, most: float, length: f
     border = metric * slope
     if before is not None:
         length = min(length, before.growth * abs(border @ (before.begin.z - begin.z)))
-    length = min(length, most / max(abs(slope[-1]), most * SHORTEST))
+    length = min(length, most / max(abs(slope[-1]), most * SHORTEST_STEP))
     plan = StepPlan(border, slope, length, length)
-    missing = (1 - begin.factor) / slope[-1] if slope[-1] * np.sqrt(metric[-1]) > STEEP else np.inf
+    missing = (1 - begin.factor) / slope[-1] if slope[-1] * np.sqrt(metric[-1]) > LEAST_LOAD_SHARE else np.inf
     if 0 < missing <= length * (1 + LENGTH_TOLERANCE):
         return plan._replace(
             border=np.append(0 * border[1:], 1.0), slope=direction / begin.rate, length=1 - begin.factor, part=missing
@@ -326,18 +326,18 @@ def _attempt(equations: PathEquations, box: Box, begin: PathPoint, before: Arc |
     known = _known(plan.border, before)
     predicted = known.at(known.length + plan.length) if known else begin.z + plan.length * plan.slope
     predicted = predicted + (plan.length - plan.border @ (predicted - begin.z)) * plan.slope  # in the plane, to round-off
-    reach = TRUSTED * max(measure(equations, plan.length * plan.slope), measure(equations, predicted - begin.z))
+    reach = LARGEST_END_CORRECTION * max(measure(equations, plan.length * plan.slope), measure(equations, predicted - begin.z))
     found = correct(equations, plan.border, predicted, reach)
     box = box.with_point(found.z)
     error = box.measure(found.z - predicted) if known else 0.0
-    if error > PREDICTED:
-        raise _TooLong("the path bends too sharply", 0.9 * (PREDICTED / error) ** 0.25, error)
+    if error > PREDICTION_MISS:
+        raise _TooLong("the path bends too sharply", 0.9 * (PREDICTION_MISS / error) ** 0.25, error)
     end = complete(equations, found, begin)
     arc = Arc(begin, end, plan.border, plan.length, found.iterations, _growth(error), plan.part, False)
     _check_directions(box, arc, known)
     if _stability_fits(arc):
         _check_between(box, arc, error)
-    elif plan.part < SHORTEST:
+    elif plan.part < SHORTEST_STEP:
         return arc._replace(branching=True)
     else:
         raise _TooLong("the stability changes without a limit point")
@@ -359,7 +359,7 @@ def _growth(error: float) -> float:
 
     Errors go as the fourth power of a step.
     """
-    return float(np.clip((PREDICTED / 2 / max(error, 1e-300)) ** 0.25, USUAL, GROWTH))
+    return float(np.clip((PREDICTION_MISS / 2 / max(error, 1e-300)) ** 0.25, USUAL_SHRINKING, LARGEST_GROWTH))
 
 
 def _check_directions(box: Box, arc: Arc, known: Cubic | None) -> None:
@@ -370,15 +370,15 @@ def _check_directions(box: Box, arc: Arc, known: Cubic | None) -> None:
     cubic = arc.cubic
     if known is None:
         error = box.measure(cubic.end - cubic.begin - arc.length / 2 * (cubic.begin_slope + cubic.end_slope))
-        if error > FIRST:
-            raise _TooLong("the path bends too sharply", 0.9 * (FIRST / error) ** (1 / 3))
+        if error > FIRST_PREDICTION_MISS:
+            raise _TooLong("the path bends too sharply", 0.9 * (FIRST_PREDICTION_MISS / error) ** (1 / 3))
         return
     error = box.measure(arc.length * (cubic.end_slope - known.slope(known.length + arc.length)))
-    if error > 5 * PREDICTED:
-        raise _TooLong("the path turns too sharply", 0.9 * (5 * PREDICTED / error) ** 0.25, error)
+    if error > 5 * PREDICTION_MISS:
+        raise _TooLong("the path turns too sharply", 0.9 * (5 * PREDICTION_MISS / error) ** 0.25, error)
     metric = box.metric()
     sizes = [np.sqrt(metric @ slope**2) for slope in (cubic.begin_slope, cubic.end_slope)]
-    if (cubic.begin_slope * metric) @ cubic.end_slope < TURN * sizes[0] * sizes[1]:
+    if (cubic.begin_slope * metric) @ cubic.end_slope < LEAST_TURN_COSINE * sizes[0] * sizes[1]:
         raise _TooLong("the path turns too sharply")
 
 
@@ -392,7 +392,7 @@ def _check_between(box: Box, arc: Arc, error: float) -> None:
 
     They are looked for by what the ends show.
     """
-    if arc.turns or arc.part < RESOLVED:
+    if arc.turns or arc.part < RESOLVED_STEP:
         return
     cubic = arc.cubic
     begin, begin_slope, end, end_slope = (each[-1:] for each in (cubic.begin, cubic.begin_slope, cubic.end, cubic.end_slope))

@@ -15,7 +15,7 @@ import scipy
 
 from toolkit.equations.equations import Terms
 from toolkit.foundation.errors import SingularSystemError
-from toolkit.solvers.direct_solve import MANY
+from toolkit.solvers.direct_solve import SPARSE_FROM_UNKNOWNS
 from toolkit.solvers.static.equilibrium import static_matrix
 from toolkit.system.system import System
 
@@ -30,7 +30,7 @@ def static_array(system: System, terms: Terms) -> StaticArray:
 
 def whole_array(system: System, values: np.ndarray) -> StaticArray:
     """Array (n, n) of values on the common pattern."""
-    return system.matrix(values) if system.n >= MANY else system.dense(values)
+    return system.matrix(values) if system.n >= SPARSE_FROM_UNKNOWNS else system.dense(values)
 
 
 def as_dense(matrix: StaticArray) -> np.ndarray:
@@ -53,9 +53,9 @@ def largest_entry(matrix: StaticArray) -> float:
     return float(np.abs(entries).max(initial=0))
 
 
-HOLD = 10.0
+JOINT_STIFFNESS = 10.0
 """Stiffness r of the joints in parts of the largest of the bodies."""
-TRUSTED = 1e-4
+TRUSTED_REFINEMENT = 1e-4
 """Refinement of a solution, in parts of it, up to which factors are believed: after it the square of that is left, and what is asked of
 them are signs and first digits. Skins of 1500 and 2000 elements leave some 1e-5, and dense factors would take ten times as long."""
 
@@ -79,7 +79,7 @@ def sparse_factors(system: System, scaled: StaticArray) -> SparseFactors | None:
     if isinstance(scaled, np.ndarray):
         return None
     stiffness, ties, largest = scaled[:n_b, :n_b], scaled[n_b:, :n_b], largest_entry(scaled[:n_b])
-    if not _positive(scipy.sparse.csc_array(stiffness + HOLD / largest * (ties.T @ ties))):
+    if not _positive(scipy.sparse.csc_array(stiffness + JOINT_STIFFNESS / largest * (ties.T @ ties))):
         return None
     matrix = scipy.sparse.csc_array(scaled)
     try:
@@ -89,7 +89,7 @@ def sparse_factors(system: System, scaled: StaticArray) -> SparseFactors | None:
     probe = np.ones(system.n)
     found = factors.solve(probe)
     change = factors.solve(probe - matrix @ found)
-    return SparseFactors(matrix, factors) if abs(change).max() <= TRUSTED * abs(found).max() else None
+    return SparseFactors(matrix, factors) if abs(change).max() <= TRUSTED_REFINEMENT * abs(found).max() else None
 
 
 def _positive(matrix: scipy.sparse.csc_array) -> bool:
@@ -103,9 +103,9 @@ def _positive(matrix: scipy.sparse.csc_array) -> bool:
     return bool(np.array_equal(factors.perm_r, factors.perm_c) and np.all(factors.U.diagonal() > 0))
 
 
-SYMMETRIC = 1e-12
+ASYMMETRY_ROUND_OFF = 1e-12
 """Asymmetry, a part of the largest entry, that is round-off."""
-REAL = 1e-9
+REAL_EIGENVALUE = 1e-9
 """Imaginary part of an eigenvalue, a part of its size, that is round-off."""
 
 
@@ -176,7 +176,7 @@ def factorised(system: System, matrix: StaticArray, scale: np.ndarray | None = N
     largest = largest_entry(scaled)
     if not np.isfinite(largest):
         raise SingularSystemError("the static equations hold values that are not finite")
-    symmetric = largest_entry(scaled - scaled.T) <= SYMMETRIC * largest
+    symmetric = largest_entry(scaled - scaled.T) <= ASYMMETRY_ROUND_OFF * largest
     if symmetric and (sparse := sparse_factors(system, scaled)) is not None:
         return Saddle(scale, sparse, np.zeros(0, int), symmetric, 0)
     scaled = as_dense(scaled)
@@ -198,11 +198,11 @@ def is_positive(system: System, matrix: np.ndarray) -> bool:
     """
     scaled, n_b = as_dense(balanced(system, matrix, balance(system, matrix))), system.n_b
     largest = largest_entry(scaled)
-    if not largest_entry(scaled - scaled.T) <= SYMMETRIC * largest:
+    if not largest_entry(scaled - scaled.T) <= ASYMMETRY_ROUND_OFF * largest:
         return False
     J = scaled[n_b:, :n_b]
     try:
-        np.linalg.cholesky(scaled[:n_b, :n_b] + HOLD / largest * (J.T @ J))
+        np.linalg.cholesky(scaled[:n_b, :n_b] + JOINT_STIFFNESS / largest * (J.T @ J))
     except np.linalg.LinAlgError:
         return False
     return True
@@ -234,13 +234,13 @@ def _negative_eigenvalues(n_b: int, scaled: np.ndarray) -> int:
     if scipy.linalg.lapack.dpotrf((stiffness + stiffness.T) / 2)[1] == 0:
         return 0
     values = scipy.linalg.eigvals(stiffness)
-    real = values.real[np.abs(values.imag) <= REAL * np.abs(values)]
+    real = values.real[np.abs(values.imag) <= REAL_EIGENVALUE * np.abs(values)]
     return int(np.count_nonzero(real < 0))
 
 
-COUNT = 2
+WATCHED_MOTIONS = 2
 """Motions that are watched: the softest one may be overtaken by another."""
-ITERATIONS, AGAIN = 6, 2
+ITERATIONS, WARM_ITERATIONS = 6, 2
 """Iterations of the inverse iteration, from anywhere and from the motions of a point near by."""
 
 
@@ -266,14 +266,14 @@ def softest(saddle: Saddle, n_free: int, n_b: int, known: Softness | None = None
 
     The iteration begins with those of a point near by if it has as many.
     """
-    n, count = len(saddle.scale), min(COUNT, n_free) if saddle.symmetric else 0
+    n, count = len(saddle.scale), min(WATCHED_MOTIONS, n_free) if saddle.symmetric else 0
     nothing = Softness(np.zeros(0), np.zeros((n, 0)))
     if not count:
         return nothing
     scale, forces = saddle.scale[:n_b, None], np.zeros((n - n_b, count))
     near = None if known is None or len(known.values) != count else known.motions[:n_b] / scale
     block = np.random.default_rng(0).normal(size=(n_b, count)) if near is None else near
-    for _ in range(ITERATIONS if near is None else AGAIN):
+    for _ in range(ITERATIONS if near is None else WARM_ITERATIONS):
         block = _orthonormal(block)
         solved = saddle.solve(np.vstack([block / scale, forces]))
         flexibility, turn = np.linalg.eigh(block.T @ (solved[:n_b] / scale))

@@ -27,13 +27,13 @@ from toolkit.solvers.static.static_matrix import (
 )
 from toolkit.system.system import System
 
-LONGEST, NEAR, MOST = 0.2, 1e-3, 300
+LONGEST_STEP, NEWTON_DISTANCE, MOST_STEPS = 0.2, 1e-3, 300
 """Longest step and distance from which Newton is left alone, both in parts of the model size (or rad), and most steps."""
 ROUND_OFF = 1e-12
 """Part of the largest stiffness, or of what would hold the loads over the longest step, that cannot be told from none."""
-PLAIN = 10
+CLEARLY_POSITIVE = 10
 """A stiffness this much above round-off is positive beyond doubt."""
-STANDSTILL = 1e-12
+STANDSTILL_STEP = 1e-12
 """A step this short where the energy falls off to some side is the top of a hill, not the bottom of a valley."""
 
 
@@ -53,7 +53,7 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
     """
     rest, n_b, inputs = np.zeros_like(q), system.n_b, inputs_at(system, options, factor)
     number = np.arange(system.n)
-    for step in range(MOST):
+    for step in range(MOST_STEPS):
         terms = system.evaluate(inputs, q, rest, acc)
         shift = _shift(system, terms, acc)
         matrix = static_matrix(system, terms) + shift * _metric(system)
@@ -62,16 +62,17 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
         except SingularSystemError as error:
             raise SingularSystemError(f"{error}{told_loose(system, options)}") from None
         size = (system.weights[:n_b] * np.abs(np.real(correction[:n_b]))).max(initial=0)
-        if shift == 0 and size <= NEAR:
-            found, count = find_equilibrium(system, options, factor, q, acc, 2 * NEAR)
+        if shift == 0 and size <= NEWTON_DISTANCE:
+            found, count = find_equilibrium(system, options, factor, q, acc, 2 * NEWTON_DISTANCE)
             return found, count + step
-        if not np.isfinite(size) or size <= STANDSTILL:
+        if not np.isfinite(size) or size <= STANDSTILL_STEP:
             break
-        part = np.where(number < n_b, min(1.0, LONGEST / size), number < system.n_q)
+        part = np.where(number < n_b, min(1.0, LONGEST_STEP / size), number < system.n_q)
         q, acc = q - part * correction, acc - np.where(number < system.n_q, 0, correction)
     worst = system.most_moved(correction)
     raise ConvergenceError(
-        f"the equilibrium is unstable or out of reach: {MOST} steps downhill from the given positions end nowhere, last moving {worst}. "
+        f"the equilibrium is unstable or out of reach: {MOST_STEPS} steps downhill from the given positions end nowhere, last "
+        f"moving {worst}. "
         "Give positions nearer to the wanted equilibrium, or let a damped transient run find it."
         + told_loose(system, options)
         + hint_of_floating(system.scene, system.numbering.bodies_of(_moving(system, correction)))
@@ -103,7 +104,7 @@ def _shift(system: System, terms: Terms, acc: np.ndarray) -> float:
             "the stiffness of the given positions is not finite. Look for a number that is orders of magnitude off."
         )
     lowest = scipy.linalg.eigvalsh((stiffness + stiffness.T) / 2, subset_by_index=[0, 0])[0]
-    pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_b]).max() / LONGEST
+    pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_b]).max() / LONGEST_STEP
     if lowest > ROUND_OFF * max(np.abs(stiffness).max(), pull):
         return 0.0
     held = float((np.abs(np.real(acc[system.n_q :])) / system.weights[system.n_q :]).max(initial=0.0))
@@ -138,8 +139,8 @@ def _plainly_stable(system: System, terms: Terms) -> bool:
     soft = softest(saddle, free_count(system), n_b).values
     told = isinstance(saddle.factors, SparseFactors)
     largest = 0.0 if told else largest_entry(scaled_by(matrix, saddle.scale)[:n_b, :n_b])
-    pull = float(np.linalg.norm(residual * saddle.scale[:n_b])) / LONGEST
-    return saddle.negative == 0 and len(soft) > 0 and bool(soft.min() > PLAIN * ROUND_OFF * max(largest, pull))
+    pull = float(np.linalg.norm(residual * saddle.scale[:n_b])) / LONGEST_STEP
+    return saddle.negative == 0 and len(soft) > 0 and bool(soft.min() > CLEARLY_POSITIVE * ROUND_OFF * max(largest, pull))
 
 
 def _metric(system: System) -> np.ndarray:

@@ -31,19 +31,20 @@ from toolkit.solvers.transient.step_memory import (
     learn_trend,
 )
 
-CLOSE, SHARP = 1e-10, 1e-6
-"""Way from where the factors were made up to which they still serve, also where the relative change of the Jacobian is no more than SHARP
+REUSE_FACTORS_BELOW, JACOBIAN_CHANGE_LIMIT = 1e-10, 1e-6
+"""Way from where the factors were made up to which they still serve, also where the relative change of the Jacobian is no more
+than JACOBIAN_CHANGE_LIMIT
 by what a correction of that size leaves: one refinement with the Jacobian of the converged state squares that. Where new factors cost
 less, they are made. The Jacobian itself is that of the converged state after any correction, which is one of its c_q-th part in
 accelerations, and the inertial terms depend on these: after one of 1e-13 the spin of a slender beam about itself had derivatives wrong
 by 6e-6."""
-ALIKE = 1e-4
+SAME_QUALITY_BELOW = 1e-4
 """Way up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
 zero, not the digits of the matrix."""
-FREE, TRUSTED = 0.05, 1.0
+LARGEST_STRAYING, STRAYING_PART = 0.05, 1.0
 """A quasi-static step may end this far (a part of the model size, or rad) from where the step before points to, and this part of the
 way there; further off it has left the path of equilibria."""
-FADING = 0.8
+REMEMBERED_ERROR_PART = 0.8
 """Part of the local error before that is remembered from step to step: in an oscillation the estimate passes through zero."""
 
 
@@ -101,7 +102,7 @@ def strayed(plan, scheme, weights, history, step):
         ahead = scheme.h * history.v[step, i]
         way = max(way, weights[i] * abs(ahead.real))
         off = max(off, weights[i] * abs((history.q[step + 1, i] - history.q[step, i] - ahead).real))
-    return off > FREE + TRUSTED * way
+    return off > LARGEST_STRAYING + STRAYING_PART * way
 
 
 @inlined
@@ -129,12 +130,12 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, away
     if plan.n_x > 0 and not still:
         newton_matrix(plan, scheme, memory.terms, memory.work.care[1], memory.jacobian, memory.rest)
         changed = 2 * memory.learnt[BEND] * away  # of the Jacobian
-        near = not control.modified and (away <= CLOSE or 0 < changed <= SHARP)
+        near = not control.modified and (away <= REUSE_FACTORS_BELOW or 0 < changed <= JACOBIAN_CHANGE_LIMIT)
         known = not ggl.active and not control.modified and memory.solver.mode[0] == 0
         if not near or (known and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)):
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
-            return known and away <= ALIKE
+            return known and away <= SAME_QUALITY_BELOW
         if ggl.active:
             ggl_matrix(scheme, memory, ggl)
     return still
@@ -189,7 +190,9 @@ def integrate(
         learn_trend(plan, now, weights, history.acc[step], acc, memory)
         if carries(scheme):
             carry_over(plan, now, memory, history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1])
-        outcome.correction[LATE_ERROR] = max(outcome.correction[LAST_ERROR], FADING * outcome.correction[LATE_ERROR])
+        outcome.correction[LATE_ERROR] = max(
+            outcome.correction[LAST_ERROR], REMEMBERED_ERROR_PART * outcome.correction[LATE_ERROR]
+        )
         if outcome.correction[LATE_ERROR] < control.easy_error:
             outcome.counts[STATUS] = EASY
             return

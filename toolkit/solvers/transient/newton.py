@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.bodies.kernels.constant_kernel import EXACT, ROUGH
 from toolkit.bodies.kernels.spatial_floating import is_mixed
 from toolkit.foundation.kernel import copy, inlined
-from toolkit.linear.linear_solver import UNREFINED as UNREFINED_BLOCK
+from toolkit.linear.linear_solver import NO_REFINEMENT_NEEDED as UNREFINED_BLOCK
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
 from toolkit.solvers.transient.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.scheme import by_acceleration, mix, newton_matrix, step_ratio
@@ -19,7 +19,7 @@ from toolkit.solvers.transient.step_memory import (
     EXPECTED,
     ITERATIONS,
     LAST,
-    NEGLIGIBLE,
+    NEGLIGIBLE_MOVE,
     QUALITY,
     REST,
     UNCHECKED,
@@ -29,36 +29,36 @@ from toolkit.solvers.transient.step_memory import (
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
 """Status of a step. Three belong to runs with error control or without inertia: too large a local error; so small a one that the
 next step may be longer; an equilibrium far off the path of quasi-static steps."""
-STAGNATED = 1e-7
+STAGNATION_BELOW = 1e-7
 """Correction below which Newton is content when round-off keeps it from shrinking further."""
-SLOW = 0.2
+REFACTORIZE_CONTRACTION = 0.2
 """Contraction of the corrections above which kept factors are made anew: three iterations with them cost about as much."""
-ROUND_OFF, STILL = 1e-13, 0.5
+ROUND_OFF, ROUND_OFF_CONTRACTION = 1e-13, 0.5
 """Correction below which factors of an earlier step are not blamed for a contraction no better than this: it is round-off that does not
 shrink. Those of the same step are not blamed below the tolerance."""
 
 
-FAR = 1e-6
+LARGE_FIRST_CORRECTION = 1e-6
 """A first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual; a part of the
 model size (or rad)."""
-STEADY = 1e-3
+JACOBIAN_CHANGE_LIMIT = 1e-3
 """Relative change of the Jacobian by a correction up to which its factors serve for the rest of a step: a further correction by them leaves
 that part of itself, and costs what the residual costs."""
-CAREFUL = 100.0
+OTHER_DIRECTION_FACTOR = 100.0
 """Factor by which they may leave more in another direction than that in which the change was found: it was 20 for a boom beside a
 light block."""
-FADES = 0.5
+LEAST_BELIEVED_PART = 0.5
 """Part of what a correction is known to leave that is believed at least when it has left less."""
-OFTEN, SURPRISE = 20, 10.0
+STEPS_PER_MEASUREMENT, SURPRISING_CORRECTION = 20, 10.0
 """Steps after which what a correction leaves is measured anew; and how many times larger than in the last step a first correction has to be
 to be looked into at once."""
-USUAL, WORSE = 1e-14, 100.0
+REFINEMENT_ROUND_OFF, SINGULAR_REFINEMENT_FACTOR = 1e-14, 100.0
 """Change by a refinement that is round-off, and how many times more than the least so far tells of a singular position: kept factors leave
 there what is not seen in the size of corrections. Four-bar linkages were off by up to 9e-7, with new factors there by 1e-8."""
-SUDDEN = 1e3
+SUDDEN_LOSS_FACTOR = 1e3
 """Factor by which sparse factors may have become worse since a refinement showed how good they are: where even that leaves no
-more than NEGLIGIBLE of the expected correction, it is not refined."""
-GENTLE = 0.05
+more than NEGLIGIBLE_MOVE of the expected correction, it is not refined."""
+UNREFINED_MOVE = 0.05
 """Part of the model size (or rad) that nothing moves by more than in a step, so that factors hardly change until they are looked at
 again: a beam that turned 50 times in a step was off by 1e-11 with factors that were not refined."""
 
@@ -121,7 +121,7 @@ def left_over(control, learnt, fresh, kept, iteration, before, size):
         return size
     rate = size / before if iteration > 0 else 1.0
     if fresh and not control.modified:
-        rate = 2 * CAREFUL * learnt[BEND] * learnt[AWAY] if size <= control.tolerance else 1.0
+        rate = 2 * OTHER_DIRECTION_FACTOR * learnt[BEND] * learnt[AWAY] if size <= control.tolerance else 1.0
     return size * rate / (1 - rate) if rate < 1 else np.inf
 
 
@@ -138,7 +138,7 @@ def allowed(control, scheme, kept):
     if not kept:
         return control.tolerance
     if not control.modified:
-        return NEGLIGIBLE
+        return NEGLIGIBLE_MOVE
     return min(control.tolerance, control.left * scheme.h * scheme.h if scheme.inertia else control.left)
 
 
@@ -148,22 +148,22 @@ def learn_bend(learnt, before, size):
 
     It depends on their direction (by forces of joints on light bodies a thousandfold), so that less than is known is believed by half.
     """
-    learnt[BEND] = max(max(size, NEGLIGIBLE) / (before * before), FADES * learnt[BEND])
+    learnt[BEND] = max(max(size, NEGLIGIBLE_MOVE) / (before * before), LEAST_BELIEVED_PART * learnt[BEND])
     learnt[UNCHECKED] = 0
 
 
 @inlined
 def leaves_nothing(learnt, iteration, size):
     """Whether the exact Jacobian leaves no more than round-off after a correction, by what the last ones left."""
-    if iteration == 0 and (learnt[UNCHECKED] >= OFTEN or size > SURPRISE * learnt[EXPECTED]):
+    if iteration == 0 and (learnt[UNCHECKED] >= STEPS_PER_MEASUREMENT or size > SURPRISING_CORRECTION * learnt[EXPECTED]):
         return False
-    return learnt[BEND] > 0 and learnt[BEND] * size * size <= NEGLIGIBLE
+    return learnt[BEND] > 0 and learnt[BEND] * size * size <= NEGLIGIBLE_MOVE
 
 
 @inlined
 def serves_on(control, learnt, size):
     """Whether the factors of the exact Jacobian serve for the next correction too, by what corrections of that size have left."""
-    return not control.thorough and learnt[BEND] > 0 and 2 * learnt[BEND] * size <= STEADY
+    return not control.thorough and learnt[BEND] > 0 and 2 * learnt[BEND] * size <= JACOBIAN_CHANGE_LIMIT
 
 
 @inlined
@@ -180,11 +180,11 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
     steady = not ggl.active and not control.modified
     for iteration in range(control.most):
-        keepable = not control.modified or learnt[QUALITY] <= WORSE * learnt[BEST]
+        keepable = not control.modified or learnt[QUALITY] <= SINGULAR_REFINEMENT_FACTOR * learnt[BEST]
         kept, exact_before = trusted and memory.kept[0] > 0 and keepable, not kept
         rough_before = rough
         # a first correction that is not the last is far larger than its round-off
-        rough = stiff and iteration == 0 and not 0 < learnt[EXPECTED] <= FAR
+        rough = stiff and iteration == 0 and not 0 < learnt[EXPECTED] <= LARGE_FIRST_CORRECTION
         memory.work.care[0] = ROUGH if rough else EXACT
         evaluator(plan, functions, inputs, q, v, acc, not kept, False, terms, memory.work)
         memory.work.care[0] = EXACT
@@ -217,8 +217,8 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         size = outcome.correction[LAST]
         outcome.correction[REST] = size
         learnt[AWAY] = learnt[AWAY] + size if kept else size
-        if kept and iteration > 0 and not size <= SLOW * before:
-            if STILL * before < size <= (control.tolerance if steady else ROUND_OFF):
+        if kept and iteration > 0 and not size <= REFACTORIZE_CONTRACTION * before:
+            if ROUND_OFF_CONTRACTION * before < size <= (control.tolerance if steady else ROUND_OFF):
                 return CONVERGED
             trusted, steady = False, False  # for the rest of this step
             if not (size <= before or size <= control.tolerance):
@@ -231,9 +231,9 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             return NOT_FINITE
         if iteration == 0 and control.thorough:
             continue
-        if exact_before and not (kept and control.modified) and before > (FAR if rough_before else 0.0):
+        if exact_before and not (kept and control.modified) and before > (LARGE_FIRST_CORRECTION if rough_before else 0.0):
             learn_bend(learnt, before, size)
-        stagnated = not kept and exact_before and size <= STAGNATED and size > 0.1 * before
+        stagnated = not kept and exact_before and size <= STAGNATION_BELOW and size > 0.1 * before
         if stagnated or (
             not rough
             and left_over(control, learnt, exact_before, kept, iteration, before, size) <= allowed(control, scheme, kept)
@@ -253,9 +253,9 @@ def needs_no_refinement(learnt):
 
     Gradients are not so patient: they take every digit of the factors, and are refined themselves unless these are known to be good.
     """
-    if learnt[QUALITY] == 0 or learnt[UNREFINED] >= OFTEN:
+    if learnt[QUALITY] == 0 or learnt[UNREFINED] >= STEPS_PER_MEASUREMENT:
         return False
-    return learnt[EXPECTED] > 0 and SUDDEN * learnt[QUALITY] * learnt[EXPECTED] <= NEGLIGIBLE
+    return learnt[EXPECTED] > 0 and SUDDEN_LOSS_FACTOR * learnt[QUALITY] * learnt[EXPECTED] <= NEGLIGIBLE_MOVE
 
 
 @inlined
@@ -264,7 +264,7 @@ def moves_gently(plan, scheme, weights, v):
     largest = 0.0
     for i in range(plan.n_q):
         largest = max(largest, weights[i] * abs(scheme.h * v[i].real))
-    return largest <= GENTLE
+    return largest <= UNREFINED_MOVE
 
 
 @inlined
@@ -285,9 +285,9 @@ def solve(plan, kept, blind, memory):
         learnt[UNREFINED] += 1
         return -1
     failed = solve_checked(solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
-    learnt[QUALITY], learnt[UNREFINED] = max(solver.quality[0], NEGLIGIBLE) if solver.mode[0] == 0 else 0.0, 0
+    learnt[QUALITY], learnt[UNREFINED] = max(solver.quality[0], NEGLIGIBLE_MOVE) if solver.mode[0] == 0 else 0.0, 0
     if learnt[QUALITY] > 0:
-        best = max(learnt[QUALITY], USUAL)
+        best = max(learnt[QUALITY], REFINEMENT_ROUND_OFF)
         learnt[BEST] = min(best, learnt[BEST]) if learnt[BEST] > 0 else best
     return failed
 

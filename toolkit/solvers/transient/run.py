@@ -4,7 +4,7 @@ Steps chosen as the run goes, so that each makes at most the local error that wa
 
 The compiled loop takes steps of one length and stops where one is rejected or the next may be longer; here the length is chosen,
 
-    h_new = SAFETY h (allowed / estimated)^(1/k),    k = 3 (2 without inertia), the order of the local error
+    h_new = STEP_SAFETY h (allowed / estimated)^(1/k),    k = 3 (2 without inertia), the order of the local error
 
 and where the run has to stop: at corners of load curves, where the motion is less smooth than the error estimate supposes, and at times
 that responses look at.
@@ -42,7 +42,7 @@ from toolkit.solvers.transient.step_memory import (
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
-OVER_ALL, OF_FORCES = 100.0, 1e-3
+REUSED_FACTORS_MOVE, REUSED_FACTORS_FORCE = 100.0, 1e-3
 """Moves, in parts of the tolerance, that kept factors of modified Newton may cause over a whole run, and in one equilibrium
 without inertia."""
 
@@ -87,8 +87,8 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Integratio
 def left_by_kept(options: RunOptions) -> float:
     """`Control.left` of a run, in parts of the model size over time^2; without inertia in parts of the model size."""
     if options.quasi_static:
-        return OF_FORCES * options.tolerance
-    return OVER_ALL * options.tolerance / options.end_time**2
+        return REUSED_FACTORS_FORCE * options.tolerance
+    return REUSED_FACTORS_MOVE * options.tolerance / options.end_time**2
 
 
 def take_steps(
@@ -153,7 +153,7 @@ def empty_history(system: System, n_t: int, start: tuple) -> History:
 
 
 LEVELS = np.array([0.0, 0.0, 1.0])
-NEARBY = 0.05
+LIMIT_DISTANCE = 0.05
 """Part of the run, or ten steps, within which a limit position behind a failed step is its cause."""
 
 
@@ -170,7 +170,7 @@ def at_limit_position(run: Integration, q: np.ndarray, time: float, step_length:
     """Error of a run at a time, or one that tells of the mechanism's limit position, if drivers lead to it right then."""
     system, end = run.system, run.options.end_time
     limit = limit_of_drivers(system, lambda at: system.inputs(at, LEVELS), q, (0.0, time, end))
-    if limit is None or limit.place > time + max(NEARBY * end, 10 * step_length):
+    if limit is None or limit.place > time + max(LIMIT_DISTANCE * end, 10 * step_length):
         return error
     where = f"at t = {limit.place:.4g}"
     return LimitPositionError(told_limit(system, lambda at: system.inputs(at, LEVELS), limit, end, where))
@@ -223,14 +223,14 @@ def failure_of_step(run: Integration) -> Exception:
     )
 
 
-SAFETY, SHRINK, RETRY, GROW, MOST = 0.8, 0.1, 0.25, 4.0, 50
+STEP_SAFETY, LEAST_SHRINKING, USUAL_SHRINKING, LARGEST_GROWTH, STEPS_PER_CHOICE = 0.8, 0.1, 0.25, 4.0, 50
 """Part of the length that the estimate allows; least and, where Newton failed, usual part of a rejected length; largest growth; most steps
 before the length is looked at again."""
-WORTH = 1.5
+WORTHWHILE_GROWTH = 1.5
 """Growth for which the loop is stopped: Jacobians that were kept would have to be made anew."""
-GRADE = 10.0
+STEEPEST_GRADING = 10.0
 """Towards two stops that lie close together steps shrink by at most this: a joint's velocity error is a blow to a much shorter step."""
-SMALLEST = 1e-9
+SMALLEST_STEP = 1e-9
 """Part of the run below which a step is not shortened any more."""
 
 
@@ -246,12 +246,14 @@ def advance_adaptively(
     """
     options, order = run.options, 2 if run.options.quasi_static else 3
     allowed = float(options.local_error or np.inf)
-    run = run._replace(control=run.control._replace(largest_error=allowed, easy_error=allowed * (SAFETY / WORTH) ** order))
+    run = run._replace(
+        control=run.control._replace(largest_error=allowed, easy_error=allowed * (STEP_SAFETY / WORTHWHILE_GROWTH) ** order)
+    )
     chunks: list[tuple[np.ndarray, ...]] = [empty_history(run.system, 1, start)[:6]]
     times, h, places = [0.0], min(options.step, options.end_time), stops(run.system, options)
     for stop, after in pairwise([*places, np.inf]):
         while times[-1] < stop:
-            most = max(GRADE * (after - stop), (1 - 1 / GRADE) * (stop - times[-1]))
+            most = max(STEEPEST_GRADING * (after - stop), (1 - 1 / STEEPEST_GRADING) * (stop - times[-1]))
             done, piece, chunk = _attempt(run, tuple(item[-1] for item in chunks[-1]), times[-1], stop, min(h, most))
             status, length = run.outcome.counts[STATUS], piece.lengths[0]
             if done:
@@ -261,12 +263,12 @@ def advance_adaptively(
                 check_memory(run.system, options, len(times))
             if status in (REJECTED, EASY):
                 made = run.outcome.correction[LAST_ERROR if status == REJECTED else LATE_ERROR]
-                ratio = SAFETY * (allowed / max(made, allowed / GROW**4)) ** (1 / order)
-                found = length * np.clip(ratio, SHRINK, GROW)
+                ratio = STEP_SAFETY * (allowed / max(made, allowed / LARGEST_GROWTH**4)) ** (1 / order)
+                found = length * np.clip(ratio, LEAST_SHRINKING, LARGEST_GROWTH)
                 h = min(options.step, max(h, found) if status == EASY else found)  # a step to a stop may be shorter than need be
             elif status != CONVERGED:
-                h = RETRY * length
-            if h < SMALLEST * options.end_time:
+                h = USUAL_SHRINKING * length
+            if h < SMALLEST_STEP * options.end_time:
                 raise failure(piece, chunks[-1][0][-1], chunks[-1][1][-1])
             if progress:
                 progress(round(1000 * times[-1] / options.end_time), 1000)
@@ -280,13 +282,13 @@ def _attempt(
     run: Integration, state: tuple, time: float, stop: float, h: float
 ) -> tuple[int, Integration, tuple[np.ndarray, ...]]:
     """Result of steps of about the length h towards a stop, as that of `attempt`."""
-    needed = max(1, int(np.ceil((stop - time) / h * (1 - SMALLEST))))
-    count = min(needed, MOST)
-    length = (stop - time) / needed if needed <= MOST else h
+    needed = max(1, int(np.ceil((stop - time) / h * (1 - SMALLEST_STEP))))
+    count = min(needed, STEPS_PER_CHOICE)
+    length = (stop - time) / needed if needed <= STEPS_PER_CHOICE else h
     times = time + length * np.arange(count + 1)
     if needed == count:
         times[-1] = stop
-    if length >= run.options.step * (1 - SMALLEST):
+    if length >= run.options.step * (1 - SMALLEST_STEP):
         run = run._replace(control=run.control._replace(easy_error=0.0))
     return attempt(run, state, times, np.full(count, length))
 
@@ -311,6 +313,6 @@ def stops(system: System, options: RunOptions) -> list[float]:
     """Times that the run has to hit, the end last: corners of curves, and times that responses look at."""
     corners = [time for curve in system.values.curves.values() for time in curve.corners()]
     asked = [getattr(response, "time", None) or 0.0 for response in system.scene.responses.values()]
-    end, shortest = options.end_time, SMALLEST * options.end_time
+    end, shortest = options.end_time, SMALLEST_STEP * options.end_time
     inside = sorted({float(np.real(time)) for time in [*corners, *asked] if 0 < np.real(time) < end - shortest})
     return [*(time for before, time in pairwise([0.0, *inside]) if time - before > shortest), end]

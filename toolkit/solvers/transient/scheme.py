@@ -157,9 +157,9 @@ def start_levels(options: RunOptions, lengths: np.ndarray) -> np.ndarray:
     return constraint_levels(options.model_copy(update={"formulation": "index-1", "quasi_static": False}), lengths[:1])[0]
 
 
-SAME = 1e-9
+EQUAL_STEPS = 1e-9
 """Relative difference of two step lengths that is round-off."""
-STEEP = 4.0
+STEEPEST_GROWTH = 4.0
 """Growth of a step beyond which w says nothing about the new one: what it has of round-off and of the joints would grow with it."""
 
 
@@ -182,11 +182,11 @@ def advance_auxiliary(scheme, acc, acc_new, count, aux):
 
 @inlined
 def step_ratio(h, before):
-    """Ratio of a step length to the one before, which is 0 at the start; 1 if they differ by round-off, 0 beyond STEEP."""
+    """Ratio of a step length to the one before, which is 0 at the start; 1 if they differ by round-off, 0 beyond STEEPEST_GROWTH."""
     ratio = h / before if before > 0 else 1.0
-    if ratio > STEEP:
+    if ratio > STEEPEST_GROWTH:
         return 0.0
-    return ratio if abs(ratio - 1) > SAME else 1.0
+    return ratio if abs(ratio - 1) > EQUAL_STEPS else 1.0
 
 
 @inlined

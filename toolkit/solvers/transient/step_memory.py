@@ -6,7 +6,7 @@ With the backward differences d1, d2, ... behind a step the change of [a; lam] i
 of a few frequencies has constants c with which this is exact, however large they are in a step; a polynomial has c = 1. The c of the
 next step are those of the least squares
 
-    minimise  sum over steps n of  FADING^-n |change_n - sum_k c_k d_k,n|^2,   each coordinate in parts of the model size.
+    minimise  sum over steps n of  MISS_WEIGHT_DECAY^-n |change_n - sum_k c_k d_k,n|^2,   each coordinate in parts of the model size.
 
 The polynomials of `extrapolation` take less time; so this is done as long as they miss by what costs a further correction.
 
@@ -30,13 +30,13 @@ from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.solvers.transient.scheme import by_acceleration
 from toolkit.system.system import System
 
-HIGHEST = 6
+HIGHEST_ORDER = 6
 """Differences that guesses are made of. In a chain of 30 rods polynomials of order 2 miss by 7e-9, of 4 by 9e-11, of 6 by 5e-12, after
 which one correction leaves nothing; a beam that vibrates by 0.7 rad in a step is missed by 5e-6 by every polynomial, and by 5e-6, 1e-7
 and 5e-8 where 3, 4 and 6 differences are fitted."""
-FADING = 0.5
+MISS_WEIGHT_DECAY = 0.5
 """Weight of a step's misses, in parts of that of the step after it."""
-RIDGE = 1e-13
+DEPENDENT_DIFFERENCES = 1e-13
 """Part of its own square that holds a multiple at zero where differences depend on each other to round-off."""
 
 
@@ -51,17 +51,17 @@ def fit_trend(n_q, scale, weights, change, memory):
     trend, fitted, rows, sums, miss = memory.trend, memory.fitted, memory.fit_rows, memory.fit_sums, 0.0
     for i in range(n_q):
         size = scale * weights[i]
-        rows[i, HIGHEST] = rest = size * change[i].real
-        for k in range(HIGHEST):
+        rows[i, HIGHEST_ORDER] = rest = size * change[i].real
+        for k in range(HIGHEST_ORDER):
             each = size * trend[k, i].real
             rows[i, k] = memory.fit_columns[k, i] = each
             rest -= fitted[k] * each
         miss = max(miss, abs(rest))
-    for k in range(HIGHEST):
+    for k in range(HIGHEST_ORDER):
         for j in range(LANES):
-            sums[k, j] *= FADING
+            sums[k, j] *= MISS_WEIGHT_DECAY
     flat = rows.reshape(-1)
-    for k in range(0, HIGHEST, 3):
+    for k in range(0, HIGHEST_ORDER, 3):
         add_to_each((sums[k], sums[k + 1], sums[k + 2]), memory.fit_columns[k : k + 3], n_q, flat, 0, LANES)
     solve_fit(sums, memory.fit_root, fitted)
     return miss
@@ -69,8 +69,9 @@ def fit_trend(n_q, scale, weights, change, memory):
 
 @inner
 def solve_fit(sums, root, fitted):
-    """Multiples c from their normal equations, S c = r with [S, r] in `sums`, by Cholesky's factors of D S D + RIDGE, D^-2 = diag S."""
-    for k in range(HIGHEST):
+    """Multiples c from their normal equations, S c = r with [S, r] in `sums`, by Cholesky's factors of D S D +
+    DEPENDENT_DIFFERENCES, D^-2 = diag S."""
+    for k in range(HIGHEST_ORDER):
         for j in range(k + 1):
             both = np.sqrt(sums[k, k]) * np.sqrt(sums[j, j])
             entry = sums[k, j] / both if both > 0 else 0.0
@@ -79,18 +80,18 @@ def solve_fit(sums, root, fitted):
             if j < k:
                 root[k, j] = entry / root[j, j]
             else:
-                root[k, k] = np.sqrt(max(entry, 0.0) + RIDGE)
-    for k in range(HIGHEST):
+                root[k, k] = np.sqrt(max(entry, 0.0) + DEPENDENT_DIFFERENCES)
+    for k in range(HIGHEST_ORDER):
         size = np.sqrt(sums[k, k])
-        entry = sums[k, HIGHEST] / size if size > 0 else 0.0
+        entry = sums[k, HIGHEST_ORDER] / size if size > 0 else 0.0
         for m in range(k):
             entry -= root[k, m] * fitted[m]
         fitted[k] = entry / root[k, k]
-    for k in range(HIGHEST - 1, -1, -1):
-        for m in range(k + 1, HIGHEST):
+    for k in range(HIGHEST_ORDER - 1, -1, -1):
+        for m in range(k + 1, HIGHEST_ORDER):
             fitted[k] -= root[m, k] * fitted[m]
         fitted[k] /= root[k, k]
-    for k in range(HIGHEST):
+    for k in range(HIGHEST_ORDER):
         size = np.sqrt(sums[k, k])
         fitted[k] = fitted[k] / size if size > 0 else 0.0
 
@@ -101,7 +102,7 @@ def beside(n_q, scale, weights, order, memory):
     largest = 0.0
     for i in range(n_q):
         apart = 0.0
-        for k in range(HIGHEST):
+        for k in range(HIGHEST_ORDER):
             apart += (memory.fitted[k] - (1.0 if k < order else 0.0)) * memory.trend[k, i].real
         largest = max(largest, scale * weights[i] * abs(apart))
     return largest
@@ -120,16 +121,16 @@ correction leaves in parts of its square, for how many steps Newton has not look
 made; what the last refinement changed in parts of the correction, 0 if unknown, how many corrections were not refined since,
 and the least change so far; see `newton`. For how many steps multiples of differences will still be fitted, or minus the number of steps
 that would have needed it; and whether the next guess is made of those."""
-NEGLIGIBLE = 1e-15
+NEGLIGIBLE_MOVE = 1e-15
 """Part of the model size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist
 of."""
-WANTED, PATIENCE = 10, 20
+STEPS_BEFORE_FITTING, STEPS_OF_FITTING = 10, 20
 """Steps that need multiples before they are fitted, as a short run does not get back what that costs; and steps for which they are fitted
 after the last that needed it."""
-SMOOTH = 1e-4
+LARGEST_GUESS_MISS = 1e-4
 """Part of the model size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
 solutions, and the one next to the last state is meant. Nor is a fitted one this far from that of the best order."""
-BETTER = 0.5
+HIGHER_ORDER_GAIN = 0.5
 """Part of the miss of one order that the next has to undercut: round-off alone is no trend, its differences grow with the order."""
 
 
@@ -150,14 +151,14 @@ def guess(plan, ratio, memory, before, acc):
     trend, order, power = memory.trend, int(memory.learnt[ORDER]), ratio
     if ratio != 1:
         memory.learnt[EXPECTED], memory.learnt[FITTING], memory.learnt[FITTED] = 0, 0, 0
-        for k in range(HIGHEST):
+        for k in range(HIGHEST_ORDER):
             for i in range(plan.n):
                 trend[k, i] *= power
             power *= ratio
     for i in range(plan.n):
         acc[i] = before[i]
     fitted = memory.learnt[FITTED] > 0
-    for k in range(HIGHEST if fitted else order):
+    for k in range(HIGHEST_ORDER if fitted else order):
         factor = memory.fitted[k] if fitted else 1.0
         for i in range(plan.n):
             acc[i] += factor * trend[k, i]
@@ -173,30 +174,34 @@ def learn_trend(plan, scheme, weights, before, acc, memory):
         change[i] = acc[i] - before[i]
     fitting = learnt[FITTING] > 0
     fit_missed = fit_trend(plan.n_q, c_q, weights, change, memory) if fitting else 0.0
-    for k in range(HIGHEST + 1):
+    for k in range(HIGHEST_ORDER + 1):
         if lowest <= k <= lowest + 2:
             miss = 0.0
             for i in range(plan.n_q):
                 miss = max(miss, weights[i] * abs(change[i].real))
             miss *= c_q
-            if k == 0 or miss < min(BETTER * best, SMOOTH) or (k == lowest and miss < SMOOTH):
+            if k == 0 or miss < min(HIGHER_ORDER_GAIN * best, LARGEST_GUESS_MISS) or (k == lowest and miss < LARGEST_GUESS_MISS):
                 order, best = k, miss
-        if k < HIGHEST:
+        if k < HIGHEST_ORDER:
             for i in range(plan.n):
                 behind = trend[k, i]
                 trend[k, i] = change[i]
                 change[i] -= behind
     learnt[ORDER], learnt[EXPECTED], learnt[FITTED] = order, best, 0
-    if 0 < best < SMOOTH and learnt[BEND] * best * best > NEGLIGIBLE:
-        if not fitting and learnt[FITTING] > -WANTED:
+    if 0 < best < LARGEST_GUESS_MISS and learnt[BEND] * best * best > NEGLIGIBLE_MOVE:
+        if not fitting and learnt[FITTING] > -STEPS_BEFORE_FITTING:
             learnt[FITTING] -= 1
         else:
             if not fitting:
                 forget_fit(memory)
-            learnt[FITTING] = PATIENCE
+            learnt[FITTING] = STEPS_OF_FITTING
     elif fitting:
         learnt[FITTING] -= 1
-    if fitting and fit_missed < min(BETTER * best, SMOOTH) and beside(plan.n_q, c_q, weights, order, memory) < SMOOTH:
+    if (
+        fitting
+        and fit_missed < min(HIGHER_ORDER_GAIN * best, LARGEST_GUESS_MISS)
+        and beside(plan.n_q, c_q, weights, order, memory) < LARGEST_GUESS_MISS
+    ):
         learnt[EXPECTED], learnt[FITTED] = fit_missed, 1
 
 
@@ -227,12 +232,12 @@ class Memory(NamedTuple):
     rate: np.ndarray
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
-    trend: np.ndarray  # (HIGHEST, n) differences of [a; lam] behind the last step, see `extrapolation`
-    fitted: np.ndarray  # (HIGHEST,) multiples of them that would have guessed the last steps best, see `fit_trend`
-    fit_sums: np.ndarray  # (HIGHEST, LANES) normal equations of these
+    trend: np.ndarray  # (HIGHEST_ORDER, n) differences of [a; lam] behind the last step, see `extrapolation`
+    fitted: np.ndarray  # (HIGHEST_ORDER,) multiples of them that would have guessed the last steps best, see `fit_trend`
+    fit_sums: np.ndarray  # (HIGHEST_ORDER, LANES) normal equations of these
     fit_rows: np.ndarray  # (n_q, LANES) scratch memory of a fit, as the next ones
-    fit_columns: np.ndarray  # (HIGHEST, n_q)
-    fit_root: np.ndarray  # (HIGHEST, HIGHEST)
+    fit_columns: np.ndarray  # (HIGHEST_ORDER, n_q)
+    fit_root: np.ndarray  # (HIGHEST_ORDER, HIGHEST_ORDER)
     learnt: np.ndarray  # (10,) by `extrapolation.ORDER` and its neighbours
     guess: np.ndarray  # (n,) first guess of [a; lam]
     q_predicted: np.ndarray
@@ -297,12 +302,12 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         **{name: zeros(n, filled_up(n_x)) for name in ("dcarried", "pseudo_load", "moved", "rate")},
         span=np.zeros(1),
         kept=np.zeros(1),
-        trend=zeros(HIGHEST, n),
-        fitted=np.zeros(HIGHEST),
-        fit_sums=np.zeros((HIGHEST, LANES)),
+        trend=zeros(HIGHEST_ORDER, n),
+        fitted=np.zeros(HIGHEST_ORDER),
+        fit_sums=np.zeros((HIGHEST_ORDER, LANES)),
         fit_rows=np.zeros((plan.n_q, LANES)),
-        fit_columns=np.zeros((HIGHEST, plan.n_q)),
-        fit_root=np.zeros((HIGHEST, HIGHEST)),
+        fit_columns=np.zeros((HIGHEST_ORDER, plan.n_q)),
+        fit_root=np.zeros((HIGHEST_ORDER, HIGHEST_ORDER)),
         learnt=np.zeros(10),
         guess=zeros(n),
         q_predicted=zeros(n),

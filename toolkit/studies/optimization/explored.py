@@ -11,7 +11,7 @@ it anew along its own path.
 
 Planes that cut off designs which could not be solved, as further constraints: a search may go on along them.
 
-    BACK |d| - (z - z_0) . d / |d| >= 0,    d = z_failed - z_0
+    FAILED_DESIGN_PART |d| - (z - z_0) . d / |d| >= 0,    d = z_failed - z_0
 
 from the last design z_0 that could. A box about z_0 would stop the search in all other directions too.
 """
@@ -28,11 +28,11 @@ from toolkit.studies.optimization.methods import DesignFailedError, Functions
 from toolkit.studies.optimization.program import Optimality, Program, Values, optimality_of, promised
 from toolkit.studies.store import DesignOutcome
 
-FLAT = 1e-4
+LEAST_CURVATURE_PART = 1e-4
 """Curvature, in parts of the largest, below which no direction is taken to be flatter."""
-LONGEST = 0.5
+LONGEST_FIRST_STEP = 0.5
 """Longest first step along any direction, in parts of the variables' ranges: where nothing bends, curvature does not say how far to go."""
-LEAST, DAMPED = 1e-6, 0.2
+LEAST_CURVATURE, POWELL_DAMPING = 1e-6, 0.2
 """First curvature at least; and the part of the known curvature along a step that an update leaves at least (Powell, 1978)."""
 
 
@@ -79,7 +79,7 @@ class Turned:
 
 
 def turned(
-    centre: Known, others: Sequence[Known], multipliers: np.ndarray, top: np.ndarray, reach: float = LONGEST
+    centre: Known, others: Sequence[Known], multipliers: np.ndarray, top: np.ndarray, reach: float = LONGEST_FIRST_STEP
 ) -> Turned | None:
     """Variables by the curvature about a design; None where neither its responses nor enough other designs tell it.
 
@@ -103,7 +103,9 @@ def turned(
         return None
     curved, directions = np.linalg.eigh(found)
     steep = np.abs(_slope(centre.values, multipliers) @ directions)
-    return Turned(centre.z, directions / np.sqrt(np.maximum(curved, np.maximum(FLAT * curved[-1], steep / reach))), top)
+    return Turned(
+        centre.z, directions / np.sqrt(np.maximum(curved, np.maximum(LEAST_CURVATURE_PART * curved[-1], steep / reach))), top
+    )
 
 
 def _learned(centre: Known, others: Sequence[Known], multipliers: np.ndarray) -> np.ndarray | None:
@@ -114,7 +116,7 @@ def _learned(centre: Known, others: Sequence[Known], multipliers: np.ndarray) ->
     if len(ways) < n:
         return None
     step, change = ways[0]
-    found = np.eye(n) * max(abs(step @ change) / (step @ step), LEAST)
+    found = np.eye(n) * max(abs(step @ change) / (step @ step), LEAST_CURVATURE)
     for step, change in ways:
         found = _updated(found, step, change)
     return found
@@ -130,17 +132,17 @@ def _updated(matrix: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.nda
     """The matrix, positive definite as before, after the change of the gradient along a step."""
     image, along = matrix @ step, float(step @ matrix @ step)
     met = float(step @ change)
-    part = 1.0 if met >= DAMPED * along else (1 - DAMPED) * along / (along - met)
+    part = 1.0 if met >= POWELL_DAMPING * along else (1 - POWELL_DAMPING) * along / (along - met)
     change = part * change + (1 - part) * image
     found: np.ndarray = matrix - np.outer(image, image) / along + np.outer(change, change) / float(step @ change)
     return found
 
 
-BACK = 0.5
+FAILED_DESIGN_PART = 0.5
 """Part of the way to a failed design up to which a search may go."""
-STANDS = 0.05
+PLANE_DISTANCE = 0.05
 """Distance to a plane, in parts of that way, below which a search stands at it."""
-NEAREST = 1e-5
+SHORTEST_WAY = 1e-5
 """Length of that way, in parts of the variables' ranges, below which nothing is left of it."""
 
 
@@ -166,9 +168,9 @@ class Cuts:
         self._released, self._waited = False, 0
         way = failed - good
         length = float(np.sqrt(way @ way))
-        if length < NEAREST:
+        if length < SHORTEST_WAY:
             return False
-        self._planes.append(Plane(way / length, BACK * length + float(good @ way) / length, length))
+        self._planes.append(Plane(way / length, FAILED_DESIGN_PART * length + float(good @ way) / length, length))
         return True
 
     def release(self, z: np.ndarray) -> None:
@@ -176,7 +178,7 @@ class Cuts:
         fails again, it waits twice as long the next time."""
         self._waited += 1
         if self._waited >= self._patience:
-            kept = [each for each in self._planes if each.limit - each.normal @ z > STANDS * each.length]
+            kept = [each for each in self._planes if each.limit - each.normal @ z > PLANE_DISTANCE * each.length]
             self._released = self._released or len(kept) < len(self._planes)
             self._planes = kept
 
@@ -242,9 +244,9 @@ class SearchResult:
     arrived: bool
 
 
-FIRST_SLOPE = 0.2
+LARGEST_FIRST_SLOPE = 0.2
 """Largest derivative of the scaled objective at the first design: a method whose first matrix is the identity goes so far at first."""
-TYPICAL = 0.25
+TYPICAL_DESIGNS = 0.25
 """Part of the designs whose largest derivative is below what is typical: wild ones from the beginning of a search do not count."""
 Solve = Callable[[np.ndarray], DesignOutcome]
 """Solves a design, or takes it from where it is kept."""
@@ -286,12 +288,12 @@ class Explored:
         if given is not None:
             return given / self.program.unit
         slopes = [np.max(np.abs(self.program.values(each).df)) for each in self.done.values() if not each.failed]
-        return float(np.quantile(slopes, TYPICAL))
+        return float(np.quantile(slopes, TYPICAL_DESIGNS))
 
     def measure_by(self, values: Values) -> None:
         """Set the unit of the objective by its slopes where a method begins."""
         size = float(np.max(np.abs(values.df)))
-        self.program = replace(self.program, unit=self.program.unit * (size / FIRST_SLOPE if size > 0 else 1.0))
+        self.program = replace(self.program, unit=self.program.unit * (size / LARGEST_FIRST_SLOPE if size > 0 else 1.0))
 
     def evaluated(self, design: np.ndarray) -> DesignOutcome:
         """The design, which counts if it is new."""

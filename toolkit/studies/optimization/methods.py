@@ -51,10 +51,10 @@ class Method(NamedTuple):
     near: float = 0.0
 
 
-SHARE, SMALLEST_CONSTRAINT = 0.1, 1e-6
+CONSTRAINT_CURVATURE_SHARE, SMALLEST_CONSTRAINT = 0.1, 1e-6
 """Constraints are told in such units that the curvature of one, with which both methods begin for all functions, takes this part of them
 along the first step, which is as long as the slope; they are at least so far, in parts of their sizes."""
-SLACK = 1e-7
+CONSTRAINT_TOLERANCE = 1e-7
 """By how much a constraint, in parts of its size, may be off at a design that counts as accepted."""
 
 
@@ -82,7 +82,7 @@ def _minimized(
         values = functions(z)
         if gradient.size:
             gradient[:] = values.df
-        merit = [max(0.0, -float(np.min(values.c, initial=0.0)) - SLACK), values.f]
+        merit = [max(0.0, -float(np.min(values.c, initial=0.0)) - CONSTRAINT_TOLERANCE), values.f]
         if merit < best:  # what is nearer to the constraints, or keeps them and is better, is what the method goes on from
             best[:] = merit
             visited(np.array(z))
@@ -96,9 +96,9 @@ def _minimized(
 
     method.set_min_objective(objective)
     first = functions(z)
-    sizes = first.df @ first.df / (2 * SHARE * np.maximum(np.abs(first.c), SMALLEST_CONSTRAINT))
+    sizes = first.df @ first.df / (2 * CONSTRAINT_CURVATURE_SHARE * np.maximum(np.abs(first.c), SMALLEST_CONSTRAINT))
     if len(sizes):
-        method.add_inequality_mconstraint(constraints, SLACK * sizes)
+        method.add_inequality_mconstraint(constraints, CONSTRAINT_TOLERANCE * sizes)
     try:
         method.optimize(np.clip(z, low, high))
     except nlopt.RoundoffLimited:
@@ -122,13 +122,13 @@ def required() -> Any:
     return nlopt
 
 
-INSIDE, KEPT = 1e-5, 1e-6
+BOUND_DISTANCE, KEPT_CONSTRAINT = 1e-5, 1e-6
 """How far within its bounds the interior-point method begins, and above which a constraint counts as kept at its first design."""
-NEAR = 0.05
+RESTART_STEP = 0.05
 """Longest steps, in parts of the variables' ranges, by whose promise the interior-point method begins anew."""
-FINE = 1e-12
+LEAST_CHANGE = 1e-12
 """Derivatives and changes of variables below which the interior-point method gives up: others decide earlier whether it has arrived."""
-NOTHING = 1e-20
+LEAST_OBJECTIVE_CHANGE = 1e-20
 """Change of the objective below which SLSQP gives up: in units of the slopes at a wild first design there is still something to find by
 changes of 1e-12."""
 
@@ -144,7 +144,7 @@ def slsqp(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray
         bounds=Bounds(low, high),
         constraints=[constraint] if len(functions(z).c) else [],
         callback=lambda z: visited(np.array(z)),
-        options={"ftol": NOTHING, "maxiter": most},
+        options={"ftol": LEAST_OBJECTIVE_CHANGE, "maxiter": most},
     )
 
 
@@ -159,7 +159,7 @@ def trust_constr(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.
         np.inf,
         jac=lambda z: functions(z).dc,
         hess=BFGS() if first.curvature is None else lambda z, _: np.zeros((len(z), len(z))),
-        keep_feasible=first.c > KEPT,
+        keep_feasible=first.c > KEPT_CONSTRAINT,
     )
 
     def callback(z: np.ndarray, _: object) -> bool:
@@ -177,13 +177,13 @@ def trust_constr(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.
         constraints=[constraint] if len(first.c) else [],
         callback=callback,
         options={
-            "gtol": FINE,
-            "xtol": FINE,
+            "gtol": LEAST_CHANGE,
+            "xtol": LEAST_CHANGE,
             "maxiter": 10 * most,
             "initial_tr_radius": FIRST_STEP,
             "initial_barrier_parameter": barrier,
             "initial_barrier_tolerance": barrier,
-            "initial_constr_penalty": PENALTY,
+            "initial_constr_penalty": FIRST_PENALTY,
         },
     )
 
@@ -196,22 +196,22 @@ def _barrier(first: Values, z: np.ndarray, low: np.ndarray, high: np.ndarray) ->
     if first.curvature is not None:
         return float(np.clip(promised(z - low, high - z, first) / max(1, len(c)), *BARRIERS))
     dc = np.vstack([first.dc.reshape(-1, n), np.eye(n)[bounded], -np.eye(n)[bounded]])
-    kept = c > KEPT
+    kept = c > KEPT_CONSTRAINT
     push = np.sum(dc[kept] / c[kept, None], axis=0)
-    return float(np.clip(DECAY * (first.df @ push) / max(push @ push, np.finfo(float).tiny), *BARRIERS))
+    return float(np.clip(BARRIER_DECAY * (first.df @ push) / max(push @ push, np.finfo(float).tiny), *BARRIERS))
 
 
-FIRST_STEP, PENALTY = 0.3, 1e-4
+FIRST_STEP, FIRST_PENALTY = 0.3, 1e-4
 """Radius of the first step, in which a constraint that changes by all of itself counts as one; and what a violation costs at first: at 1,
 SciPy's default, changes of constraints that are not active outweigh those of the objective, and steps become small."""
-DECAY, BARRIERS = 0.2, (1e-7, 1e-3)
+BARRIER_DECAY, BARRIERS = 0.2, (1e-7, 1e-3)
 """Part of the barrier that is left, as of the method's own steps; and the least and the largest to begin with, in units of the
 objective."""
 
 
 METHODS = {
     "slsqp": Method(slsqp, learned=10, told=5),
-    "trust-constr": Method(trust_constr, told=5, inside=INSIDE, near=NEAR),
+    "trust-constr": Method(trust_constr, told=5, inside=BOUND_DISTANCE, near=RESTART_STEP),
     "mma": Method(mma, told=1),
     "ccsa": Method(ccsa, told=1),
 }

@@ -23,12 +23,12 @@ from toolkit.studies.study_file import LOAD_MARGIN
 Progress = Callable[[int, int], None]
 STORE = "study.h5"
 """Name of the store in the folder of a study."""
-ASIDE = 4
+DESIGNS_AROUND_START = 4
 """Number of further designs at which the objective is evaluated where it is stationary at the start."""
-SAME = 1e-3
+SAME_OBJECTIVE = 1e-3
 """Relative difference of objectives by which two optima are distinguished."""
 
-WIDE = 0.05
+SAME_DESIGN = 0.05
 """Difference of a variable, relative to its scale, by which two designs are distinguished."""
 
 
@@ -121,7 +121,7 @@ def _verified(
 def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.ndarray) -> None:
     """Refuse an objective that no variable moves, at the start or at other designs."""
     program, designs = Program(problem), set()
-    for k, look in enumerate([start, *starts_of(problem, ASIDE + 1)[1:]]):
+    for k, look in enumerate([start, *starts_of(problem, DESIGNS_AROUND_START + 1)[1:]]):
         lane, warm = (-1, False) if k else (0, problem.study.search.warm_starts)
         found = evaluator(lane, program.design(program.scaled(look)), warm)
         if found.failed:
@@ -244,15 +244,17 @@ def _flat(problem: Problem, found: SearchResult, searches: list[SearchResult]) -
     if not found.arrived or found.best is None or len(ended) < 2:
         return
     mine = float(found.program.objective(found.best.values)[0])
-    same = designs[np.abs(values - mine) <= SAME * abs(mine)]
+    same = designs[np.abs(values - mine) <= SAME_OBJECTIVE * abs(mine)]
     low, high = np.min(same, axis=0, initial=np.inf), np.max(same, axis=0, initial=-np.inf)
     wide = [
-        f"{problem.variables[k]} from {low[k]:.5g} to {high[k]:.5g}" for k in np.flatnonzero(high - low > WIDE * problem.scales)
+        f"{problem.variables[k]} from {low[k]:.5g} to {high[k]:.5g}"
+        for k in np.flatnonzero(high - low > SAME_DESIGN * problem.scales)
     ]
     if wide:
         yield Caution(
             "flat-optimum",
-            f"{len(same)} of {len(searches)} searches ended at the same objective within {100 * SAME:g} %, with {', '.join(wide)}: it "
+            f"{len(same)} of {len(searches)} searches ended at the same objective within {100 * SAME_OBJECTIVE:g} %, with "
+            f"{', '.join(wide)}: it "
             "decides nothing between these designs; add what does to the objective, or tighten search.optimality.",
             doubt=False,
         )
@@ -276,7 +278,7 @@ def _other_optima(problem: Problem, found: SearchResult, searches: list[SearchRe
     assert found.best is not None
     mine = float(found.program.objective(found.best.values)[0])
     (_, mine_off, value), ranked = _rank(found), [_rank(each) for each in searches if each is not found and each.best is not None]
-    better = [each for each in ranked if not each[1] and not mine_off and each[2] < value - SAME * abs(value)]
+    better = [each for each in ranked if not each[1] and not mine_off and each[2] < value - SAME_OBJECTIVE * abs(value)]
     if found.arrived and better:
         yield Caution(
             "better-designs",
@@ -286,7 +288,7 @@ def _other_optima(problem: Problem, found: SearchResult, searches: list[SearchRe
         )
     others = [each for each in searches if each.arrived and each is not found and each.best is not None]
     values = [float(each.program.objective(each.best.values)[0]) for each in others if each.best is not None]
-    elsewhere = [value for value in values if abs(value - mine) > SAME * max(abs(value), abs(mine))]
+    elsewhere = [value for value in values if abs(value - mine) > SAME_OBJECTIVE * max(abs(value), abs(mine))]
     if elsewhere:
         yield Caution(
             "local-optima",

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 SAMPLES = 2**14
 """Points at which polynomials with gradients are looked at."""
-SETTLED = 0.05
+MOMENT_DIFFERENCE = 0.05
 """By how much, in parts of sigma, mean and sigma of the two ways may differ."""
 
 
@@ -56,7 +56,7 @@ class RobustnessCheck:
     @property
     def settled(self) -> bool:
         """Whether both ways agree."""
-        near = SETTLED * max(self.judged[1], self.searched[1])
+        near = MOMENT_DIFFERENCE * max(self.judged[1], self.searched[1])
         return all(abs(a - b) <= near for a, b in zip(self.searched, self.judged, strict=True))
 
     def record(self) -> Record:
@@ -117,7 +117,7 @@ def _unsettled(compared: list[RobustnessCheck]) -> Iterator[Caution]:
             yield Caution(
                 "robust-points",
                 f"{each.name} has mean {mean:.5g} and sigma {sigma:.4g} at the points of the search, but {other_mean:.5g} and "
-                f"{other_sigma:.4g} by values and gradients (limit {SETTLED:.0%} of sigma). Give more uncertainty.points.",
+                f"{other_sigma:.4g} by values and gradients (limit {MOMENT_DIFFERENCE:.0%} of sigma). Give more uncertainty.points.",
             )
 
 

@@ -132,7 +132,7 @@ class Program:
         return total * np.outer(scales, scales)
 
 
-FLATTEST = 1e-12
+LEAST_CURVATURE = 1e-12
 """Curvature, in parts of the largest, or of the largest slope if that is more, below which none is told from zero: bounds of variables say
 how far to go there."""
 
@@ -151,7 +151,7 @@ def promised(down: np.ndarray, up: np.ndarray, values: Values) -> float:
     if values.curvature is None or steep == 0:
         return 0.0
     curved, directions = np.linalg.eigh(values.curvature)
-    axes = directions / np.sqrt(np.maximum(curved, FLATTEST * max(curved[-1], steep)))
+    axes = directions / np.sqrt(np.maximum(curved, LEAST_CURVATURE * max(curved[-1], steep)))
     slope = values.df @ axes
     length = float(np.sqrt(slope @ slope))
     n = len(down)
@@ -175,9 +175,9 @@ def _shortest(rows: np.ndarray, least: np.ndarray) -> np.ndarray:
 
 ROUND_OFF = 1e-12
 """Part of the objective that no derivative decides."""
-SURELY = 1e-3
+CERTAIN_GAIN = 1e-3
 """Part of what may be left to gain, below which slopes are not asked."""
-NOTHING = 1e-4
+ZERO_OBJECTIVE = 1e-4
 """Objective, in parts of its scale, beside which smaller ones are none: a mean of squares may end at zero."""
 
 
@@ -210,7 +210,7 @@ class Optimality(NamedTuple):
     def met(self, optimality: float, feasibility: float) -> bool:
         """Whether nothing of size is left; where next to nothing is to be gained, slopes need not be small beside those of other designs,
         all of which may stand at the optimum."""
-        flat = self.residual <= optimality or 0 < self.gain <= SURELY * optimality
+        flat = self.residual <= optimality or 0 < self.gain <= CERTAIN_GAIN * optimality
         return flat and self.gain <= optimality and self.violation <= feasibility
 
 
@@ -226,15 +226,15 @@ def optimality_of(program: Program, z: np.ndarray, found: Values, typical: float
     scale = max(float(np.max(np.abs(found.df))), typical, ROUND_OFF * abs(found.f), np.finfo(float).tiny)
     violation = max(0.0, float(np.max(-constraints)))
     m = len(found.c)
-    gain = promised(z, program.top - z, found) / max(abs(found.f), NOTHING * scale)
+    gain = promised(z, program.top - z, found) / max(abs(found.f), ZERO_OBJECTIVE * scale)
     return Optimality(float(np.max(left)) / scale, violation, multipliers[:m], multipliers[m:].reshape(2, n), gain)
 
 
-LEAST = 1e-6
+LEAST_MULTIPLIER = 1e-6
 """Multiplier, relative to the largest slope of the objective, below which a limit costs nothing."""
-SLOPE = 1e-3
+ZERO_SLOPE = 1e-3
 """Slope of the scaled objective that counts as zero: at an optimum between all limits, what is left of it is no price."""
-DEPENDENT = 1e-6
+DEPENDENT_SLOPES = 1e-6
 """Relative singular value below which slopes of constraints depend on each other."""
 
 
@@ -300,9 +300,9 @@ def _active(program: Program, best: DesignOutcome, left: Optimality) -> tuple[np
     tells which of them is on its way there.
     """
     values, z = program.values(best), program.scaled(best.design)
-    largest = max(float(np.max(np.abs(values.df))), SLOPE)
-    return left.multipliers > largest * np.maximum(values.c, LEAST), left.at_bounds > largest * np.maximum(
-        np.array([z, program.top - z]), LEAST
+    largest = max(float(np.max(np.abs(values.df))), ZERO_SLOPE)
+    return left.multipliers > largest * np.maximum(values.c, LEAST_MULTIPLIER), left.at_bounds > largest * np.maximum(
+        np.array([z, program.top - z]), LEAST_MULTIPLIER
     )
 
 
@@ -340,4 +340,4 @@ def dependent(program: Program, best: DesignOutcome, left: Optimality) -> bool:
     of_rows, of_bounds = _active(program, best, left)
     identity = np.eye(len(best.design))
     rows = np.vstack([program.values(best).dc[of_rows], *(identity[each] for each in of_bounds)])
-    return len(rows) > 0 and int(np.linalg.matrix_rank(rows, rtol=DEPENDENT)) < len(rows)
+    return len(rows) > 0 and int(np.linalg.matrix_rank(rows, rtol=DEPENDENT_SLOPES)) < len(rows)

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.studies.design_work import Evaluator
 from toolkit.studies.optimization.explored import (
-    LONGEST,
+    LONGEST_FIRST_STEP,
     Arrived,
     Cuts,
     Explored,
@@ -26,9 +26,9 @@ from toolkit.studies.problem import Problem
 from toolkit.studies.store import DesignOutcome
 from toolkit.studies.study_file import Search as SearchOptions
 
-NARROWER, WIDER, REACHES = 0.5, 2.0, (1e-3, 1.0)
+STEP_NARROWING, STEP_WIDENING, REACHES = 0.5, 2.0, (1e-3, 1.0)
 """By what the longest first step is changed where one was too long or was not, and between which bounds."""
-MANY = 50
+MOST_TRANSFORMED_VARIABLES = 50
 """Variables above which no method begins anew in other ones, in which bounds are constraints like others."""
 
 
@@ -45,26 +45,26 @@ class Renewal:
 
     def __init__(self, curved: bool, top: np.ndarray) -> None:
         self.curved, self.top = curved, top
-        self.reach = LONGEST
+        self.reach = LONGEST_FIRST_STEP
 
     def every(self, method: Method) -> int | None:
         """Designs after which a method begins anew; None if it never does."""
-        if len(self.top) > MANY:
+        if len(self.top) > MOST_TRANSFORMED_VARIABLES:
             return None
         return method.told if self.curved else method.learned
 
     def adapt(self, method: Method, used: int) -> None:
         """Go farther, or less far, along the told curvature next time, by the designs that were solved until one was accepted."""
         every = self.every(method) or used
-        factor = WIDER if used <= every else NARROWER if used > every + 1 else 1.0
-        self.reach = float(np.clip(self.reach * factor, *REACHES)) if self.curved else LONGEST
+        factor = STEP_WIDENING if used <= every else STEP_NARROWING if used > every + 1 else 1.0
+        self.reach = float(np.clip(self.reach * factor, *REACHES)) if self.curved else LONGEST_FIRST_STEP
 
     def variables(self, method: Method, centre: Known, others: Sequence[Known], multipliers: np.ndarray) -> Turned | None:
         """Variables by the curvature about a design, None where it is not known or the method stays as it is."""
         return None if self.every(method) is None else turned(centre, others, multipliers, self.top, self.reach)
 
 
-LITTLE = 1e-4
+UNIMPORTANT_GAIN = 1e-4
 """Part of an objective by which a lower design that is none is no reason to leave an optimum."""
 
 
@@ -99,7 +99,7 @@ class EndRule:
         """
         self.met, least = left.met(self.options.optimality, self.options.feasibility), self._least
         if least is not None and left.violation <= self.options.feasibility:
-            counts = min(self.options.optimality * large, LITTLE * abs(least))
+            counts = min(self.options.optimality * large, UNIMPORTANT_GAIN * abs(least))
             if (self.met and not self.curved) or least - objective <= counts:
                 return True
             self._least = None
@@ -112,17 +112,17 @@ class EndRule:
         self.met, self._least = False, None
 
 
-BACK = 0.5
+RETREAT_PART = 0.5
 """Part of the way from a start that failed to a known design that the next one has."""
-AGAIN = 3
+RESTARTS = 3
 """How often a method that gave up begins anew where it stood, without planes."""
-FIRST_METHODS = 0.2
+SHARE_OF_FIRST_METHODS = 0.2
 """Part of the designs that each of several methods, but for the last, may solve."""
-BESIDE, LOOKS = 0.2, 8
+START_SURROUNDINGS, DESIGNS_AROUND_START = 0.2, 8
 """How wide, in parts of the variables' ranges, and at how many designs a search looks around a start that is stationary."""
-ASKEW = 0.07
+SURROUNDINGS_SHIFT = 0.07
 """By which these designs are shifted, so that none of them stands at the start or mirrors another."""
-LOWER = 1e-9
+LOWER_OBJECTIVE = 1e-9
 """Part of an objective by which another one is lower, and not by round-off."""
 Tell = Callable[[DesignOutcome], None]
 
@@ -181,7 +181,7 @@ class SearchRun:
                 self._visited(z)
                 return z
             if back is not None:
-                z = back + BACK * (z - back)
+                z = back + RETREAT_PART * (z - back)
         return None
 
     def _beside(self, z: np.ndarray) -> np.ndarray:
@@ -198,7 +198,7 @@ class SearchRun:
         """Run all methods, one after the other. Returns why the last was given up."""
         *first, last = self.options.method
         for method in first:
-            most = max(1, int(FIRST_METHODS * self.options.evaluations))
+            most = max(1, int(SHARE_OF_FIRST_METHODS * self.options.evaluations))
             try:
                 self._within_cuts(method, z, len(self.explored.done) + most)
             except Renewed:
@@ -233,7 +233,7 @@ class SearchRun:
                 raise Arrived
             cuts, curvature = Cuts(), self._turned(method)
             again += len(done) == before or self.last is None or bool(np.array_equal(self.last, centre))
-            if again > AGAIN:
+            if again > RESTARTS:
                 return "the method made no progress any more"
 
     def _run(self, method: str, functions: Functions, centre: np.ndarray, curvature: Turned | None) -> None:
@@ -274,9 +274,9 @@ class SearchRun:
 def _best_beside(explored: Explored, z: np.ndarray) -> np.ndarray:
     """The best feasible one of some designs around z, z itself if none is lower."""
     here, best, top = explored.functions(z), z, explored.program.top
-    least = here.f - LOWER * max(1.0, abs(here.f))
-    for point in plain(LOOKS, len(z)):
-        there = np.clip(z + BESIDE * top * (2 * point - 1 + ASKEW), 0.0, top)
+    least = here.f - LOWER_OBJECTIVE * max(1.0, abs(here.f))
+    for point in plain(DESIGNS_AROUND_START, len(z)):
+        there = np.clip(z + START_SURROUNDINGS * top * (2 * point - 1 + SURROUNDINGS_SHIFT), 0.0, top)
         try:
             values = explored.functions(there)
         except DesignFailedError:

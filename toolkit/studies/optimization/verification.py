@@ -16,21 +16,21 @@ from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import direct, values_alone
 from toolkit.sensitivity.run import Run
-from toolkit.studies.problem import FAR, Problem, by_case
+from toolkit.studies.problem import LARGEST_LOAD_FACTOR, Problem, by_case
 from toolkit.studies.solved_design import CaseRun, load_margin, norms, scene_at, solve_design
 from toolkit.studies.store import DesignOutcome
 from toolkit.studies.study_file import LOAD_MARGIN
 from toolkit.studies.wanted import norm_of
 from toolkit.validity.bodies.physics import critical_loads
 
-ANOTHER = 1e-5
+OTHER_EQUILIBRIUM = 1e-5
 """Relative change of a response by which an equilibrium is another one than that of the search: finer load steps and a warm start
 change nothing but round-off."""
-COARSE = 1e-2
+COARSE_STEPS_CHANGE = 1e-2
 """Relative change of a response of a motion by finer steps above which the steps were too long."""
-DIGITS = 1e-8
+EXACT_METHODS_DIFFERENCE = 1e-8
 """Relative difference of derivatives by exact methods that is an error, as in `ffrf certify`."""
-MEANT = 1e-6
+IMPORTANT_DERIVATIVE = 1e-6
 """Part of a response that a derivative by a variable of its size must mean to be compared: at an optimum parts cancel, and what is left of
 them has few digits."""
 
@@ -80,7 +80,7 @@ def solved_again(problem: Problem, found: DesignOutcome) -> Verification:
             names = (*map(norm_of, problem.norms), *problem.statistics)
             values |= {name: derived.values[k, problem.responses.index(name)] for name in names}
         for name, before in zip(problem.responses, found.values[k], strict=True):
-            after = min(values[name], problem.margin_up_to or FAR) if name == LOAD_MARGIN else values[name]
+            after = min(values[name], problem.margin_up_to or LARGEST_LOAD_FACTOR) if name == LOAD_MARGIN else values[name]
             size = max([abs(before), *(abs(each.bound) for each in problem.limits if each.response == name)])
             changes[by_case([case], name)[0]] = abs(after - before) / (size or 1.0)
     return Verification(results, _changed(problem, changes), changes, margins, tuple(cautions))
@@ -88,12 +88,12 @@ def solved_again(problem: Problem, found: DesignOutcome) -> Verification:
 
 def _changed(problem: Problem, changes: dict[str, float]) -> str:
     worst = max(changes, key=lambda name: changes[name])
-    if problem.kind == "static" and changes[worst] > ANOTHER:
+    if problem.kind == "static" and changes[worst] > OTHER_EQUILIBRIUM:
         return (
             f"the path from the unloaded state leads to another equilibrium: {worst} changes by {100 * changes[worst]:.3g} %. The design "
             "of the search lies beyond a snap-through."
         )
-    if changes[worst] > COARSE:
+    if changes[worst] > COARSE_STEPS_CHANGE:
         return f"with steps half as long {worst} changes by {100 * changes[worst]:.3g} %. Give the scene a smaller solver.step."
     return ""
 
@@ -122,7 +122,7 @@ def _margin(problem: Problem, result: Run, where: str, cautions: list[Caution]) 
 
     A path that cannot be followed gives a remark, or an error if the load margin is asked for.
     """
-    up_to = max(problem.margin_up_to or 0.0, FAR)
+    up_to = max(problem.margin_up_to or 0.0, LARGEST_LOAD_FACTOR)
     try:
         value = load_margin(result.solution, up_to)[0]
     except NoLimitPointError as error:
@@ -156,12 +156,12 @@ def certified(problem: Problem, found: DesignOutcome, again: Verification) -> It
         scene = scene_at(problem, case, found.design)
         asked: dict[str, Any] = {name: scene.responses[name] for name in problem.asked}
         if LOAD_MARGIN in problem.responses and again.margins[case][1] and found.values[k][-1] < (problem.margin_up_to or 0.0):
-            asked[LOAD_MARGIN] = LoadMargin(up_to=problem.margin_up_to or FAR)
+            asked[LOAD_MARGIN] = LoadMargin(up_to=problem.margin_up_to or LARGEST_LOAD_FACTOR)
         try:
             certificate = certify(
-                scene.model_copy(update={"responses": asked}), list(problem.variables), problem.kind, unseen=MEANT
+                scene.model_copy(update={"responses": asked}), list(problem.variables), problem.kind, unseen=IMPORTANT_DERIVATIVE
             )
-            certificate.check(DIGITS)
+            certificate.check(EXACT_METHODS_DIFFERENCE)
         except ToolkitError as error:
             yield Caution("gradients", f"{where}the gradients at the optimum could not be certified: {error}")
             continue

@@ -20,28 +20,28 @@ from toolkit.foundation.errors import ConvergenceError
 from toolkit.scene.scene import Scene
 from toolkit.studies.tradeoff.setting import ALL_SHAPES, EVERY_ELEMENT, Choice, ErrorQuantity, Setting, SettingOutcome
 
-ORDER = 2
+SCHEME_ORDER = 2
 """Of the scheme of the reference."""
-SHARE = 0.1
+REFERENCE_BUDGET_SHARE = 0.1
 """Part of a budget that the reference's own error may take."""
-PATIENCE = 60.0
+REFERENCE_SECONDS = 60.0
 """Largest time in s that a run of the reference is expected to take; the limit to its refinement."""
 TOLERANCE = 1e-12
 """Of Newton's iteration, so that its error is none of the reference."""
 
-SEEN = 1e-5
+REMARKED_ERROR = 1e-5
 """Relative error of a response below which it is not worth a remark."""
 
-NEGLIGIBLE = 1e-6
+NEGLIGIBLE_SIZE = 1e-6
 """Part of the size of a response's gradient below which its value is no size to compare with, and the other way round."""
-TINY = 1e-300
+SIZE_OF_ZERO = 1e-300
 """Size where a response and its gradient are both zero."""
 
-NEAR = 0.3
+ORDER_TOLERANCE = 0.3
 """How far an observed order may be from the known one: the next power of h still counts where this one is seen."""
 ORDERS = (0.8, 6.0)
 """Observed orders that can be believed where none is known."""
-STALLED = 0.5
+STALLED_ORDER = 0.5
 """Observed orders below, of either sign, are no convergence."""
 
 Measure = Callable[[list[Setting]], list[SettingOutcome]]
@@ -74,13 +74,13 @@ def limit(runs: list[float], order: int | None) -> ExtrapolatedLimit:
     """
     f_1, f_2, f_3 = runs[-3:]
     observed = _observed(f_1 - f_2, f_2 - f_3)
-    if order is not None and abs(observed - order) <= NEAR:
+    if order is not None and abs(observed - order) <= ORDER_TOLERANCE:
         e_1, e_2 = (fine + (fine - coarse) / (2**order - 1) for coarse, fine in ((f_1, f_2), (f_2, f_3)))
         return ExtrapolatedLimit(e_2, abs(e_2 - e_1) / (2 ** (order + 1) - 1), observed)
     if order is None and ORDERS[0] <= observed <= ORDERS[1]:
         correction = (f_3 - f_2) / (2**observed - 1)
         return ExtrapolatedLimit(f_3 + correction, abs(correction), observed)
-    return ExtrapolatedLimit(f_3, max(abs(f_3 - f_2), abs(f_2 - f_1)), math.nan, abs(observed) < STALLED)
+    return ExtrapolatedLimit(f_3, max(abs(f_3 - f_2), abs(f_2 - f_1)), math.nan, abs(observed) < STALLED_ORDER)
 
 
 def _observed(before: float, after: float) -> float:
@@ -108,7 +108,7 @@ class Reference:
         value = abs(self.limits[name].value)
         change = max((abs(each.value) * self.sizes[x] for x, each in self.slopes.get(name, {}).items()), default=0.0)
         own, other = (change, value) if derived else (value, change)
-        return max(own, NEGLIGIBLE * other, TINY)
+        return max(own, NEGLIGIBLE_SIZE * other, SIZE_OF_ZERO)
 
     def error(self, quantity: ErrorQuantity) -> float:
         """Estimated error of a response, or of its gradient, relative as in `tradeoff`."""
@@ -130,7 +130,8 @@ class Reference:
 def find_reference(
     scene: Scene, axes: dict[str, list[Choice]], budget: dict[ErrorQuantity, float], measure: Measure
 ) -> Reference:
-    """Refine in time until that error is `SHARE` of every budget, or the next run would take longer than `PATIENCE`.
+    """Refine in time until that error is `REFERENCE_BUDGET_SHARE` of every budget, or the next run would take longer than
+    `REFERENCE_SECONDS`.
 
     Raises
     ------
@@ -143,7 +144,7 @@ def find_reference(
     in_mesh = [_setting(scene, axes, finest, [n]) for n in meshes] if meshes else []
     outcomes = _measured(measure, [*in_time, *in_mesh[:-1]])
     times, others = outcomes[:3], outcomes[3:]
-    while not _exact(_reference(times, [], in_time, []), budget) and 2 * times[-1].seconds < PATIENCE:
+    while not _exact(_reference(times, [], in_time, []), budget) and 2 * times[-1].seconds < REFERENCE_SECONDS:
         finer = _setting(scene, axes, in_time[-1].solver["step"] / 2, meshes[-1:])
         try:
             times += _measured(measure, [finer])
@@ -155,7 +156,7 @@ def find_reference(
 
 
 def _exact(found: Reference, budget: dict[ErrorQuantity, float]) -> bool:
-    return all(found.error(quantity) <= SHARE * each for quantity, each in budget.items())
+    return all(found.error(quantity) <= REFERENCE_BUDGET_SHARE * each for quantity, each in budget.items())
 
 
 def _whole(scene: Scene, step: float) -> float:
@@ -202,7 +203,7 @@ def _reference(
     last = times[-1]
 
     def both(number: Callable[[SettingOutcome], float]) -> ExtrapolatedLimit:
-        found = limit([number(each) for each in times], ORDER)
+        found = limit([number(each) for each in times], SCHEME_ORDER)
         if not meshes:
             return found
         return found.plus(limit([number(each) for each in meshes], None), number(meshes[-1]))
@@ -228,7 +229,7 @@ def described(found: Reference) -> Iterator[str]:
         yield "Its bodies have one floating frame to every element: errors contain what fewer frames leave out."
     elif found.in_time[-1].modes is not None:
         yield "Its bodies keep all coordinates of their parts: errors contain what fewer shapes leave out."
-    restless = [name for name, each in found.limits.items() if each.stalled and each.error > SEEN * abs(each.value)]
+    restless = [name for name, each in found.limits.items() if each.stalled and each.error > REMARKED_ERROR * abs(each.value)]
     if restless:
         yield (
             f"{', '.join(restless)}: every halving of the step changes it as much as the one before. It may depend on the number of time "

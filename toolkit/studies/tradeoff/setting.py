@@ -22,7 +22,7 @@ EVERY_ELEMENT = "every"
 """In place of a number of frames: one to each element."""
 ALL_SHAPES = "all"
 """In place of a number of modes of each part: all of its coordinates."""
-MOST = 2000
+MOST_SETTINGS = 2000
 """Most settings of a study."""
 
 
@@ -111,12 +111,12 @@ def grid(scene: Scene, axes: dict[str, list[Choice]]) -> list[Setting]:
     Raises
     ------
     InputError
-        There are more than `MOST`, or a value is none that the solver knows.
+        There are more than `MOST_SETTINGS`, or a value is none that the solver knows.
     """
     size = prod(map(len, axes.values()))
-    if size > MOST:
+    if size > MOST_SETTINGS:
         raise InputError(
-            f"the grid has {size} settings, at most {MOST} are run. Name fewer axes, or their values: step=0.1/0.05."
+            f"the grid has {size} settings, at most {MOST_SETTINGS} are run. Name fewer axes, or their values: step=0.1/0.05."
         )
     for choice in (choice for choices in axes.values() for choice in choices):
         _check_choice(scene, choice)
@@ -174,7 +174,7 @@ class SettingOutcome(RunOutcome):
         return primal, whole
 
 
-DEFAULT = 1e-3
+DEFAULT_BUDGET = 1e-3
 GRADIENT_SHARE = 10.0
 """A gradient's budget by default, in units of that of its response: an optimiser needs its direction, a reader all digits of the value."""
 EVERY = "all"
@@ -211,7 +211,7 @@ def read_budget(
     texts = [_split(text) for text in values]
     derived = [(name[2:-1], limit) for name, limit in texts if name.startswith("d(") and name.endswith(")")]
     plain = [(name, limit) for name, limit in texts if not (name.startswith("d(") and name.endswith(")"))]
-    own = _limits(responses, plain or [(EVERY, DEFAULT)])
+    own = _limits(responses, plain or [(EVERY, DEFAULT_BUDGET)])
     named = derived + [_split(text) for text in gradients]
     if named and not differentiated:
         raise InputError(

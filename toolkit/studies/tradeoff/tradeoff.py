@@ -45,7 +45,7 @@ from toolkit.studies.tradeoff.setting import (
 )
 from toolkit.studies.tradeoff.setting_run import Case, fingerprint, model_bodies, run_settings, tables_file, time_settings
 
-NOISE = 1.05
+TIME_NOISE = 1.05
 """Times that differ by less than this factor are equal: medians of a few runs say no more."""
 
 
@@ -95,7 +95,7 @@ def cheapest(settings: Sequence[JudgedSetting]) -> JudgedSetting | None:
     if not kept:
         return None
     fastest = min(each.price for each in kept)
-    return min((each for each in kept if each.price <= NOISE * fastest), key=lambda each: each.ratio)
+    return min((each for each in kept if each.price <= TIME_NOISE * fastest), key=lambda each: each.ratio)
 
 
 def errors(reference: Reference, outcome: SettingOutcome) -> dict[ErrorQuantity, float]:
@@ -123,7 +123,7 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
     return found
 
 
-EVERY_SHAPE = 10_000
+ALL_MODES = 10_000
 """Modes of a part that no part has: it keeps all its coordinates."""
 
 
@@ -152,7 +152,7 @@ def frames(case: Case, setting: Setting) -> dict[str, dict[str, int]]:
     for name, body in framed(scene, setting.frames, setting.modes).bodies.items():
         if body is not scene.bodies[name] and body != scene.bodies[name]:
             new, old = ({key: getattr(each, key) for key in ("frames", "modes_per_frame")} for each in (body, scene.bodies[name]))
-            found[name] = {key: EVERY_SHAPE if n is None else n for key, n in new.items() if n != old[key]}
+            found[name] = {key: ALL_MODES if n is None else n for key, n in new.items() if n != old[key]}
     return found
 
 
@@ -190,7 +190,7 @@ def toml_value(value: object) -> str:
 
 
 Stage = Callable[[str], AbstractContextManager[Progress]]
-REPEATS = 5
+TIMED_RUNS = 5
 
 
 @dataclass(frozen=True)
@@ -287,7 +287,7 @@ def silent(_: str) -> Iterator[Progress]:
     yield lambda done, total: None
 
 
-def tradeoff(planned: TradeoffPlan, stage: Stage = silent, jobs: int = 1, repeats: int = REPEATS) -> Tradeoff:
+def tradeoff(planned: TradeoffPlan, stage: Stage = silent, jobs: int = 1, repeats: int = TIMED_RUNS) -> Tradeoff:
     """Run a plan; what its folder has already is not run again.
 
     Parameters

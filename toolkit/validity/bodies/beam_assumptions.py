@@ -45,7 +45,7 @@ from toolkit.validity.bodies.deformation import LIMIT, in_space, instants_of, wh
 from toolkit.validity.bodies.geometric_stiffness import wrenches_at_points
 from toolkit.validity.bodies.known_chain import PlanarChain, chain
 
-CANCELLED = 1e-6
+FREE_FALL_DIFFERENCE = 1e-6
 """Weight and inertia that differ by less in their own parts are those of free fall, to what solvers leave."""
 
 
@@ -75,7 +75,7 @@ def pull_on_elements(solution: Solution, name: str, behind: Chain, instants: np.
             inertia = inertia + _applied(alpha + omega @ omega + drag * omega, centre) + 2 * _applied(omega, rate)
     found = weight - inertia
     sizes = np.linalg.norm(weight, axis=2) + np.linalg.norm(inertia, axis=2)
-    return np.where((np.linalg.norm(found, axis=2) > CANCELLED * sizes)[:, :, None], found, 0.0)
+    return np.where((np.linalg.norm(found, axis=2) > FREE_FALL_DIFFERENCE * sizes)[:, :, None], found, 0.0)
 
 
 def pull_of_frame(solution: Solution, name: str, instants: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -256,13 +256,13 @@ def _density(scene: ResolvedScene, body: ModelBody, found: Beams) -> np.ndarray:
     return per_length
 
 
-ALMOST = 1e-3
+FACTOR_ROUNDING = 1e-3
 """Part of a tenth by which a factor may exceed the one in a message."""
 
 
 def times_as_many(factor: float) -> str:
     """A phrase with a factor that is enough, not rounded down to what is there already."""
-    return f"{max(np.ceil(10 * factor - ALMOST) / 10, 1.1):.3g} times"
+    return f"{max(np.ceil(10 * factor - FACTOR_ROUNDING) / 10, 1.1):.3g} times"
 
 
 class AskedStress(NamedTuple):
@@ -338,7 +338,7 @@ def _off(asked: AskedStress, parts: list[PartStrains]) -> Missed:
     then = [each[:, :, when] for each, when in zip(seen, at, strict=True)]
     told_then, true_then, missed = (max(float(each[k].max()) for each in then) for k in (2, 3, 4))
     lacking, largest = (abs(true_then - told_then), true) if asked.ends is None else (missed, told + missed)
-    least = CANCELLED * max(float(each.told.max()) for each in parts)
+    least = FREE_FALL_DIFFERENCE * max(float(each.told.max()) for each in parts)
     if across + along <= LIMIT / 2 * (told + across + along) or lacking <= least:
         return Missed()
     return Missed(lacking / max(largest, least), across, along)

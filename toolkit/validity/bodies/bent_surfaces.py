@@ -106,11 +106,11 @@ def _bow(first: np.ndarray, second: np.ndarray, lengths: np.ndarray) -> np.ndarr
     return found
 
 
-CANTILEVER = 0.6
+CANTILEVER_FACTOR = 0.6
 """Of d^2 / L, for a force at its tip."""
-DOUBTFUL = 0.1
+DOUBTFUL_LOAD_PART = 0.1
 """Part of the critical load above which deflections across lack more than a tenth of themselves, by rules that other supports change."""
-RESTING = 1e-2
+HARDLY_BENT_PART = 1e-2
 """Lines that turn by less than a tenth of the largest angle belong to members that hardly bend; of a cantilever they are a twentieth."""
 
 
@@ -144,7 +144,7 @@ def bent_surfaces(solution: Solution) -> Iterator[Caution]:
             yield bent_surfaces.caution(_told(solution.system.scene, body, found), body=body, part=found.relative)
         if found is not None and found.load > LIMIT:
             part = found.load / (1 - found.load) if found.load < 1 else np.inf
-            yield Caution("critical-load", _compressed(body, found.load), not found.load <= DOUBTFUL, body, part)
+            yield Caution("critical-load", _compressed(body, found.load), not found.load <= DOUBTFUL_LOAD_PART, body, part)
 
 
 def geometric_errors(solution: Solution) -> dict[str, Measured | None]:
@@ -172,7 +172,7 @@ def bending(solution: Solution, body: str) -> Bending | None:
         lost, turned = _lost(places, moved, lines)
         error = extent * lost
     else:
-        error, turned = CANTILEVER * distance**2 / extent, np.full(len(distance), np.nan)
+        error, turned = CANTILEVER_FACTOR * distance**2 / extent, np.full(len(distance), np.nan)
     force = carried(solution, body, instants, still_points(places, shapes))
     if force is not None:
         error = error + np.abs(force.load) * _aside(moved, force)
@@ -197,7 +197,7 @@ def _lost(points: np.ndarray, moved: np.ndarray, lines: np.ndarray) -> tuple[np.
     length = np.linalg.norm(along, axis=1)
     change = (moved[:, last] - moved[:, first]) / length[:, None]
     sideways = np.sum(change**2, axis=2) - np.einsum("tld,ld->tl", change, along / length[:, None]) ** 2
-    turning = np.where(sideways >= RESTING * sideways.max(axis=1, keepdims=True), length, 0.0)
+    turning = np.where(sideways >= HARDLY_BENT_PART * sideways.max(axis=1, keepdims=True), length, 0.0)
     whole = turning.sum(axis=1)
     mean = np.divide(np.sum(sideways * turning, axis=1), 2 * whole, out=np.zeros(len(whole)), where=whole > 0)
     return mean, np.arctan(np.sqrt(np.maximum(sideways.max(axis=1), 0.0)))
@@ -226,7 +226,7 @@ def _told(scene: ResolvedScene, body: str, found: Bending) -> str:
     )
 
 
-CERTAIN = 2
+ESTIMATE_FACTOR = 2
 """Estimated errors are off by up to this factor: beyond so many times the wanted one it is missed for certain."""
 
 
@@ -245,5 +245,5 @@ def outgrown_choices(solution: Solution) -> Iterator[Caution]:
                 f"the number of frames of {body} was chosen at the numbers of the scene as it is written. At these it leaves about "
                 f"{error:.1%} of the largest displacement, where a geometric error of {choice.wanted:.3g} is wanted. Fix: write these "
                 f"numbers into the scene, so that the number is chosen for them, or frames = {needed}.",
-                doubt=error > CERTAIN * choice.wanted,
+                doubt=error > ESTIMATE_FACTOR * choice.wanted,
             )

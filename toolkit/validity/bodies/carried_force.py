@@ -46,7 +46,7 @@ LIMIT = 0.05
 """Part of a deflection that may be wrong without a word; the same as that of the other meters."""
 INSTANTS = 100
 """The meter looks at about so many instants of a run."""
-BOUNDLESS = 1e9
+UNBOUNDED_ERROR = 1e9
 """Stands for an error without bound where instants are compared."""
 
 
@@ -82,7 +82,7 @@ def turning_frames(solution: Solution) -> Iterator[TurningFrame]:
 def _error(mu: float) -> float:
     if mu < 0:
         return -mu / (1 - mu)
-    return min(mu / (1 - mu), BOUNDLESS) if mu < 1 else BOUNDLESS
+    return min(mu / (1 - mu), UNBOUNDED_ERROR) if mu < 1 else UNBOUNDED_ERROR
 
 
 def lateral_compliance(solution: Solution, body: str, chord: Chord) -> float:
@@ -140,15 +140,15 @@ def _along(solution: Solution, body: str, chord: Chord, steps: np.ndarray) -> np
     return np.array([pair[first_largest(np.abs(pair))] for pair in pulls.T])
 
 
-CLAMPED, PINNED = 12 / np.pi**2, 3 / np.pi**2
+CLAMPED_LOAD_FACTOR, PINNED_LOAD_FACTOR = 12 / np.pi**2, 3 / np.pi**2
 """Factors of N c / L that give the load relative to the critical load of a straight bar."""
 
 
-STILL = 1e-9
+UNMOVED_PART = 1e-9
 """Part of the largest movement of a point below which it is round-off."""
-SHORT = 1e-6
+SHORTEST_REACH = 1e-6
 """Part of its length by which a line has to reach beyond the points that hold its start."""
-SEEN = 1e-12
+NO_AXIAL_COMPLIANCE = 1e-12
 """Part of the compliance across below which the compliance along is none: the basis then knows of no force along the line."""
 
 
@@ -178,7 +178,7 @@ def carried(solution: Solution, body: str, instants: np.ndarray, still: np.ndarr
 def still_points(places: np.ndarray, shapes: np.ndarray) -> np.ndarray | None:
     """Points (n, d) that no shape moves; None if each is moved by some."""
     moves = np.abs(shapes).max(axis=(1, 2))
-    points = places[moves <= STILL * moves.max()]
+    points = places[moves <= UNMOVED_PART * moves.max()]
     return points if len(points) else None
 
 
@@ -202,7 +202,7 @@ def lines_between(solution: Solution, body: str, still: np.ndarray | None) -> It
 
 def _is_ahead(side: np.ndarray, behind: np.ndarray) -> bool:
     """Whether the end of a line is farther along it than all points (n, d)."""
-    return bool((behind @ side).max() < (1 - SHORT) * (side @ side))
+    return bool((behind @ side).max() < (1 - SHORTEST_REACH) * (side @ side))
 
 
 class _Line(NamedTuple):
@@ -219,9 +219,14 @@ def _lines(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[
     chord = chord_of(design_point(scene, body, "interfaces").model.reference_condition)
     for name, _, motion in lines_between(solution, body, still):
         if chord is not None:
-            yield name, _Line(motion, compliance_across(solution, body, motion_against_tangent(solution, body, chord)), PINNED)
+            yield (
+                name,
+                _Line(
+                    motion, compliance_across(solution, body, motion_against_tangent(solution, body, chord)), PINNED_LOAD_FACTOR
+                ),
+            )
         else:
-            factor = PINNED if (choice := frame_choices(scene).get(body)) and choice.chord else CLAMPED
+            factor = PINNED_LOAD_FACTOR if (choice := frame_choices(scene).get(body)) and choice.chord else CLAMPED_LOAD_FACTOR
             yield name, _Line(motion, compliance_across(solution, body, motion), factor)
 
 
@@ -231,7 +236,7 @@ def _carried(solution: Solution, body: str, instants: np.ndarray, name: str, lin
     stiffness = np.real(design_point(solution.system.scene, body).value("stiffness"))
     row = along @ line.motion[:, 1:]
     compliance, largest = row @ static_deflection(stiffness, row), np.linalg.eigvalsh(line.across)[-1]
-    if compliance > SEEN * largest * length:
+    if compliance > NO_AXIAL_COMPLIANCE * largest * length:
         force = np.real(solution.q[instants][:, elastic_coordinates(solution, body)]) @ row / compliance
     else:
         force = forces_at_points(solution, body, instants).get(name, np.zeros((len(instants), len(along)))) @ along

@@ -29,9 +29,9 @@ from toolkit.foundation.near_ties import first_smallest
 from toolkit.foundation.value_types import Matrix
 from toolkit.kinematics.beam_elements import BeamElements, at_place
 
-STILL = 1e-9
+UNMOVED_PART = 1e-9
 """Part of the largest movement of a node below which it is round-off: clamped nodes of computed shapes move by some."""
-FEW = 100
+MOST_DENSE_COORDINATES = 100
 """Nodal coordinates up to which dense matrices cost less than the making of sparse ones."""
 
 
@@ -59,7 +59,7 @@ class Forms:
     def assembled(self, blocks: np.ndarray) -> Matrix:
         """The sum of blocks (n_e, p, p) on the nodal coordinates, (n, n); sparse where there are many."""
         row, column = np.broadcast_arrays(self.dofs[:, :, None], self.dofs[:, None, :])
-        if self.count < FEW:
+        if self.count < MOST_DENSE_COORDINATES:
             found = np.zeros((self.count, self.count))
             np.add.at(found, (row, column), blocks)
             return found
@@ -110,7 +110,7 @@ def displacements_under(forms: Forms, held: np.ndarray, loads: np.ndarray) -> np
 def clamped_rows(shapes: np.ndarray, per_node: int) -> np.ndarray:
     """Rows (m, n) of the nodes that a tangent frame is tied to: those that the shapes (n, n_f) of the basis do not move."""
     moves = np.abs(shapes).max(axis=1).reshape(-1, per_node).max(axis=1)
-    nodes = np.flatnonzero(moves <= moves.min() + STILL * moves.max())
+    nodes = np.flatnonzero(moves <= moves.min() + UNMOVED_PART * moves.max())
     return np.eye(shapes.shape[0])[(per_node * nodes[:, None] + np.arange(per_node)).ravel()]
 
 

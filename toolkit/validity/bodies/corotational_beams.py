@@ -148,9 +148,9 @@ def _angle(cosine: np.ndarray, sine: np.ndarray, near: np.ndarray) -> np.ndarray
 FIRST_STEP, SMALLEST_STEP = 0.1, 1e-3
 """Parts of the load: the steps, halved where Newton fails or finds an unstable state, and where they are not halved any more."""
 ITERATIONS = 40
-HOLD = 1e3
+HELD_STIFFNESS = 1e3
 """Stiffness of a held direction, in parts of that of the stiffest: its square is far from round-off and from any of the body."""
-EXACT, ROUND_OFF = 1e-10, 1e-6
+CORRECTION_TOLERANCE, ROUND_OFF = 1e-10, 1e-6
 """Corrections, in parts of the body's size, that Newton is content with: at once; or when they shrink no more."""
 
 
@@ -192,7 +192,7 @@ def _newton(frame: Corotational, loads: np.ndarray, held: np.ndarray, u: np.ndar
             return None
         u = u + correction
         change = np.hypot(correction[0::3], correction[1::3]).max()
-        if change <= EXACT * size or (change <= ROUND_OFF * size and change > before / 2):
+        if change <= CORRECTION_TOLERANCE * size or (change <= ROUND_OFF * size and change > before / 2):
             return u if _stable(frame.tangent(u), held) else None
         if not change < 1e3 * size:
             return None
@@ -204,7 +204,7 @@ def _stable(stiffness: scipy.sparse.csc_array, held: np.ndarray) -> bool:
     """Whether K is positive definite in all directions that the rows C leave free: K + C^T C is, with C made stiff."""
     scale = _scale(stiffness)
     border = held * scale
-    stiff = HOLD * border / np.linalg.norm(border, axis=1)[:, None]
+    stiff = HELD_STIFFNESS * border / np.linalg.norm(border, axis=1)[:, None]
     try:
         np.linalg.cholesky(scale[:, None] * stiffness.toarray() * scale + stiff.T @ stiff)
     except np.linalg.LinAlgError:

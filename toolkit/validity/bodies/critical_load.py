@@ -34,8 +34,8 @@ import numpy as np
 import scipy
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.solvers.direct_solve import MANY
-from toolkit.solvers.free_motions import UNSYMMETRIC, free_motions, is_symmetric
+from toolkit.solvers.direct_solve import SPARSE_FROM_UNKNOWNS
+from toolkit.solvers.free_motions import UNSYMMETRIC_PART, free_motions, is_symmetric
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.static.static_matrix import StaticArray, as_dense, is_positive, static_array, whole_array
 from toolkit.system.solution import Solution, elastic_coordinates
@@ -43,7 +43,7 @@ from toolkit.system.system import System
 from toolkit.validity.bodies.deformation import flexible_bodies
 from toolkit.validity.bodies.geometric_stiffness import Flexibility, Stiffening, flexibility, largest_ratio, stiffening
 
-STILL = 1e-12
+NO_STIFFNESS = 1e-12
 """Stiffness of a motion, in coordinates of unit stiffness, below which it has none: a column of 20 bodies and 400 elements has 7e-11, a
 free motion 1e-17."""
 
@@ -63,7 +63,7 @@ def misses_less(solution: Solution, known: dict[str, Stiffening], n: int, part: 
     Where matrices are large or not symmetric, or loads have states, nothing is known.
     """
     system, n_q = solution.system, solution.system.n_q
-    if not (solution.steps or solution.spins) or system.n >= MANY or n_q > system.n_b:
+    if not (solution.steps or solution.spins) or system.n >= SPARSE_FROM_UNKNOWNS or n_q > system.n_b:
         return False
     q, v = (np.append(np.real(state[n]), np.zeros(system.n - n_q)) for state in (solution.q, solution.v))
     acc = np.real(np.append(solution.a[n], solution.multipliers[n]))
@@ -154,7 +154,7 @@ def _among_free(state: _State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.n
     bare, loaded = as_dense(state.bare), as_dense(state.loaded)
     at_rest, weights = bare[:n_q, :n_q], system.weights[:n_q]
     diagonal = np.diag(at_rest) / weights**2
-    stiff = diagonal > STILL * diagonal.max()
+    stiff = diagonal > NO_STIFFNESS * diagonal.max()
     scale = weights * np.sqrt(np.where(stiff, diagonal, diagonal[stiff].min(initial=np.inf)))
     free = free_motions(loaded[:n_q, n_q:].T, scale)
     parts = [at_rest, loaded[:n_q, :n_q] - at_rest, as_dense(state.geometric)]
@@ -165,7 +165,7 @@ def _among_free(state: _State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.n
 def _stiff_motions(at_rest: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
     """Positive stiffnesses (n,), their motions, and all others."""
     values, vectors = np.linalg.eigh((at_rest + at_rest.T) / 2)
-    stiff = values > STILL
+    stiff = values > NO_STIFFNESS
     return values[stiff], (vectors[:, stiff], vectors[:, ~stiff])
 
 
@@ -174,7 +174,7 @@ def _followed(motions: tuple[np.ndarray, np.ndarray], form: np.ndarray) -> np.nd
     stiff, loose = motions
     if not loose.shape[1]:
         return stiff
-    return stiff - loose @ np.linalg.lstsq(loose.T @ form @ loose, loose.T @ form @ stiff, rcond=STILL)[0]
+    return stiff - loose @ np.linalg.lstsq(loose.T @ form @ loose, loose.T @ form @ stiff, rcond=NO_STIFFNESS)[0]
 
 
 def _largest(matrix: np.ndarray) -> float:
@@ -184,7 +184,7 @@ def _largest(matrix: np.ndarray) -> float:
     if is_symmetric(matrix):
         return max(float(np.linalg.eigvalsh((matrix + matrix.T) / 2)[-1]), 0.0)
     values = np.linalg.eigvals(matrix)
-    return float(values.real[np.abs(values.imag) <= UNSYMMETRIC * np.abs(values)].max(initial=0.0))
+    return float(values.real[np.abs(values.imag) <= UNSYMMETRIC_PART * np.abs(values)].max(initial=0.0))
 
 
 ROUND_OFF = 1e-6
@@ -210,14 +210,14 @@ def stays_straight(solution: Solution, known: Mapping[str, Stiffening]) -> bool:
 LIMIT = 0.05
 """Part of a deflection that the equations may miss; the same as that of the meter of large deformation, which does not know by how much a
 whole near its critical load makes what its parts miss larger."""
-FELT = 1e-3
+STIFFNESS_LOSS = 1e-3
 """Part of its elastic stiffness that a body may lose in its own frame without the whole scene being looked at: a column of several frames
 whose parts lose no more is half as stiff as these equations say within a thousandth of its critical load."""
-AMONG = 5000
+MOST_COMPARED_STATES = 5000
 """The meter looks for the largest compression among at most so many states of a run."""
-STATES = 3
+EXAMINED_STATES = 3
 """Of so many the whole scene is looked at."""
-BOUNDLESS = 1e9
+UNBOUNDED_PART = 1e9
 """Stands for a missed part without bound where states are compared."""
 
 
@@ -246,7 +246,7 @@ def compression(solution: Solution, of_interest: float = 0.0) -> Compression | N
     states = [Compression(body, float(solution.times[n]), *missed(solution, known, n), straight) for n, body in softest.items()]
     if not states:
         return None
-    return states[first_largest(np.array([min(max(each.missed, each.feigned), BOUNDLESS) + each.load for each in states]))]
+    return states[first_largest(np.array([min(max(each.missed, each.feigned), UNBOUNDED_PART) + each.load for each in states]))]
 
 
 def _softest(solution: Solution, known: dict[str, Stiffening]) -> dict[int, str]:
@@ -259,7 +259,7 @@ def _softest(solution: Solution, known: dict[str, Stiffening]) -> dict[int, str]
                 places.append((n, body))
                 parts.append(law.softening(sense * elastic[n]))
     found: dict[int, str] = {}
-    while max(parts, default=0.0) > FELT and len(found) < STATES:
+    while max(parts, default=0.0) > STIFFNESS_LOSS and len(found) < EXAMINED_STATES:
         largest = first_largest(np.array(parts))
         found.setdefault(*places.pop(largest))
         parts.pop(largest)
@@ -269,7 +269,7 @@ def _softest(solution: Solution, known: dict[str, Stiffening]) -> dict[int, str]
 def most_compressed(law: Stiffening, elastic: np.ndarray) -> list[int]:
     """Numbers of the states (n_t, n_f) whose compression softens the whole body most, and one element of it; in space, where bending and
     twist soften it too, that of the largest elastic energy besides."""
-    stride = -(-len(elastic) // AMONG)
+    stride = -(-len(elastic) // MOST_COMPARED_STATES)
     lost = -(elastic[::stride] @ law.forces.T) * law.compliances
     measures = [lost.sum(axis=1), lost.max(axis=1)]
     if law.behind.stiffening.shape[1] > 1:

@@ -32,7 +32,7 @@ from toolkit.solvers.start.start_velocities import carried_along, project_veloci
 from toolkit.system.solution import Solution, deforming, flexible_body, poses_at, spins_of
 from toolkit.system.system import System
 
-FAST = 0.5
+FAST_SPIN_PART = 0.5
 """Part of its critical speed from which on a spin may be why a run failed."""
 
 
@@ -88,11 +88,11 @@ def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]
 
 
 def fast_bodies(solution: Solution) -> list[str]:
-    """Flexible bodies whose frame spins with `FAST` of its critical speed or more at any time."""
+    """Flexible bodies whose frame spins with `FAST_SPIN_PART` of its critical speed or more at any time."""
     scene = solution.system.scene
     spins = {body: spins_of(solution, body) for body in spinning_bodies(scene)}
     fastest = {body: each[first_largest(np.linalg.norm(each, axis=1))] for body, each in spins.items()}
-    return [body for body, spin in fastest.items() if not _stable(scene, body, spin / FAST)]
+    return [body for body, spin in fastest.items() if not _stable(scene, body, spin / FAST_SPIN_PART)]
 
 
 def _stable(scene: ResolvedScene, body: str, spin: np.ndarray) -> bool:
@@ -119,9 +119,9 @@ def _scaled(scene: ResolvedScene, body: str, axis: np.ndarray, stiffened: bool =
     return scale[:, None] * stiffness * scale, scale[:, None] * mass * scale
 
 
-SLOW = 1e-2
+SLOW_SPIN_PART = 1e-2
 """Spin, as a part of the lowest circular frequency, up to which it is a remark: gyroscopic forces change frequencies by about this part."""
-NONE = 1e-9
+ZERO_SPIN_PART = 1e-9
 """Spin, as a part of the lowest circular frequency, below which it is round-off."""
 
 
@@ -138,13 +138,13 @@ def cautions_of_spin(solution: Solution, frequencies: np.ndarray) -> Iterator[Ca
     body, spin, when = found
     vibrating = 2 * np.pi * np.abs(frequencies[frequencies != 0])
     lowest = float(vibrating.min(initial=np.inf))
-    if spin <= NONE * lowest < np.inf:
+    if spin <= ZERO_SPIN_PART * lowest < np.inf:
         return
     beside = f", {spin / lowest:.2g} of the lowest circular frequency" if np.isfinite(lowest) else ""
     yield cautions_of_spin.caution(
         f"these frequencies are those about the equilibrium at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}{beside}. "
         f"Gyroscopic and centrifugal forces are not in them. {cautions_of_spin.fix}",
-        doubt=not spin <= SLOW * lowest,
+        doubt=not spin <= SLOW_SPIN_PART * lowest,
     )
 
 
@@ -184,12 +184,12 @@ def _spins(system: System, q: np.ndarray, v: np.ndarray, when: str) -> Iterator[
             yield name, float(np.linalg.norm(rate)), when
 
 
-TURN = 2 * np.pi
-MOST = 0.35 * TURN
+FULL_TURN = 2 * np.pi
+LARGEST_STEP_ANGLE = 0.35 * FULL_TURN
 """Angle in a step: with three steps in a turn nothing is left of a force that turns, and peaks between them are seen (`missed_peaks`)."""
-WANTED = 20
+WANTED_STEPS_PER_TURN = 20
 """Steps in a turn that are proposed."""
-CENTRED = 1e-9
+CENTRED_POINT = 1e-9
 """Way of a point as the body turns by 1 rad, in parts of the model size, that is none."""
 
 
@@ -209,13 +209,15 @@ def turns_in_a_step(solution: Solution) -> Iterator[Caution]:
         for name, body in scene.bodies.items()
         if isinstance(body, Body) and body.turns == 1
     }
-    far = {name: angle for name, angle in turned.items() if angle > MOST and _matters(solution, name)}
+    far = {name: angle for name, angle in turned.items() if angle > LARGEST_STEP_ANGLE and _matters(solution, name)}
     if far:
         name = max(far, key=lambda each: far[each])
-        steps = np.diff(solution.whole_run).max() * TURN / (WANTED * far[name])
+        steps = np.diff(solution.whole_run).max() * FULL_TURN / (WANTED_STEPS_PER_TURN * far[name])
         yield turns_in_a_step.caution(
-            f"{name!r} turns by up to {far[name] / TURN:.2g} turns in a step (limit {MOST / TURN:g}). Points and forces on it are seen "
-            f"at a few of its angles, and other steps may see the same ones. Fix: solver.step = {steps:.1g}, {WANTED} steps in a turn.",
+            f"{name!r} turns by up to {far[name] / FULL_TURN:.2g} turns in a step (limit {LARGEST_STEP_ANGLE / FULL_TURN:g}). "
+            "Points and forces on it are seen "
+            f"at a few of its angles, and other steps may see the same ones. Fix: solver.step = {steps:.1g}, "
+            f"{WANTED_STEPS_PER_TURN} steps in a turn.",
         )
 
 
@@ -237,7 +239,7 @@ def _matters(solution: Solution, name: str) -> bool:
     states = np.real(solution.q[[0, 0]])
     states[1, first + body.moves] += 1.0
     before, after = poses_at(system, states)[:, own, : scene.dimension]
-    return bool(np.abs(after - before).max(initial=0.0) > CENTRED * scene.size)
+    return bool(np.abs(after - before).max(initial=0.0) > CENTRED_POINT * scene.size)
 
 
 def _components(scene: Scene) -> list[InSpace]:

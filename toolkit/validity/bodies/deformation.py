@@ -36,7 +36,7 @@ from toolkit.validity.bodies.carried_force import static_deflection
 from toolkit.validity.bodies.chain import Chain
 from toolkit.validity.bodies.known_chain import chain
 
-NO_MOMENT = 1e-9
+ZERO_MOMENT_PART = 1e-9
 """Part of the largest moment of inertia of a body's nodes below which a turn moves none of them."""
 
 
@@ -88,14 +88,14 @@ def _without_best(errors: np.ndarray, places: np.ndarray) -> np.ndarray:
     arms = places - places.mean(axis=1, keepdims=True)
     inertia = np.einsum("tni,tni,jk->tjk", arms, arms, np.eye(3)) - np.einsum("tnj,tnk->tjk", arms, arms)
     moment = np.cross(arms, errors).sum(axis=1)
-    turn = np.einsum("tjk,tk->tj", np.linalg.pinv(inertia, rcond=NO_MOMENT, hermitian=True), moment)
+    turn = np.einsum("tjk,tk->tj", np.linalg.pinv(inertia, rcond=ZERO_MOMENT_PART, hermitian=True), moment)
     found: np.ndarray = errors - errors.mean(axis=1, keepdims=True) - np.cross(turn[:, None], arms)
     return found
 
 
 ALL = slice(None)
 """Instants of a run."""
-STRAIGHT = 1e-9
+UNDEFORMED_PART = 1e-9
 """Displacement in parts of the size below which a body does not deform, so that one frame is exact."""
 
 
@@ -140,7 +140,7 @@ def is_moving(scene: Scene, body: str) -> bool:
 
 def relative_distance(one: np.ndarray, other: np.ndarray, displacement: float, moving: bool) -> float:
     """The largest distance between two runs in parts of the largest displacement; none of a body that does not deform."""
-    if displacement <= STRAIGHT * np.ptp(one, axis=(0, 1)).max():
+    if displacement <= UNDEFORMED_PART * np.ptp(one, axis=(0, 1)).max():
         return 0.0
     return largest_distance(one, other, moving) / displacement
 

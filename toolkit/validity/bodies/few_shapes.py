@@ -44,7 +44,7 @@ from toolkit.scene.scene import Scene
 from toolkit.solvers.free_motions import is_symmetric
 from toolkit.system.solution import Solution, design_point, flexible_body
 from toolkit.validity.bodies.deformation import whole_bodies
-from toolkit.validity.bodies.full_scene import DOUBTFUL, TOLD, listed_parts
+from toolkit.validity.bodies.full_scene import DOUBT_PART, REMARK_PART, listed_parts
 from toolkit.validity.bodies.missed_statics import amplitudes_of_loads, softer_and_stressed
 
 PARTS = ("affine", "derivatives", *RICHER_PARTS)
@@ -136,9 +136,9 @@ def _turns(model: ReducedModel, parameter: str) -> bool:
     return not model.basis.startswith(MODES_ALONE)
 
 
-SMALL = 1e-6
+LINEAR_AMPLITUDE = 1e-6
 """Size of a vibration, in parts of the model size or rad, over which forces are linear in it to as much."""
-NEAREST = 0.9
+COUNTED_INERTIA_PART = 0.9
 """Part of the slowest frequency that is left out up to which its own inertia is counted."""
 
 
@@ -190,13 +190,13 @@ def _softer(solution: Solution, body: str, vibrating: Vibrating, near: float) ->
     assert design.model.left_out_shapes is not None
     loads = _amplitudes(solution, body, vibrating)
     compliance = softer_and_stressed(design_point(solution.system.scene, body))[0] * design.model.left_out_shapes.compliance
-    return float(loads @ compliance @ loads) / (vibrating.omega**2 * (1 - min(near, NEAREST) ** 2))
+    return float(loads @ compliance @ loads) / (vibrating.omega**2 * (1 - min(near, COUNTED_INERTIA_PART) ** 2))
 
 
 def _amplitudes(solution: Solution, body: str, vibrating: Vibrating) -> np.ndarray:
     """Loads c of a body per unit of a vibration, by the states at both of its ends."""
     system, n_q = solution.system, solution.system.n_q
-    size = SMALL / np.abs(system.weights[:n_q] * vibrating.shape).max()
+    size = LINEAR_AMPLITUDE / np.abs(system.weights[:n_q] * vibrating.shape).max()
     side = np.array([[size], [-size]])
     options = (solution.options or system.scene.solver).model_copy(update={"quasi_static": False})
     states = {
@@ -211,10 +211,10 @@ def _amplitudes(solution: Solution, body: str, vibrating: Vibrating) -> np.ndarr
     return found
 
 
-ENOUGH = float(np.sqrt((1 + TOLD) ** 2 - 1))
-"""Frequency, relative to the slowest one left out, that may be too high by `TOLD`."""
+ENOUGH = float(np.sqrt((1 + REMARK_PART) ** 2 - 1))
+"""Frequency, relative to the slowest one left out, that may be too high by `REMARK_PART`."""
 
-OF_GRADIENTS = 0.02
+DERIVATIVE_ERROR_LIMIT = 0.02
 """Relative error of a frequency from which its derivative may be off by a tenth: by a thickness, by up to five times as much."""
 BETTER = 'Build it with kind = "craig-bampton", whose shapes know its interface points.'
 """Remedy where the basis holds eigenmodes alone."""
@@ -252,15 +252,15 @@ def cautions_of_few_shapes(
     if least is None:
         return
     parts = {name: raised_at_most(value, least.slowest) for name, value in vibrating.items()}
-    high = {name: part for name, part in parts.items() if part > TOLD}
+    high = {name: part for name, part in parts.items() if part > REMARK_PART}
     if high:
         yield Caution(
             "left-out-shapes",
             f"frequencies may be too high where {least.body} vibrates, {listed_parts(high, 'up to')}: its basis leaves out shapes that "
-            f"vibrate from {least.slowest:.4g} {label} on. Others are so by less than {TOLD:.0%}. Build it with "
+            f"vibrate from {least.slowest:.4g} {label} on. Others are so by less than {REMARK_PART:.0%}. Build it with "
             "more modes, or in more pieces: what is left out from "
-            f"{1 / ENOUGH:.0f} times a frequency on makes it {TOLD:.0%}.",
-            doubt and max(high.values()) > DOUBTFUL,
+            f"{1 / ENOUGH:.0f} times a frequency on makes it {REMARK_PART:.0%}.",
+            doubt and max(high.values()) > DOUBT_PART,
         )
 
 
@@ -278,14 +278,14 @@ def _of_gripped(
             doubt,
         )
         return
-    high = {name: part for name, part in parts.items() if part > TOLD}
+    high = {name: part for name, part in parts.items() if part > REMARK_PART}
     if high:
         slopes = " Derivatives are off by up to five times as much." if differentiated else ""
         yield Caution(
             "left-out-shapes",
             f"frequencies are too high, {listed_parts(high, 'about')}: joints or springs hold {where}, which moves in shapes that its "
-            f"basis leaves out. Others are so by less than {TOLD:.0%}.{slopes} {BETTER}",
-            doubt and max(high.values()) > (OF_GRADIENTS if differentiated else DOUBTFUL),
+            f"basis leaves out. Others are so by less than {REMARK_PART:.0%}.{slopes} {BETTER}",
+            doubt and max(high.values()) > (DERIVATIVE_ERROR_LIMIT if differentiated else DOUBT_PART),
         )
 
 

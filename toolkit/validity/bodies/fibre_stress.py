@@ -45,7 +45,7 @@ from toolkit.validity.scene_cautions import bodies_of_stress
 
 ODD = np.arange(1, 40, 2)
 """Odd numbers n of the terms of the series, which fall with exp(-n pi / 2) and 1 / n^5."""
-SAME = 1e-6
+SECTION_TOLERANCE = 1e-6
 """Relative difference of lengths and second moments that is round-off of a section's numbers."""
 
 
@@ -94,10 +94,12 @@ def _shear(
     It is nan where they are neither round nor rectangles: where fibres lie elsewhere, or G J / E stands for no modulus of shear,
     from 1/3 E to E.
     """
-    equal, squares = np.abs(most - least) < SAME * most, radius**2 * area
-    solid = (squares > (2 - SAME) * least) & (squares < (4 + SAME) * least)  # from a thin tube to a full circle
+    equal, squares = np.abs(most - least) < SECTION_TOLERANCE * most, radius**2 * area
+    solid = (squares > (2 - SECTION_TOLERANCE) * least) & (
+        squares < (4 + SECTION_TOLERANCE) * least
+    )  # from a thin tube to a full circle
     round_ones = equal & solid & _is_modulus(twisting / (least + most))
-    corners = np.abs(squares - 3 * (least + most)) < SAME * squares
+    corners = np.abs(squares - 3 * (least + most)) < SECTION_TOLERANCE * squares
     ratio = np.sqrt(least / most)[:, None]
     fall = np.exp(-ODD * np.pi / 2 / ratio)
     sum_j, sum_k = (np.tanh(ODD * np.pi / 2 / ratio) / ODD**5).sum(axis=1), (2 * fall / (1 + fall**2) / ODD**2).sum(axis=1)
@@ -177,7 +179,7 @@ def _stresses(solution: Solution, body: str, name: str) -> tuple[float, float] |
         return None
     operator, owner = fibres.operator, fibres.owner
     found = sections_of(behind, fibres.made_of, fibres.distance, owner)
-    if np.any(found.radius**2 * found.area < SAME * found.least):
+    if np.any(found.radius**2 * found.area < SECTION_TOLERANCE * found.least):
         return np.inf, np.inf
     if np.isnan(found.shear).any():
         return None
@@ -218,7 +220,7 @@ def _fibres(scene: ResolvedScene, body: str, name: str, count: int) -> Fibres | 
     return Fibres(operator[mine], owner[mine], distance[mine], made_of.of_elements(first, first + count).real)
 
 
-FINER = 2
+POINTS_PER_NODE = 2
 """How many times as many points as nodes the outline of a skin has at least, whose curvature it shows; that of a frame has its nodes."""
 
 
@@ -252,7 +254,7 @@ def folded_skins(solution: Solution) -> Iterator[Caution]:
 def smallest_radius(same: Itself[Mesh]) -> float:
     """Smallest radius of circles through three successive points of a skin's contour; inf of a mesh that shows no contour of its own."""
     outline, nodes = np.real(same.item.outline), np.real(same.item.nodes)
-    if len(outline) < FINER * len(nodes):
+    if len(outline) < POINTS_PER_NODE * len(nodes):
         return np.inf
     ends = sorted(int(np.argmin(np.linalg.norm(outline - node, axis=1))) for node in (nodes[0], nodes[-1]))
     sides = np.diff(outline[ends[0] : ends[1] + 1], axis=0)

@@ -110,7 +110,7 @@ def cautions_of_modes(solution: Solution, frequencies: np.ndarray, count: int | 
     yield from sheared_vibrations(solution, named, differentiated=False)
 
 
-SEEN, LARGE = 0.01, 0.3
+REMARKED_DAMPING, DOUBTED_DAMPING = 0.01, 0.3
 """Parts of the critical damping above which it is told, and of the lowest frequency above which it is a doubt: sqrt(1 - 0.3^2) is 5 %
 below one."""
 
@@ -136,12 +136,12 @@ def cautions_of_damping(damping: np.ndarray, mass: np.ndarray, squares: np.ndarr
     vibrating = squares > 0
     damped, inert = (np.einsum("im,ij,jm->m", shapes, each, shapes)[vibrating] for each in (damping, mass))
     ratios = damped / (2 * np.sqrt(squares[vibrating]) * inert)
-    if not ratios.size or not ratios.max() > SEEN:
+    if not ratios.size or not ratios.max() > REMARKED_DAMPING:
         return
-    most = int(np.argmax(ratios > LARGE if ratios.max() > LARGE else ratios > SEEN))
+    most = int(np.argmax(ratios > DOUBTED_DAMPING if ratios.max() > DOUBTED_DAMPING else ratios > REMARKED_DAMPING))
     yield cautions_of_damping.caution(
         f"these frequencies are undamped. Damping is up to {ratios.max():.2g} of the critical one; that at "
         f"{np.sqrt(squares[vibrating][most]) / (2 * np.pi):.4g} Hz, {ratios[most]:.2g} of it, "
         + ("lowers it by " + f"{1 - np.sqrt(1 - ratios[most] ** 2):.1%}." if ratios[most] < 1 else "does not vibrate at all."),
-        doubt=bool(ratios[0] > LARGE),
+        doubt=bool(ratios[0] > DOUBTED_DAMPING),
     )

@@ -11,7 +11,8 @@ in shapes that were left out.
 Vibrations of a scene whose cut bodies are reduced, in so many more shapes that they are those of all coordinates.
 
 About the state that the reduced scene has come to, every part keeps, besides its own shapes, all modes with its kept coordinates held that
-are slower than `TIMES` the fastest vibration that is asked for. What is then left out makes frequencies too high by less than 3e-4
+are slower than `LEFT_OUT_FREQUENCY_RATIO` the fastest vibration that is asked for. What is then left out makes frequencies too
+high by less than 3e-4
 (measured), and none is missing, so that their numbers are those of all coordinates.
 """
 
@@ -36,7 +37,7 @@ from toolkit.solvers.free_motions import all_frequencies, all_roots, undamped_ra
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
 
-SAME = 1e-6
+SAME_SHAPE = 1e-6
 """Relative difference of a shape from others up to which it is one of them."""
 
 
@@ -80,7 +81,7 @@ class ReducedPart:
         squares, modes = scipy.linalg.eigh(inv.stiffness[own], mass)
         factor = scipy.linalg.cholesky(mass)
         every = factor @ np.column_stack([modes[:, squares < fastest**2], self.shapes.modes])
-        basis = scipy.linalg.orth(every / np.sqrt((every**2).sum(axis=0)), SAME)
+        basis = scipy.linalg.orth(every / np.sqrt((every**2).sum(axis=0)), SAME_SHAPE)
         inside = np.zeros((len(columns), basis.shape[1]))
         inside[inner] = scipy.linalg.solve_triangular(factor, basis)
         return np.column_stack([columns[:, :kept], inside])
@@ -157,7 +158,7 @@ def _parts(scene: ResolvedScene, full: System, name: str, body: CutBody) -> dict
     return found
 
 
-TIMES = 10.0
+LEFT_OUT_FREQUENCY_RATIO = 10.0
 """Frequency of the slowest shape that is left out, in parts of that of the vibration."""
 
 
@@ -174,15 +175,15 @@ def richer_pencil(solution: Solution, fastest: float) -> tuple[Pencil, np.ndarra
     full = full_scene_of(solution)
     assert full is not None
     system, n_q = full.system, full.system.n_q
-    shapes = full.expansion(lambda part: part.richer(TIMES * fastest))
+    shapes = full.expansion(lambda part: part.richer(LEFT_OUT_FREQUENCY_RATIO * fastest))
     columns = scipy.sparse.csr_array(scipy.sparse.block_diag([shapes, scipy.sparse.eye_array(system.n - n_q)]))
     found = Pencil(*(columns.T @ np.real(each) @ columns for each in any_pencil_of(full.last_state(solution))))
     return found, np.asarray((abs(shapes) * system.weights[:n_q, None]).max(axis=0).todense()).ravel()
 
 
-TOLD, DOUBTFUL = 0.01, 0.05
+REMARK_PART, DOUBT_PART = 0.01, 0.05
 """Parts of a frequency by which it may be too high without a word, and without a doubt."""
-NAMED = 10
+MOST_NAMED = 10
 """So many frequencies are named one by one; of a longer list the one that is off most is named besides."""
 
 
@@ -207,30 +208,31 @@ def raised_frequencies(solution: Solution, frequencies: np.ndarray) -> np.ndarra
 def cautions_of_raised(solution: Solution, frequencies: np.ndarray) -> Iterator[Caution]:
     """All of the frequencies that are too high."""
     parts = {f"number {k + 1}": float(part) for k, part in enumerate(raised_frequencies(solution, frequencies))}
-    high = {name: part for name, part in parts.items() if abs(part) > TOLD}
+    high = {name: part for name, part in parts.items() if abs(part) > REMARK_PART}
     if high:
         yield Caution(
             "left-out-shapes",
             "the parts of cut bodies keep some of their modes (modes_per_frame), so that frequencies are too high, or missing: "
-            f"{listed_parts(high, 'about')}. Those before {next(iter(high))} are so by less than {TOLD:.0%}. Write larger numbers, or "
+            f"{listed_parts(high, 'about')}. Those before {next(iter(high))} are so by less than {REMARK_PART:.0%}. Write "
+            "larger numbers, or "
             "leave them out.",
-            doubt=max(map(abs, high.values())) > DOUBTFUL,
+            doubt=max(map(abs, high.values())) > DOUBT_PART,
         )
 
 
 def listed_parts(parts: Mapping[str, float], word: str) -> str:
     """Frequencies, by what they are called, and the parts by which they are too high, in words."""
-    first, most = list(parts)[:NAMED], max(parts, key=lambda name: abs(parts[name]))
+    first, most = list(parts)[:MOST_NAMED], max(parts, key=lambda name: abs(parts[name]))
     told = [f"{name} by {word} {parts[name]:.1%}" for name in (*first, *({most} - {*first}))]
     more = len(parts) - len(told)
     return ", ".join(told) + (f", and {more} more" if more else "")
 
 
-UNDAMPED = 1e-9
+DAMPING_ROUND_OFF = 1e-9
 """Damping ratio that is round-off."""
-HELD = 1e-6
+FREE_MOTION_PART = 1e-6
 """Part of the fastest vibration below which a vibration is round-off: a motion that nothing holds."""
-NEAR, LEFT = 0.01, 3e-4
+SWAPPING_DISTANCE, ALLOWED_DIFFERENCE = 0.01, 3e-4
 """Parts of a frequency by which two vibrations differ at most that may change places, if it is off by as much; and which it may always be
 off by, see `richer_pencil`."""
 
@@ -260,9 +262,9 @@ def _part(response: OfVibration, s: complex, true: np.ndarray) -> float:
     if response.number > len(true):
         return np.inf
     wanted = true[response.number - 1]
-    reach = np.clip(abs(s - wanted), LEFT * abs(wanted), NEAR * abs(wanted))
+    reach = np.clip(abs(s - wanted), ALLOWED_DIFFERENCE * abs(wanted), SWAPPING_DISTANCE * abs(wanted))
     numbers = np.array([response.of(each) for each in true[np.abs(true - wanted) <= reach]])
-    zero = UNDAMPED if isinstance(response, DampingRatio) else HELD * np.abs(true).max() / (2 * np.pi)
+    zero = DAMPING_ROUND_OFF if isinstance(response, DampingRatio) else FREE_MOTION_PART * np.abs(true).max() / (2 * np.pi)
     value = response.of(s)
     if np.abs(numbers).min() <= zero:
         return np.nan if abs(value) <= zero else np.inf
@@ -272,11 +274,11 @@ def _part(response: OfVibration, s: complex, true: np.ndarray) -> float:
 
 def cautions_of_changed(solution: Solution) -> Iterator[Caution]:
     """A caution about all responses whose vibrations left-out shapes change by much."""
-    parts = {name: part for name, part in changed_vibrations(solution).items() if abs(part) > TOLD}
+    parts = {name: part for name, part in changed_vibrations(solution).items() if abs(part) > REMARK_PART}
     if parts:
         yield Caution(
             "left-out-shapes",
             "the parts of cut bodies keep some of their modes (modes_per_frame), which changes "
             f"{', '.join(f'{name} by about {part:+.1%}' for name, part in parts.items())}. Write larger numbers, or leave them out.",
-            doubt=bool(max(map(abs, parts.values())) > DOUBTFUL),
+            doubt=bool(max(map(abs, parts.values())) > DOUBT_PART),
         )

@@ -30,7 +30,7 @@ from toolkit.responses.balance import law_of_load
 from toolkit.responses.least_squares_forces import wrenches_of_joints
 from toolkit.responses.marker_formula import MarkerMotion
 from toolkit.scene.resolution import ResolvedScene
-from toolkit.solvers.direct_solve import MANY
+from toolkit.solvers.direct_solve import SPARSE_FROM_UNKNOWNS
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.static.static_matrix import (
     StaticArray,
@@ -47,9 +47,9 @@ from toolkit.system.system import System
 from toolkit.validity.bodies.chain import Chain
 from toolkit.validity.bodies.known_chain import chain
 
-ACCURACY = 1e-8
+RATIO_ACCURACY = 1e-8
 """Relative accuracy of a ratio: far below the digits of a verdict."""
-MOST = 50
+MOST_RESTARTS = 50
 """Largest number of restarts of the iteration with twenty motions: a ratio that is apart from others is found in a few."""
 Flexibility = Callable[[np.ndarray], np.ndarray]
 """Function from forces f (n,) to the motion x with B x + phi_q^T nu = f, phi_q x = 0."""
@@ -82,7 +82,15 @@ def largest_ratio(matrix: scipy.sparse.sparray, metric: scipy.sparse.sparray, fl
     solved = scipy.sparse.linalg.LinearOperator((n, n), matvec=flexible, dtype=float)
     try:
         found = scipy.sparse.linalg.eigsh(
-            matrix, 1, metric, which="LA", v0=start, tol=ACCURACY, maxiter=MOST, Minv=solved, return_eigenvectors=False
+            matrix,
+            1,
+            metric,
+            which="LA",
+            v0=start,
+            tol=RATIO_ACCURACY,
+            maxiter=MOST_RESTARTS,
+            Minv=solved,
+            return_eigenvectors=False,
         )
     except scipy.sparse.linalg.ArpackError:
         return None
@@ -222,12 +230,12 @@ class Stiffening:
 
     @cached_property
     def _shapes(self) -> StaticArray:
-        return scipy.sparse.csr_array(self.behind.shapes) if len(self.stiffness) >= MANY else self.behind.shapes
+        return scipy.sparse.csr_array(self.behind.shapes) if len(self.stiffness) >= SPARSE_FROM_UNKNOWNS else self.behind.shapes
 
     @cached_property
     def _flexible(self) -> Flexibility:
         """The inverse of the scaled stiffness."""
-        if len(self.stiffness) < MANY:
+        if len(self.stiffness) < SPARSE_FROM_UNKNOWNS:
             return lambda forces: np.linalg.solve(self._scaled, forces)
         factors = scipy.sparse.linalg.splu(scipy.sparse.csc_array(self._scaled))
         return lambda forces: factors.solve(forces)
@@ -256,7 +264,7 @@ def stiffening(scene: ResolvedScene, body: str) -> Stiffening | None:
     return found
 
 
-LONGER = 30.0
+HOLDING_PERIOD = 30.0
 """Period, relative to the duration, of the vibration whose inertia holds free motions: a thousandth of the stiffness at one."""
 Solver = Callable[[np.ndarray], np.ndarray]
 
@@ -294,7 +302,7 @@ def yielding(solution: Solution, n: int) -> Yielding | None:
     matrix = static_array(system, terms)
     duration = float(solution.times[-1] - solution.times[0])
     if solution.steps and duration > 0:
-        rate = (2 * np.pi / (LONGER * duration)) ** 2
+        rate = (2 * np.pi / (HOLDING_PERIOD * duration)) ** 2
         matrix = matrix + rate * _of_coordinates(whole_array(system, np.real(terms.I_acc)), n_q)
     scale = balance(system, matrix)
     solved = _solver(balanced(system, matrix, scale))

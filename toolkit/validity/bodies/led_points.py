@@ -49,9 +49,9 @@ AXES = {
 """Dimension -> name of a row that holds a point of body a at an offset along an axis of body b -> which of the joint's axes: of sliders,
 rolling discs and position drivers, and in space of prismatic and cylindrical joints, points on planes and position drivers. They are a
 joint's first."""
-NOTHING = 1e-9
+JOINT_POINT_DISTANCE = 1e-9
 """Part of the model size by which a block that stands at the joint's point may be off it."""
-BESIDE = 0.01
+RAIL_DISTANCE = 0.01
 """Of the body's length: a line that is further from the undeformed body than this is a rail beside it, and no line on it."""
 
 
@@ -103,7 +103,9 @@ def beside(solution: Solution, line: GuideLine, instant: int) -> Beside | None:
     offset = normals @ away  # zero, a radius, or what a driver leads to
     way = away - offset @ normals
     travel = float(np.sqrt(way @ way))
-    under = _under(solution, line, q, poses[b], way / travel, travel) if travel > NOTHING * system.scene.size else None
+    under = (
+        _under(solution, line, q, poses[b], way / travel, travel) if travel > JOINT_POINT_DISTANCE * system.scene.size else None
+    )
     if under is None:
         return None
     place, slope = _material(solution, line, q, under)
@@ -157,7 +159,7 @@ def _lies_on(solution: Solution, line: GuideLine, place: np.ndarray, along: np.n
     shape = np.zeros_like(_shapes(line)[0])
     way = _place(system.scene, line, _own(solution, line, rest), place, shape) - pose[: len(place)]
     size, own = np.ptp(line.chain.nodes, axis=0).max(), _axes(line, pose) @ way
-    return bool(np.abs(own - (own @ along) * along).max() <= BESIDE * size)
+    return bool(np.abs(own - (own @ along) * along).max() <= RAIL_DISTANCE * size)
 
 
 def _shapes(line: GuideLine) -> np.ndarray:
@@ -221,7 +223,7 @@ def _step(solution: Solution, line: GuideLine, instant: int, new: np.ndarray, ga
 
 LIMIT = 0.05
 """Relative change of a response above which there is a doubt: as much as bodies may be deformed beyond what is linear."""
-STEPS = 20
+EXAMINED_INSTANTS = 20
 """Number of instants at which the largest value of a response is sought, and of those at which its change is evaluated."""
 
 Known = dict[int, Beside | None]
@@ -321,7 +323,7 @@ def _moved(solution: Solution, instants: list[int], change: np.ndarray) -> Solut
 def _of_stress(solution: Solution, line: GuideLine, response: StressResponse, known: Known) -> tuple[float, float]:
     """Value of a largest stress of a motion, and its change along the deformed body, by some instants."""
     last = len(solution.times) - 1
-    instants = [last] if response.when == "end" else spread(last, STEPS)
+    instants = [last] if response.when == "end" else spread(last, EXAMINED_INSTANTS)
     none = np.zeros(solution.system.n)
     found = [_found(solution, line, known, k) for k in instants]
     changes = np.array([none if each is None else each.change for each in found])
@@ -334,7 +336,7 @@ def _changed(solution: Solution, line: GuideLine, response: Response, known: Kno
     partials, n_q = response.partials(solution), solution.system.n_q
     slopes = [each for each in (partials.q, partials.multipliers) if each is not None]
     felt = np.flatnonzero(np.any([np.nan_to_num(each).any(axis=1) for each in slopes], axis=0)) if slopes else np.zeros(0, int)
-    chosen = felt[spread(len(felt) - 1, STEPS)] if len(felt) else felt
+    chosen = felt[spread(len(felt) - 1, EXAMINED_INSTANTS)] if len(felt) else felt
     total = 0.0
     for k in chosen.tolist():
         found = _found(solution, line, known, k)
@@ -348,7 +350,7 @@ def _largest(solution: Solution, response: Response) -> float:
     """Largest magnitude of a response at one time over the motion; zero of other responses."""
     if not (solution.steps and isinstance(response, Instant)):
         return 0.0
-    return max(abs(float(np.real(response.at(solution, k).value))) for k in spread(len(solution.times) - 1, STEPS))
+    return max(abs(float(np.real(response.at(solution, k).value))) for k in spread(len(solution.times) - 1, EXAMINED_INSTANTS))
 
 
 def _of_vibrations(

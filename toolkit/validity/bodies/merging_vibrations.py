@@ -42,11 +42,11 @@ from toolkit.validity.bodies.deformation import LIMIT, divided, flexible_bodies
 from toolkit.validity.bodies.geometric_stiffness import Stiffening, stiffening
 from toolkit.validity.bodies.led_points import asked_vibrations
 
-ENOUGH = 4.0
+ADVISED_EXCESS = 4.0
 """Relative excess for which the number of frames is advised: twice as many frames lack a quarter."""
 
 
-MERGED = 1e-6
+MERGED_PART = 1e-6
 """Relative imaginary part of the square of a frequency above which two vibrations have merged."""
 
 
@@ -136,7 +136,7 @@ def _faster(found: Merging, s: complex) -> str:
 
 
 def _remedy(solution: Solution, found: Merging) -> str:
-    return f"Fix: {divided(solution.system.scene, found.body, ENOUGH)}."
+    return f"Fix: {divided(solution.system.scene, found.body, ADVISED_EXCESS)}."
 
 
 def _size(part: float) -> str:
@@ -194,27 +194,27 @@ def _vibrations(solution: Solution, pencil: Pencil, of_loads: np.ndarray) -> Vib
     with np.errstate(all="ignore"):
         slopes = np.real(np.sum(w * (forces @ u), axis=0) / np.sum(w * (reduced.mass @ u), axis=0)) / (8 * np.pi**2 * frequencies)
         conditions = inert[0] / np.sqrt(inert[1] * inert[2])
-    merged = np.abs(np.imag(squares)) > MERGED * np.abs(squares)
+    merged = np.abs(np.imag(squares)) > MERGED_PART * np.abs(squares)
     return Vibrations(frequencies, np.nan_to_num(conditions), np.nan_to_num(slopes), merged[order])
 
 
-ALTERNATES = 6
+LEAST_CROSSINGS = 6
 """Number of times that forces cross their mean, below which they do not alternate."""
 LEAST_ALTERNATION = 0.2
 """Part of the stiffness that alternates, times how often it crosses its mean, below which nothing grows by more than a quarter."""
-STILL = 0.1
+LARGEST_MOVE = 0.1
 """Largest move of coordinates, relative to the model size or in rad, where vibrations about the start hold for the motion."""
-SLOWEST = 6
+SLOWEST_VIBRATIONS = 6
 """Number of the slowest vibrations that are examined."""
-RESOLVED = 1.0
+RESOLVED_OMEGA_STEP = 1.0
 """Largest omega dt of a vibration that the states of a run still show."""
-GROWS = 2.0
+RESONANT_GROWTH = 2.0
 """Growth of a disturbance over the run above which it is a resonance, and no beat."""
-SETS_OFF = 100.0
+DOUBTED_GROWTH = 100.0
 """Growth above which an exactly straight state is doubted: any imperfection of a real one becomes so many times as large."""
-STRAIGHT = 1e-9
+AMPLITUDE_ROUND_OFF = 1e-9
 """Amplitude, relative to the model size, below which a vibration is round-off."""
-PARTS = 64
+GROWTH_PARTS = 64
 """Number of parts of the run at whose ends the growth is evaluated."""
 
 
@@ -253,14 +253,14 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
         f"forces along {found.body} alternate so that vibrations across it with {found.frequency:.4g} cycles per time grow (parametric "
         f"resonance): a disturbance becomes {found.growth:.3g} times as large in this motion"
     )
-    shown = found.found > STRAIGHT and found.true > LIMIT * _moved(solution)
+    shown = found.found > AMPLITUDE_ROUND_OFF and found.true > LIMIT * _moved(solution)
     if shown and found.true > (1 + LIMIT) * found.found:
         times = found.true / found.found
         yield parametric_resonance.caution(
             f"{what}. These equations, which lack the geometric stiffness inside of frames, do not show it. With it this vibration is up "
             f"to {times:.3g} times as large. Fix: {divided(solution.system.scene, found.body, 4.0)}.",
         )
-    elif not shown and found.growth > SETS_OFF:
+    elif not shown and found.growth > DOUBTED_GROWTH:
         yield parametric_resonance.caution(
             f"{what}, and hardly anything sets it off here, because all is straight. What is real is not. Fix: disturb it, with a small "
             "force across it at the start, to see how large it becomes.",
@@ -269,7 +269,7 @@ def parametric_resonance(solution: Solution) -> Iterator[Caution]:
 
 def resonance(solution: Solution) -> Resonance | None:
     """Vibration that grows most by alternating forces; None where none alternates, or nothing grows."""
-    if not solution.steps or len(solution.times) < ALTERNATES or _moved(solution) > STILL:
+    if not solution.steps or len(solution.times) < LEAST_CROSSINGS or _moved(solution) > LARGEST_MOVE:
         return None
     scene = solution.system.scene
     known = {body: law for body in flexible_bodies(scene) if (law := stiffening(scene, body))}
@@ -293,7 +293,7 @@ def _alternates(solution: Solution, body: str, law: Stiffening) -> bool:
     half = count**2 * np.ptp(part) / 2
     above = part > part.mean()
     crossings = int(np.count_nonzero(above[1:] != above[:-1])) if half > 0 else 0
-    return crossings >= ALTERNATES and crossings * half > LEAST_ALTERNATION
+    return crossings >= LEAST_CROSSINGS and crossings * half > LEAST_ALTERNATION
 
 
 def _moved(solution: Solution) -> float:
@@ -317,7 +317,7 @@ def _alternating(solution: Solution, known: Mapping[str, Stiffening]) -> Iterato
     except scipy.linalg.LinAlgError:
         return
     step = float(np.diff(solution.times).max())
-    slow = np.flatnonzero((squares > 0) & (squares * step**2 < RESOLVED**2))[:SLOWEST]
+    slow = np.flatnonzero((squares > 0) & (squares * step**2 < RESOLVED_OMEGA_STEP**2))[:SLOWEST_VIBRATIONS]
     for k in slow:
         yield _vibration(solution, start, known, pencil, float(squares[k]), Z @ shapes[:, k])
 
@@ -369,7 +369,7 @@ def _known(solution: Solution, start: Solution, shape: np.ndarray) -> np.ndarray
 def _resonance(solution: Solution, body: str, each: AlternatingVibration) -> Resonance | None:
     """Growth of one vibration; None where nothing grows."""
     growth = _growth(solution.times, each, each.known + each.lacking)
-    if growth < GROWS:
+    if growth < RESONANT_GROWTH:
         return None
     found = float(np.abs(each.course[0]).max()) * each.size
     return Resonance(body, each.omega / (2 * np.pi), growth, found, _course(solution.times, each) * each.size)
@@ -389,7 +389,7 @@ def _steps(times: np.ndarray, each: AlternatingVibration, change: np.ndarray) ->
 
 def _growth(times: np.ndarray, each: AlternatingVibration, change: np.ndarray) -> float:
     """Largest growth of the root of the energy of any disturbance from the start on."""
-    parts = np.array_split(_steps(times, each, change), PARTS)
+    parts = np.array_split(_steps(times, each, change), GROWTH_PARTS)
     total, largest = np.eye(2), 1.0
     for part in parts:
         total = _product(part) @ total

@@ -40,8 +40,8 @@ from toolkit.responses.response import Instant
 from toolkit.responses.stress import StressResponse, point_stress
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution, deforming, design_point, elastic_coordinates, flexible_body
-from toolkit.validity.bodies.beam_assumptions import CANCELLED, pull_of_frame
-from toolkit.validity.bodies.deformation import LIMIT, STRAIGHT, largest_displacement, largest_instants, undeformed_places
+from toolkit.validity.bodies.beam_assumptions import FREE_FALL_DIFFERENCE, pull_of_frame
+from toolkit.validity.bodies.deformation import LIMIT, UNDEFORMED_PART, largest_displacement, largest_instants, undeformed_places
 from toolkit.validity.bodies.full_scene import FullScene, ReducedPart, full_scene_of
 from toolkit.validity.bodies.geometric_stiffness import wrenches_at_points
 
@@ -114,7 +114,7 @@ def _of_body(solution: Solution, name: str, parts: list[ReducedPart], forces: np
     away = max(_farthest(part, elastic) for part, elastic in moved)
     stress = _largest_stress(body.stress_operator(scene), solution.q[:, elastic_coordinates(solution, name)])
     changed = max(_largest_stress(part.invariants.stress_operator, elastic) for part, elastic in moved)
-    return LeftOut(away / displacement if displacement > STRAIGHT * size else 0.0, changed / stress if stress > 0 else 0.0)
+    return LeftOut(away / displacement if displacement > UNDEFORMED_PART * size else 0.0, changed / stress if stress > 0 else 0.0)
 
 
 def _farthest(part: ChainPart, elastic: np.ndarray) -> float:
@@ -184,11 +184,11 @@ def _carries_alone(scene: Scene, body: str) -> bool:
     return all(other in scene.bodies and sum(other in joint.bodies for joint in scene.joints.values()) == 1 for other in others)
 
 
-LOOKED_AT = 24
+EXAMINED_INSTANTS = 24
 """Number of instants, evenly spread over a motion, that are examined beside those of the largest deformation."""
 MOST_DEFORMED = 16
 """Number of instants of the largest deformation."""
-STILL = 1e-12
+UNMOVED_PART = 1e-12
 """Rotation, and displacement relative to the model size, up to which it is round-off."""
 
 
@@ -257,7 +257,7 @@ def _instants(solution: Solution, asked: Mapping[str, Asked], bodies: list[str])
     responses = [solution.system.scene.responses[name] for name in asked]
     own = [each.step(solution) for each in responses if isinstance(each, Instant)]
     largest = [largest_instants(np.real(solution.q[:, elastic_coordinates(solution, name)]), MOST_DEFORMED) for name in bodies]
-    return np.unique(np.concatenate([np.linspace(0, last, LOOKED_AT).astype(int), np.array(own, int), *largest]))
+    return np.unique(np.concatenate([np.linspace(0, last, EXAMINED_INSTANTS).astype(int), np.array(own, int), *largest]))
 
 
 class _Reduced:
@@ -282,10 +282,10 @@ class _Reduced:
     def is_round_off(self, asked: Asked, size: float) -> bool:
         """Whether a size is round-off: of weight that inertia cancels, as in free fall, or of no motion at all."""
         if isinstance(asked, MovedPoint):
-            return size <= STILL * (1.0 if isinstance(asked.response, Rotation) else self.scene.size)
+            return size <= UNMOVED_PART * (1.0 if isinstance(asked.response, Rotation) else self.scene.size)
         first, gravity = len(self.points) * self.per_point, np.real(self.scene.gravity)
         weight = np.zeros(len(self.left_out))
-        weight[first : first + len(gravity)] = CANCELLED * np.linalg.norm(gravity)
+        weight[first : first + len(gravity)] = FREE_FALL_DIFFERENCE * np.linalg.norm(gravity)
         if isinstance(asked, StrainEnergy):
             return size <= float(weight @ np.abs(self.left_out.compliance) @ weight)
         return size <= float((np.abs(self.left_out.stress_operator) @ weight).max(initial=0.0))

@@ -53,10 +53,10 @@ from toolkit.validity.bodies.carried_force import bending_compliance, lateral_co
 from toolkit.validity.bodies.critical_speed import critical_speed
 
 OF_SPIN, OF_HUB = 1.17, 1.57
-TOLD, DOUBTFUL = 0.005, 0.025
+REMARK_PART, DOUBT_PART = 0.005, 0.025
 """Missing parts of the lowest frequency above which there is a remark, or a doubt: in the plane of the spin, about twice as much
 is missing."""
-CARRIED = 0.01
+CARRIED_DISTANCE = 0.01
 """Distance of the centre of mass from the axis, relative to the radius of gyration, from which joints carry a floating body."""
 
 
@@ -73,8 +73,8 @@ def partly_stiffened(solution: Solution) -> Iterator[Caution]:
         spins = spins_of(solution, body)
         instant = first_largest(np.linalg.norm(spins, axis=1))
         part = off_the_axis(solution, body, spins[instant], instant)
-        if part > TOLD:
-            yield partly_stiffened.caution(told(body, part), doubt=part > DOUBTFUL)
+        if part > REMARK_PART:
+            yield partly_stiffened.caution(told(body, part), doubt=part > DOUBT_PART)
 
 
 def told(body: str, part: float) -> str:
@@ -102,7 +102,7 @@ def off_the_axis(solution: Solution, body: str, spin: np.ndarray, instant: int) 
         axes, inwards = found.frame_axes(np.real(solution.q[instant, where])), np.cross(spin, np.cross(spin, centre))
         radius = np.sqrt(np.real(inv.inertia_about_origin[0, 0] / inv.mass) - centre @ centre)
         carried = np.linalg.norm(pulled + axes @ inwards[: scene.dimension]) / speed**2
-        return np.inf if carried > CARRIED * radius else 0.0
+        return np.inf if carried > CARRIED_DISTANCE * radius else 0.0
     length, away = 2 * float(np.linalg.norm(centre)), float(np.linalg.norm(pulled)) / speed**2
     fast = (speed / critical_speed(scene, body, spin, stiffened=False)) ** 2
     known = 1 + OF_SPIN * fast
@@ -125,7 +125,7 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
     parts = {name: _part(solution, name, speed) for name in _flexible(solution)}
     yield from _of_cut_bodies(solution)
     worst = max(parts, key=lambda name: parts[name], default=None)
-    if worst is None or not parts[worst] > TOLD:
+    if worst is None or not parts[worst] > REMARK_PART:
         return
     part = parts[worst]
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
@@ -136,7 +136,7 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
     )
     if flexible_body(solution.system.scene, worst).spin_stiffening:
         text = told(worst, part)
-    yield missing_stiffening.caution(text, doubt=part > DOUBTFUL)
+    yield missing_stiffening.caution(text, doubt=part > DOUBT_PART)
 
 
 def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
@@ -145,15 +145,16 @@ def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
         across, within = lacking(solution, name, body)
         spatial, frames = len(scene.space.axes) > 2, len(body.cuts) - 1  # in the plane nothing vibrates across it
         worst = max(across if spatial else 0.0, within / 2)
-        if worst > TOLD:
+        if worst > REMARK_PART:
             lowest = f"the lowest frequency across the plane of the spin by about {across:.1%}, and that in this plane"
-            enough = int(np.ceil(frames * np.sqrt(worst / TOLD)))
+            enough = int(np.ceil(frames * np.sqrt(worst / REMARK_PART)))
             yield missing_stiffening.caution(
                 f"centrifugal stiffening inside of the parts of {name!r} is not in these numbers, which lowers "
                 f"{lowest if spatial else 'the lowest frequency'} by about {within:.1%}. Linear FFRF stiffens a body at the cuts "
-                f"between its parts. Fix: frames = {enough} leaves about {2 * TOLD:.0%}, and cuts that are closer where it bends most "
+                f"between its parts. Fix: frames = {enough} leaves about {2 * REMARK_PART:.0%}, and cuts that are closer where "
+                "it bends most "
                 "leave less.",
-                doubt=worst > DOUBTFUL,
+                doubt=worst > DOUBT_PART,
             )
 
 

@@ -20,7 +20,7 @@ from toolkit.validity.bodies.deformation import LIMIT, Deformation, deformations
 from toolkit.validity.bodies.known_chain import has_chain
 from toolkit.validity.frame_choice import advice_of_frame
 
-SMALL = 0.05
+SMALL_ROTATION = 0.05
 """Rotation, rad, of which the growth of the elements is half of `LIMIT` of a displacement at most."""
 ROUND_OFF = 1e-9
 """Part of the critical load below which forces compress nothing: what eigenvalues of a stiffness leave of zero."""
@@ -50,7 +50,7 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
 
 def _cause(found: Deformation) -> str:
     """What makes a body that hardly turns leave the range."""
-    return "" if found.rotation > SMALL else ", by what forces along it and torques do to its bending"
+    return "" if found.rotation > SMALL_ROTATION else ", by what forces along it and torques do to its bending"
 
 
 @check("critical-load", STATES)

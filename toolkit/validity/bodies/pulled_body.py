@@ -8,7 +8,8 @@ slope s across it,
 
 Where the place that holds the body is on both sides of a point, as with both ends clamped, the line goes from end to end. At the part x of
 its length the point is held by both sides, and E A / L = x (1 - x) / c_a; the ends keep it as long as it is. A plate that is held all round
-has two such lines, and stretches more where it bends more than in the mean: with `PLATE` times that, deflections of a clamped plate by a
+has two such lines, and stretches more where it bends more than in the mean: with `PLATE_FACTOR` times that, deflections of a
+clamped plate by a
 force in its middle are those of Timoshenko's, w + 0.443 w^3 / t^2, to a few percent.
 """
 
@@ -24,7 +25,7 @@ import numpy as np
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.solvers.static.static_matrix import StaticArray
 from toolkit.system.solution import Solution, design_point, used_interfaces
-from toolkit.validity.bodies.carried_force import SEEN, lines_between, static_deflection, still_points
+from toolkit.validity.bodies.carried_force import NO_AXIAL_COMPLIANCE, lines_between, static_deflection, still_points
 from toolkit.validity.bodies.geometric_stiffness import Stiffening
 
 
@@ -125,12 +126,12 @@ class PulledChain(PulledBody):
         return found
 
 
-ALONG = 0.7
+ALONG_COSINE = 0.7
 """Cosine of the angle to a line above which an edge goes along it."""
-WIDE = 0.5
+WIDE_SUPPORT_PART = 0.5
 """Extent along an axis of the points that hold a body, relative to the largest, above which they hold it at two sides."""
 
-PLATE = 3.0
+PLATE_FACTOR = 3.0
 """Factor of the stiffness of a line, where there are two."""
 
 
@@ -239,7 +240,7 @@ def _lines(solution: Solution, body: str, design: DesignPoint, shown: Shown) -> 
         yield from _line(shown, start, motion[:, 0], motion[:, 1:], 1 / compliance_along(stiffness, motion, motion[:, 0]))
     elif still is not None:
         found = list(_held_around(solution, body, design, shown, still))
-        factor = PLATE if len(found) > 1 else 1.0
+        factor = PLATE_FACTOR if len(found) > 1 else 1.0
         yield from (each._replace(stretching=factor * each.stretching) for each in found)
 
 
@@ -258,7 +259,7 @@ def _held_around(solution: Solution, body: str, design: DesignPoint, shown: Show
     for k, axis in enumerate(axes):
         away = np.linalg.norm(motion[:, 0] - middle - axis * (axis @ (motion[:, 0] - middle)))
         compliance = compliance_along(stiffness, motion, axis)
-        if extent[k] > WIDE * extent.max() and 0 < parts[k] < 1 and away < extent[k] / 2 and compliance > 0:
+        if extent[k] > WIDE_SUPPORT_PART * extent.max() and 0 < parts[k] < 1 and away < extent[k] / 2 and compliance > 0:
             part = float(parts[k])
             held = np.zeros((len(axis), len(stiffness)))
             yield from _line(shown, middle + axis * low[k], axis * extent[k], held, part * (1 - part) / compliance)
@@ -270,7 +271,7 @@ def compliance_along(stiffness: np.ndarray, motion: np.ndarray, side: np.ndarray
     row, moved = along @ motion[:, 1:], motion[:, 1:]
     found = float(row @ static_deflection(stiffness, row))
     largest = float(np.linalg.eigvalsh(moved @ static_deflection(stiffness, moved.T))[-1])
-    return found if found > SEEN * largest else 0.0
+    return found if found > NO_AXIAL_COMPLIANCE * largest else 0.0
 
 
 def _line(shown: Shown, start: np.ndarray, side: np.ndarray, moved: np.ndarray, stretching: float) -> Iterator[ForceLine]:
@@ -290,7 +291,7 @@ def edges_beside(shown: Shown, start: np.ndarray, side: np.ndarray) -> Edges | N
     lengths = np.linalg.norm(shown.places[last] - shown.places[first], axis=1)
     ahead = (shown.places[last] - shown.places[first]) @ along
     place = ((shown.places[last] + shown.places[first]) / 2 - start) @ along / length
-    beside = (np.abs(ahead) > ALONG * lengths) & (place > 0) & (place < 1)
+    beside = (np.abs(ahead) > ALONG_COSINE * lengths) & (place > 0) & (place < 1)
     if not beside.any():
         return None
     weights = np.abs(ahead[beside]) / np.abs(ahead[beside]).sum()

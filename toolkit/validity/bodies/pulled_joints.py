@@ -50,19 +50,19 @@ from toolkit.validity.bodies.stiffened_bodies import (
     too_large,
 )
 
-FELT, FELT_BY_GRADIENTS = 1e-5, 1e-6
+UNIMPORTANT_TENSION, GRADIENT_TENSION = 1e-5, 1e-6
 """Part of the critical force of a body below which its tension is no twentieth of what joints hold across it, and changes no gradient of
 that by as much."""
-STEEP = 5e-3
+EXAMINED_SHARE = 5e-3
 """Part of a joint's force that a deflection pulls with from which its gradients are looked at: this part grows with the square of the
 deflection or more, by a thickness with ten times its relative change."""
-MANY_OF_FORCES = 100.0
+UNCOUNTED_FORCE_FACTOR = 100.0
 """Factor by which a force is off above which a message gives no factor."""
-HARDLY = 0.1
+SMALL_FORCE_PART = 0.1
 """Part of the largest force in any joint below which a force does not count."""
-NAMED = 3
+MOST_NAMED = 3
 """Largest number of responses, derivatives or vibrations that are named."""
-LOOKED_AT = 24
+EXAMINED_INSTANTS = 24
 """Number of instants among which the largest force of a joint is sought."""
 
 
@@ -83,13 +83,13 @@ def pulled_joints(solution: Solution) -> Iterator[Caution]:
         asked = joint_forces(scene)
         told = [
             f"{name} by {abs(each.missing):.3g} {unit(scene.units, asked[name][0].unit_quantity)}, where it is {each.size:.3g} at the most"
-            for name, each in list(low.items())[:NAMED]
+            for name, each in list(low.items())[:MOST_NAMED]
         ]
-        much = max(abs(each.missing) / each.size if each.size > 0 else MANY_OF_FORCES for each in low.values())
+        much = max(abs(each.missing) / each.size if each.size > 0 else UNCOUNTED_FORCE_FACTOR for each in low.values())
         yield pulled_joints.caution(
             f"the deflection of {body} pulls at what holds its ends, which these equations do not know: forces of joints are off, "
             f"{', '.join(told)}. Linear FFRF knows this between frames, and not inside of one. Fix: "
-            f"{divided(scene, body, min(much, MANY_OF_FORCES) / LIMIT)}.",
+            f"{divided(scene, body, min(much, UNCOUNTED_FORCE_FACTOR) / LIMIT)}.",
         )
 
 
@@ -128,7 +128,7 @@ def _most_grown(solution: Solution, known: Mapping[str, PulledBody]) -> int | No
         worst = first_largest(grown)
         parts.append((float(grown[worst]), int(instants[worst])))
     part, n = max(parts, default=(0.0, 0))
-    return n if part > (FELT_BY_GRADIENTS if solution.dq.shape[2] else FELT) else None
+    return n if part > (GRADIENT_TENSION if solution.dq.shape[2] else UNIMPORTANT_TENSION) else None
 
 
 def _low(solution: Solution, known: Mapping[str, PulledBody], n: int, asked: Mapping[str, JointForce]) -> dict[str, Lacking]:
@@ -139,8 +139,8 @@ def _low(solution: Solution, known: Mapping[str, PulledBody], n: int, asked: Map
     more = np.array(solution.multipliers)
     more[n] = more[n] + state.yields.multipliers(state.growing)
     pulled, found = replace(solution, multipliers=more), dict[str, Lacking]()
-    steps = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
-    held = HARDLY * float(np.abs(np.real(solution.multipliers[n])).max(initial=0.0))
+    steps = np.unique(np.linspace(0, len(solution.times) - 1, EXAMINED_INSTANTS).astype(int))
+    held = SMALL_FORCE_PART * float(np.abs(np.real(solution.multipliers[n])).max(initial=0.0))
     for name, response in asked.items():
         here, there = (float(np.real(response.at(each, n).value)) for each in (solution, pulled))
         size = max([abs(here), *(abs(float(np.real(response.at(solution, int(k)).value))) for k in steps)])
@@ -150,16 +150,16 @@ def _low(solution: Solution, known: Mapping[str, PulledBody], n: int, asked: Map
 
 STEP = 1e-3
 """Part of a variable by which it is moved."""
-OFF = 0.1
+MISSING_DERIVATIVE = 0.1
 """Part of a derivative that may be missing without a word, as of other errors of gradients."""
-UNIMPORTANT = 0.02
+UNIMPORTANT_EFFECT = 0.02
 """A derivative that changes the force by less than this part, where its variable changes by all of itself, is compared with that."""
 
 
 @check("tension")
 def steep_joints(solution: Solution) -> Iterator[Caution]:
-    """Derivatives of forces of joints that lack more of themselves than `OFF`, where the solution holds derivatives."""
-    low = {name: each for name, each in lacking_joints(solution).items() if abs(each.missing) > STEEP * each.counts > 0}
+    """Derivatives of forces of joints that lack more of themselves than `MISSING_DERIVATIVE`, where the solution holds derivatives."""
+    low = {name: each for name, each in lacking_joints(solution).items() if abs(each.missing) > EXAMINED_SHARE * each.counts > 0}
     off: dict[tuple[str, str], tuple[float, float]] = {}
     for x, variable in enumerate(solution.system.design if low else ()):
         step = STEP * (abs(variable.value) or 1.0)
@@ -171,10 +171,10 @@ def steep_joints(solution: Solution) -> Iterator[Caution]:
             if name in more and name in less:
                 missing = (more[name].missing - less[name].missing) / (2 * step)
                 slope = _slope(solution, name, each, x)
-                if abs(missing) > OFF * max(slope, UNIMPORTANT * each.counts * STEP / step):
+                if abs(missing) > MISSING_DERIVATIVE * max(slope, UNIMPORTANT_EFFECT * each.counts * STEP / step):
                     off[name, variable.name] = missing, abs(missing) / slope if slope else np.inf
     if off:
-        worst = sorted(off, key=lambda pair: -off[pair][1])[:NAMED]
+        worst = sorted(off, key=lambda pair: -off[pair][1])[:MOST_NAMED]
         told = ", ".join(f"{f} by {x} by {off[f, x][0]:.3g}{_part(off[f, x][1])}" for f, x in worst)
         yield steep_joints.caution(
             f"the deflection of {most_pulled(solution)} pulls at what holds its ends, which these equations do not know: derivatives of "
@@ -213,7 +213,7 @@ def _part(part: float) -> str:
     return f" ({part:.0%} of the largest)" if part < 1 else ""
 
 
-SLOW = 1e-9
+FREE_MOTION_PART = 1e-9
 """Part of the largest squared frequency below which a frequency is round-off: a motion that nothing holds."""
 
 
@@ -230,7 +230,7 @@ def raised_by_tension(solution: Solution) -> np.ndarray:
     motions, reduced = free_pencil(weights, pencil)
     more = motions.T @ np.array([state.adds(each) for each in motions.T]).T
     one, other = (undamped_rates(each, reduced.mass) for each in (reduced.stiffness, reduced.stiffness + more))
-    fast = one**2 > SLOW * np.max(one, initial=0.0) ** 2
+    fast = one**2 > FREE_MOTION_PART * np.max(one, initial=0.0) ** 2
     found: np.ndarray = np.divide(other, one, out=np.ones(len(one)), where=fast)
     return found
 
@@ -243,11 +243,11 @@ def _last(solution: Solution) -> StiffenedState | None:
     return stiffened_state(solution, pulled_bodies(solution), last) if states and found is None else found
 
 
-MANY = 20.0
+UNCOUNTED_FACTOR = 20.0
 """Factor by which a number is too large above which a message gives no factor."""
-OF_GRADIENTS = 0.1
+DERIVATIVE_ERROR_LIMIT = 0.1
 """Relative error of a derivative of a motion above which there is a doubt, as of other errors of gradients."""
-GROWS = 3.0
+DERIVATIVE_ERROR_RATIO = 3.0
 """Ratio of the error of a deflection's derivative by the load to its own: w (1 + c w^2) = f gives c w^2 and 3 c w^2."""
 
 
@@ -270,8 +270,8 @@ def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
         yield tension.caution(_too_large(solution, found), body=found.body, part=part)
     elif not solution.steps:
         yield from _of_derivatives(solution, lateral)
-    elif found is not None and solution.dq.shape[2] and GROWS * found.part > OF_GRADIENTS:
-        yield tension.caution(_steeper(solution, found), body=found.body, part=GROWS * found.part)
+    elif found is not None and solution.dq.shape[2] and DERIVATIVE_ERROR_RATIO * found.part > DERIVATIVE_ERROR_LIMIT:
+        yield tension.caution(_steeper(solution, found), body=found.body, part=DERIVATIVE_ERROR_RATIO * found.part)
     if found is None or found.part <= LIMIT:
         yield from pulled_joints(solution)
     yield from tension_of_vibrations(solution, asked_vibrations(solution))
@@ -280,8 +280,9 @@ def tension(solution: Solution, lateral: bool = False) -> Iterator[Caution]:
 def _steeper(solution: Solution, found: TooLarge) -> str:
     return (
         f"tension stiffens {found.body} across itself, which these equations do not know: its displacements are {found.part:.1%} too "
-        f"large, and as tension grows with their square derivatives by what bends it are off by about {GROWS * found.part:.0%}. "
-        f"{_remedy(solution, found.body, GROWS * found.part)}"
+        "large, and as tension grows with their square derivatives by what bends it are off by about "
+        f"{DERIVATIVE_ERROR_RATIO * found.part:.0%}. "
+        f"{_remedy(solution, found.body, DERIVATIVE_ERROR_RATIO * found.part)}"
     )
 
 
@@ -292,8 +293,8 @@ def tension_of_vibrations(solution: Solution, asked: Mapping[str, int]) -> Itera
     if not high:
         return
     body, highest = most_pulled(solution), max(high.values())
-    told = [f"{name} by {1 - 1 / factor:.1%}" for name, factor in list(high.items())[:NAMED]]
-    more = f" and {len(high) - NAMED} more" if len(high) > NAMED else ""
+    told = [f"{name} by {1 - 1 / factor:.1%}" for name, factor in list(high.items())[:MOST_NAMED]]
+    more = f" and {len(high) - MOST_NAMED} more" if len(high) > MOST_NAMED else ""
     yield tension.caution(
         f"tension stiffens {body} across itself, which makes vibrations faster than these equations say: {', '.join(told)}{more} too slow. "
         f"Their derivatives by what pulls at it are missing, too. {_remedy(solution, body, highest**2 - 1)}",
@@ -340,7 +341,7 @@ def _too_large(solution: Solution, found: TooLarge) -> str:
 
 
 def _times(factor: float) -> str:
-    return f"{factor:.3g} times" if factor < MANY else "many times"
+    return f"{factor:.3g} times" if factor < UNCOUNTED_FACTOR else "many times"
 
 
 def _remedy(solution: Solution, body: str, part: float) -> str:

@@ -37,11 +37,11 @@ from toolkit.validity.bodies.chain import Chain
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
 from toolkit.validity.bodies.known_chain import chain
 
-STIFF = 2.6 / (5 / 6)
+MODULI_RATIO = 2.6 / (5 / 6)
 """E / (kappa G) of a rectangle with Poisson's ratio 0.3; 2.9 of a circle, 5 of a thin tube."""
 
 
-KNOWN = 1e-6
+KNOWN_SHEAR = 1e-6
 """Relative softness in theta_1 + theta_2 above which elements know shear already."""
 
 
@@ -78,8 +78,8 @@ def bent_elements(behind: Chain) -> BentElements:
     values, planes = np.linalg.eigh((own - other) / 2)
     bending = np.maximum(values, 0.0)
     sheared = np.einsum("etk,etu,euk->ek", planes, own + other, planes)
-    phi = 12 * STIFF * bending / (found.axial * found.lengths)[:, None]
-    return BentElements(planes, bending, np.where(sheared < (1 - KNOWN) * 6 * bending, 0.0, phi))
+    phi = 12 * MODULI_RATIO * bending / (found.axial * found.lengths)[:, None]
+    return BentElements(planes, bending, np.where(sheared < (1 - KNOWN_SHEAR) * 6 * bending, 0.0, phi))
 
 
 def soft_elements(behind: Chain, motions: np.ndarray) -> SoftElements:
@@ -103,9 +103,9 @@ def shear_energies(behind: Chain, u: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return np.einsum("nek,ek->n", moments**2, soft), np.einsum("tek,tek->t", forces, strains) / 2
 
 
-NEAREST = 1 / 20
+SHORTEST_DISTANCE = 1 / 20
 """Of the size of a body: loads and supports are not looked at that are nearer to each other."""
-STRAIN = 1e-13
+STRAIN_ROUND_OFF = 1e-13
 """Below it deformations are round-off, which has no plane."""
 
 
@@ -141,7 +141,7 @@ def sheared_parts(solution: Solution) -> dict[str, float]:
         body = getattr(each, "whole", name)
         found[body] = found.get(body, 0.0) + float(shear.sum())
         whole += float(energy.sum())
-        least += STRAIN**2 * float(beams_of(behind).axial @ beams_of(behind).lengths)
+        least += STRAIN_ROUND_OFF**2 * float(beams_of(behind).axial @ beams_of(behind).lengths)
     return {body: shear / whole if whole > least else 0.0 for body, shear in found.items()}
 
 
@@ -155,14 +155,14 @@ def _is_thick(scene: ResolvedScene, name: str) -> bool:
     if behind is None:
         return False
     found, size = beams_of(behind), float(np.linalg.norm(np.ptp(behind.nodes, axis=0)))
-    return 3 * STIFF * float(found.gyration.max()) > LIMIT * (NEAREST * size) ** 2
+    return 3 * MODULI_RATIO * float(found.gyration.max()) > LIMIT * (SHORTEST_DISTANCE * size) ** 2
 
 
-WAVES = 3.0
+SUPPORT_FACTOR = 3.0
 """Factor by which vibrations between supports may have a larger error than a free wave."""
 STEP = 1e-2
 """Relative change of the shear for the derivative by the thickness."""
-NAMED = 3
+MOST_NAMED = 3
 """Largest number of vibrations that are named."""
 
 
@@ -190,7 +190,7 @@ def sheared_vibrations(solution: Solution, asked: Mapping[str, float], different
     high = {name: each for name, each in found.items() if each.counts(differentiated)}
     if not high:
         return
-    first = list(high.items())[:NAMED]
+    first = list(high.items())[:MOST_NAMED]
     if (worst := max(high, key=lambda name: high[name].value)) not in dict(first):
         first[-1] = worst, high[worst]
     label = unit(solution.system.scene.units, "rate")
@@ -209,7 +209,7 @@ def _words(found: Raised, differentiated: bool) -> str:
 def raised_by_stiff_shear(solution: Solution, asked: Mapping[str, float], differentiated: bool) -> dict[str, Raised]:
     """Errors of those frequencies in which shear might count, by name."""
     scene, times = solution.system.scene, 1 + differentiated
-    part = times * WAVES * max((_slowness(scene, name) for name in whole_bodies(scene) if asked), default=0.0)
+    part = times * SUPPORT_FACTOR * max((_slowness(scene, name) for name in whole_bodies(scene) if asked), default=0.0)
     short = {name: value for name, value in asked.items() if part * value > LIMIT}
     return _raised(solution, short) if short else {}
 
@@ -222,7 +222,7 @@ def _slowness(scene: ResolvedScene, name: str) -> float:
     found = beams_of(behind)
     (mass,) = flexible_body(scene, name).some_invariants(scene, "mass")
     per_stretch = float(np.real(mass)) / float(found.axial @ found.lengths)  # m / E A
-    return float(np.pi * STIFF * np.sqrt(per_stretch * found.gyration.max()))
+    return float(np.pi * MODULI_RATIO * np.sqrt(per_stretch * found.gyration.max()))
 
 
 def _raised(solution: Solution, asked: Mapping[str, float]) -> dict[str, Raised]:

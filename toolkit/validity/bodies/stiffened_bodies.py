@@ -33,10 +33,10 @@ from toolkit.validity.bodies.deformation import LIMIT, displacements, flexible_b
 from toolkit.validity.bodies.geometric_stiffness import Yielding, stiffening, yielding
 from toolkit.validity.bodies.pulled_body import PulledBody, PulledChain, pulled_lines
 
-DEPENDENT = 1e-10
+DEPENDENT_DIRECTION = 1e-10
 """Part of the largest energy below which a direction is round-off of others."""
 HALVINGS = 24
-STEPS = 12
+STIFFENING_ITERATIONS = 12
 """Iterations for the largest stiffening: a tenth of it is not felt in messages."""
 Form = Callable[[np.ndarray], np.ndarray]
 
@@ -58,7 +58,7 @@ class StiffenedState(NamedTuple):
         """Largest part by which T stiffens the scene against any motion, approximately."""
         x = self.yields(self.adds(np.random.default_rng(0).normal(size=len(self.there)) * self.elastic))
         found = 0.0
-        for _ in range(STEPS):
+        for _ in range(STIFFENING_ITERATIONS):
             force = self.adds(x)
             if not (work := float(force @ x)) > 0:
                 return found
@@ -155,12 +155,12 @@ def _independent(moves: np.ndarray, loads: np.ndarray) -> np.ndarray:
     moves, loads = moves[:, kept] / size[kept], loads[:, kept] / size[kept]
     energy = moves.T @ loads
     values, vectors = np.linalg.eigh((energy + energy.T) / 2)
-    good = values > DEPENDENT * values.max(initial=0.0)
+    good = values > DEPENDENT_DIRECTION * values.max(initial=0.0)
     found: np.ndarray = moves @ (vectors[:, good] / np.sqrt(values[good]))
     return found
 
 
-OF_DERIVATIVES = 4.0
+DERIVATIVE_FACTOR = 4.0
 """How much more derivatives of an equilibrium may lack than its deflections: three times as much, as tension grows with the square."""
 
 
@@ -213,7 +213,7 @@ def _where_it_counts(solution: Solution, known: Mapping[str, PulledBody]) -> lis
             worst = first_largest(each)
             parts[kind].append((float(each[worst]), int(instants[worst])))
     found = [max(each, key=lambda pair: pair[0]) for each in parts if each]
-    enough = LIMIT / OF_DERIVATIVES if solution.dq.shape[2] or not solution.steps else LIMIT
+    enough = LIMIT / DERIVATIVE_FACTOR if solution.dq.shape[2] or not solution.steps else LIMIT
     return sorted({n for part, n in found if part > enough})
 
 

@@ -47,9 +47,9 @@ from toolkit.validity.bodies.geometric_stiffness import Stiffening, forces_at_po
 from toolkit.validity.bodies.known_chain import chain, has_chain
 from toolkit.validity.bodies.pulled_body import Edges, Shown, compliance_along, edges_beside, shown_of
 
-LOOKED_AT = 24
+EXAMINED_INSTANTS = 24
 """Instants, evenly spread over the motion, among which the largest force along a body is looked for."""
-MANY = 20.0
+UNCOUNTED_FACTOR = 20.0
 """Times that a number is off above which they are not counted."""
 
 
@@ -93,7 +93,7 @@ def doubts_of_unseen(
     """
     known = [found for n, stiffness in states if (found := _at(solution, body, n, stiffness, distances)) is not None]
     if known:
-        worst = known[first_largest(np.array([min(np.abs(each.off), MANY) for each in known]))]
+        worst = known[first_largest(np.array([min(np.abs(each.off), UNCOUNTED_FACTOR) for each in known]))]
         if not np.abs(worst.off) <= LIMIT:
             part = worst.off if worst.load > 0 else -worst.off / (1 + worst.off) if worst.off > -1 else np.inf
             yield Caution("critical-load" if worst.load > 0 else "tension", _told(solution, body, worst), body=body, part=part)
@@ -119,7 +119,7 @@ def _states(
 
 def _instants(solution: Solution) -> np.ndarray:
     """Numbers of the states among which those of the largest forces are looked for."""
-    return np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).astype(int))
+    return np.unique(np.linspace(0, len(solution.times) - 1, EXAMINED_INSTANTS).astype(int))
 
 
 def _at(
@@ -167,11 +167,11 @@ def _told(solution: Solution, body: str, found: Unseen) -> str:
 
 def _stiffer(found: Unseen) -> str:
     times = 1 / (1 + found.off) if found.off > -1 else np.inf
-    told = f"{times:.3g} times" if times < MANY else "many times"
+    told = f"{times:.3g} times" if times < UNCOUNTED_FACTOR else "many times"
     return f"its deflections are {told} as large as they should be, and frequencies across it are higher"
 
 
-SEEN = 0.2
+MISSED_FORCE_PART = 0.2
 """Part of the axial forces that a basis may miss without a word."""
 
 
@@ -233,11 +233,12 @@ def _on(behind: Chain, loaded: Iterable[int]) -> np.ndarray:
 
 
 def _missing(scene: ResolvedScene, body: str, behind: Chain) -> dict[str, np.ndarray]:
-    """Where forces pull -> axial forces (d, n_e) under unit forces that the basis does not show, if they are more than `SEEN`."""
+    """Where forces pull -> axial forces (d, n_e) under unit forces that the basis does not show, if they are more than
+    `MISSED_FORCE_PART`."""
     found = {}
     for name, loads in _pulls(scene, body, behind).items():
         true, shown = axial_forces(scene, body, behind, loads)
-        if np.linalg.norm(shown - true) > SEEN * np.linalg.norm(true):
+        if np.linalg.norm(shown - true) > MISSED_FORCE_PART * np.linalg.norm(true):
             found[name] = true - shown
     return found
 
